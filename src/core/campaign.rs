@@ -1,0 +1,116 @@
+//! A validated campaign: raw dwells of an IMU on a two-axis table, or of one gyro on a test fixture.
+
+use nalgebra::Vector3;
+
+use super::frames::{Body, Nav, Rotation};
+use super::model::Terms;
+use super::mounting::{Geometry, Slot};
+use super::record::Name;
+use super::time::UtcMicros;
+
+/// Whether the IMU stood still on the Earth or the table turned during a dwell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Phase {
+    Static,
+    Rate,
+}
+
+impl Phase {
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Static => "static",
+            Phase::Rate => "rate",
+        }
+    }
+}
+
+/// What was on the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum TestKind {
+    /// A whole IMU, the default.
+    Imu,
+    /// One gyro, torque feedback (polar-axis tumble): output in pulse/s.
+    TorqueFeedback,
+    /// One gyro on a servo turntable: output is the table rate in arcsec/s.
+    TurntableServo,
+}
+
+impl TestKind {
+    pub fn name(self) -> &'static str {
+        match self {
+            TestKind::Imu => "imu",
+            TestKind::TorqueFeedback => "torque_feedback",
+            TestKind::TurntableServo => "turntable_servo",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Site {
+    /// Geodetic latitude, radians.
+    pub latitude: f64,
+    /// Local gravity, g0.
+    pub gravity_g0: f64,
+    /// Direction of the magnetic field in East, North, Up, where the station knows it.
+    pub magnetic_field_nav: Option<Vector3<f64>>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct CampaignGyro {
+    pub slot: Slot,
+    pub serial: Name,
+    /// E in pulse/arcsec that is held instead of fitted (an IMU without rate dwells).
+    pub known_e: Option<Vector3<f64>>,
+}
+
+/// One averaging interval. Vectors are the commanded ones, in body axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dwell {
+    pub phase: Phase,
+    /// Start, seconds after the start of the first dwell's clock.
+    pub start_s: f64,
+    pub duration_s: f64,
+    /// In a rate dwell, the attitude at its start; the table then turns about the vertical over whole turns.
+    pub attitude: Option<Rotation<Nav, Body>>,
+    /// Mean specific force, g0.
+    pub specific_force_g0: Vector3<f64>,
+    /// Mean inertial rate, Earth rate included, arcsec/s (the same number in deg/h).
+    pub rate_arcsec_s: Vector3<f64>,
+    pub temperature_c: Option<f64>,
+    /// Mean output of each gyro, pulse/s, in the order of the campaign's gyros.
+    pub output_pulse_s: Vec<f64>,
+    /// Standard errors of those means, pulse/s.
+    pub output_sem_pulse_s: Option<Vec<f64>>,
+}
+
+impl Dwell {
+    /// Middle of the averaging interval, s.
+    pub fn mid_s(&self) -> f64 {
+        self.start_s + 0.5 * self.duration_s
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    pub imu: Name,
+    pub station: Name,
+    pub measured_at: UtcMicros,
+    pub geometry: Geometry,
+    pub site: Option<Site>,
+    pub gyros: Vec<CampaignGyro>,
+    /// In time order, never empty.
+    pub dwells: Vec<Dwell>,
+    pub test: TestKind,
+    /// The terms that the station asks to be fitted, where it asks.
+    pub model: Option<Terms>,
+    pub temperature_c: Option<f64>,
+    pub operator: Option<String>,
+    pub note: Option<String>,
+}
+
+impl Campaign {
+    /// The terms to fit: those asked for, else model (6).
+    pub fn terms(&self) -> Terms {
+        self.model.unwrap_or_default()
+    }
+}

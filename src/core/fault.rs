@@ -1,0 +1,46 @@
+//! What is wrong with an input, and where. Validation collects every fault instead of stopping at the first.
+
+/// One fault: a JSON pointer (RFC 6901) into the document as the station wrote it, and words to act on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    pub pointer: String,
+    pub detail: String,
+}
+
+/// Every fault that was found in one document; never empty where it is returned as an error.
+#[derive(Debug, Clone, PartialEq, Eq, Default, thiserror::Error)]
+#[error("{}", summary(.0))]
+pub struct Faults(pub Vec<Fault>);
+
+impl Faults {
+    pub fn push(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
+        self.0.push(Fault { pointer: pointer.into(), detail: detail.into() });
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// `value` when nothing was found, the faults otherwise.
+    pub fn or<T>(self, value: T) -> Result<T, Self> {
+        if self.is_empty() { Ok(value) } else { Err(self) }
+    }
+
+    /// Adds the faults of a part of the document found below `prefix`.
+    pub fn absorb(&mut self, prefix: &str, part: Faults) {
+        for fault in part.0 {
+            self.push(format!("{prefix}{}", fault.pointer), fault.detail);
+        }
+    }
+}
+
+impl From<Fault> for Faults {
+    fn from(fault: Fault) -> Self {
+        Self(vec![fault])
+    }
+}
+
+fn summary(faults: &[Fault]) -> String {
+    let place = |f: &Fault| if f.pointer.is_empty() { "document".to_owned() } else { f.pointer.clone() };
+    faults.iter().map(|f| format!("{}: {}", place(f), f.detail)).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,103 @@
+//! Frames and rotations named by direction.
+//!
+//! A vector is always a vector *in* a frame, and a rotation always turns one frame's coordinates into
+//! another's: `Rotation<Nav, Body>` takes `v_nav` to `v_body`. A composition that does not fit does not compile.
+
+use std::marker::PhantomData;
+use std::ops::Mul;
+
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+/// IMU axes X_b, Y_b, Z_b of the paper's figure 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Body;
+/// Local level: East, North, Up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nav;
+/// Axes of one gyro in the paper's order: input I, spin (motor) S, output O = I x S.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gyro;
+
+/// Three coordinates in frame `F`.
+#[derive(Debug)]
+pub struct Vector<F>(pub Vector3<f64>, PhantomData<F>);
+
+impl<F> Clone for Vector<F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F> Copy for Vector<F> {}
+
+impl<F> Vector<F> {
+    pub fn new(v: Vector3<f64>) -> Self {
+        Self(v, PhantomData)
+    }
+
+    pub fn from_array(v: [f64; 3]) -> Self {
+        Self::new(Vector3::from(v))
+    }
+
+    pub fn dot(&self, other: &Self) -> f64 {
+        self.0.dot(&other.0)
+    }
+}
+
+/// Turns coordinates in `From` into coordinates in `To` (a passive rotation, C_to_from).
+#[derive(Debug)]
+pub struct Rotation<From, To>(Rotation3<f64>, PhantomData<(From, To)>);
+
+impl<A, B> Clone for Rotation<A, B> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<A, B> Copy for Rotation<A, B> {}
+
+impl<A, B> PartialEq for Rotation<A, B> {
+    fn eq(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+}
+
+impl<A, B> Rotation<A, B> {
+    /// States that `c` turns A's coordinates into B's. The caller vouches for it; nothing can check it here.
+    pub fn stated_as(c: Rotation3<f64>) -> Self {
+        Self(c, PhantomData)
+    }
+
+    pub fn inverse(&self) -> Rotation<B, A> {
+        Rotation(self.0.inverse(), PhantomData)
+    }
+
+    pub fn matrix(&self) -> &Matrix3<f64> {
+        self.0.matrix()
+    }
+}
+
+impl Rotation<Nav, Body> {
+    /// The campaign format's attitude: unit quaternion [w, x, y, z] with v_body = C(q) v_nav.
+    ///
+    /// C(q) is the usual matrix of the quaternion: C(q) v = vec(q v q*), and it is applied to v_nav directly.
+    /// (Checked on the example campaigns: q = [0, 0, 1, 0] gives f_body = [0, 0, -g], w_body = [0, N, -U].)
+    /// The quaternion is normalised; that it is nearly unit has been validated before.
+    pub fn from_attitude(q: [f64; 4]) -> Self {
+        let q = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
+        Self::stated_as(q.to_rotation_matrix())
+    }
+}
+
+impl<A, B> Mul<Vector<A>> for Rotation<A, B> {
+    type Output = Vector<B>;
+    fn mul(self, v: Vector<A>) -> Vector<B> {
+        Vector::new(self.0 * v.0)
+    }
+}
+
+/// (B -> C) after (A -> B) is A -> C.
+impl<A, B, C> Mul<Rotation<A, B>> for Rotation<B, C> {
+    type Output = Rotation<A, C>;
+    fn mul(self, inner: Rotation<A, B>) -> Rotation<A, C> {
+        Rotation(self.0 * inner.0, PhantomData)
+    }
+}

@@ -1,0 +1,13 @@
+//! The mathematics: calibration, separation, judging and diagnosis as plain functions.
+//!
+//! Everything below is pure. No clock, no randomness, no I/O, no serialisation and no logging: what a function
+//! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
+
+pub mod campaign;
+pub mod fault;
+pub mod frames;
+pub mod model;
+pub mod mounting;
+pub mod record;
+pub mod time;
+pub mod units;

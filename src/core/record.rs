@@ -1,0 +1,158 @@
+//! A validated calibration record: the parameters of model (6) that a station has already fitted.
+
+use nalgebra::Vector3;
+
+use super::fault::Faults;
+use super::mounting::{Geometry, Slot};
+use super::time::UtcMicros;
+
+/// Longest identifier (IMU, station, serial, operator, campaign) in characters.
+pub const MAX_NAME_CHARS: usize = 64;
+/// Longest free text.
+pub const MAX_NOTE_CHARS: usize = 4096;
+
+/// A non-empty identifier without control characters or surrounding blanks.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Name(String);
+
+impl Name {
+    pub fn parse(text: &str) -> Result<Self, String> {
+        if text.is_empty() {
+            return Err("must not be empty".into());
+        }
+        let chars = text.chars().count();
+        if chars > MAX_NAME_CHARS {
+            return Err(format!("must have at most {MAX_NAME_CHARS} characters, has {chars}"));
+        }
+        if let Some(c) = text.chars().find(|c| c.is_control()) {
+            return Err(format!("must not contain the control character U+{:04X}", c as u32));
+        }
+        if text.trim() != text {
+            return Err("must not begin or end with a blank".into());
+        }
+        Ok(Self(text.to_owned()))
+    }
+
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl std::fmt::Display for Name {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// One gyro's row of model (6), and who the gyro is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroParameters {
+    pub slot: Slot,
+    pub serial: Name,
+    /// E, pulse/arcsec, body axes.
+    pub e: Vector3<f64>,
+    /// G, pulse/(s g0), body axes.
+    pub g: Vector3<f64>,
+    /// P, pulse/(s g0^2), body axes.
+    pub p: Vector3<f64>,
+    /// D0, pulse/s.
+    pub bias: f64,
+    pub e_sd: Option<Vector3<f64>>,
+    pub g_sd: Option<Vector3<f64>>,
+}
+
+/// What the station sent, checked. At most one gyro a slot, no serial twice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    pub imu: Name,
+    pub station: Name,
+    pub calibrated_at: UtcMicros,
+    pub geometry: Geometry,
+    pub gyros: Vec<GyroParameters>,
+    pub temperature_c: Option<f64>,
+    pub campaign: Option<String>,
+    pub operator: Option<String>,
+    pub note: Option<String>,
+}
+
+/// What is refused as impossible (not what is merely out of requirement, which is stored and flagged).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plausibility {
+    /// Accepted |E|, pulse/arcsec.
+    pub scale_factor: (f64, f64),
+    /// Largest angle between the measured and the nominal input axis, radians.
+    pub max_misalignment: f64,
+    /// Largest |G/E| component, deg/(h g0).
+    pub max_drift: f64,
+}
+
+impl Default for Plausibility {
+    fn default() -> Self {
+        Self { scale_factor: (1e-6, 1e6), max_misalignment: 5.0_f64.to_radians(), max_drift: 1e6 }
+    }
+}
+
+impl Record {
+    /// Checks what a type cannot: names are unique, E is a possible row of the declared geometry.
+    pub fn check(&self, limits: &Plausibility) -> Result<(), Faults> {
+        let mut faults = Faults::default();
+        if self.gyros.is_empty() || self.gyros.len() > 3 {
+            faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
+        }
+        for (i, gyro) in self.gyros.iter().enumerate() {
+            check_unique(&self.gyros, i, &mut faults);
+            check_against_geometry(&self.geometry, gyro, i, limits, &mut faults);
+        }
+        faults.or(())
+    }
+}
+
+fn check_unique(gyros: &[GyroParameters], i: usize, faults: &mut Faults) {
+    let (gyro, before) = (&gyros[i], &gyros[..i]);
+    if let Some(twin) = before.iter().position(|g| g.slot == gyro.slot) {
+        faults.push(format!("/gyros/{i}/slot"), format!("{} is already taken by /gyros/{twin}", gyro.slot.name()));
+    }
+    if let Some(twin) = before.iter().position(|g| g.serial == gyro.serial) {
+        faults.push(format!("/gyros/{i}/serial"), format!("{} is already named by /gyros/{twin}", gyro.serial));
+    }
+}
+
+fn check_against_geometry(
+    geometry: &Geometry,
+    gyro: &GyroParameters,
+    i: usize,
+    limits: &Plausibility,
+    faults: &mut Faults,
+) {
+    let pointer = format!("/gyros/{i}/e_pulse_per_arcsec");
+    let norm = gyro.e.norm();
+    let (low, high) = limits.scale_factor;
+    if !(low..=high).contains(&norm) {
+        faults.push(pointer, format!("|E| = {norm} pulse/arcsec is outside {low} to {high}"));
+        return;
+    }
+    let Some(triad) = geometry.triad(gyro.slot) else {
+        faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
+        return;
+    };
+    let direction = gyro.e / norm;
+    let angle = direction.cross(&triad.input()).norm().atan2(direction.dot(&triad.input()));
+    if angle > limits.max_misalignment {
+        faults.push(
+            pointer,
+            format!(
+                "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted",
+                angle.to_degrees(),
+                gyro.slot.name(),
+                limits.max_misalignment.to_degrees()
+            ),
+        );
+    }
+    let drift = gyro.g.amax() / norm;
+    if drift > limits.max_drift {
+        faults.push(
+            format!("/gyros/{i}/g_pulse_per_s_g0"),
+            format!("|G/E| = {drift} deg/(h g0) is beyond the accepted {}", limits.max_drift),
+        );
+    }
+}

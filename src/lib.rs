@@ -1,0 +1,21 @@
+//! gyrowatch separates the acceleration-sensitive drift coefficients D_I and D_S of liquid-floated gyros from
+//! calibrations of the whole inertial measurement unit, keeps their history, judges it, and diagnoses where a
+//! campaign and the error model part.
+//!
+//! # Conventions, stated once
+//!
+//! * **Frames.** `nav` is East-North-Up; `body` is the IMU's X_b, Y_b, Z_b; `gyro` is input I, spin (motor) S,
+//!   output O = I x S. `v_body` is a vector in body axes; `mat_gyro_body` turns body into gyro coordinates.
+//! * **Letters.** `a` specific force in g0 (at rest on the table +g points up), `w` inertial rate in arcsec/s,
+//!   E pulse/arcsec, G pulse/(s g0), P pulse/(s g0^2), D0 pulse/s; D_F, D_I, D_S, D_O in deg/h and deg/(h g0).
+//! * **Units.** Angles are radians inside, degrees only where a person reads or writes. 1 arcsec/s = 1 deg/h, so
+//!   rates need no factor and G/E is in deg/(h g0). [`core::units`] is the only place that converts.
+//! * **Signs.** Drift adds to the output as it is counted: output = E.(w + drift along I), eq. (6) of the paper.
+//! * **Time.** Instants are microseconds UTC ([`core::time::UtcMicros`]); within a campaign, seconds.
+//!
+//! # In reading order
+//!
+//! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
+//! [`core::model`] what model (6) predicts.
+
+pub mod core;

@@ -18,4 +18,6 @@
 //! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
 //! [`core::model`] what model (6) predicts.
 
+pub mod cli;
 pub mod core;
+pub mod system;

@@ -1,1 +1,11 @@
-fn main() {}
+//! Parses the command line and hands over.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use gyrowatch::cli::Cli;
+
+fn main() -> ExitCode {
+    gyrowatch::system::install_crypto();
+    Cli::parse().run()
+}

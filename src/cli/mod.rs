@@ -1,0 +1,46 @@
+//! The command line: one file a subcommand, and how each of them ends.
+//!
+//! A subcommand is a `clap::Args` struct with `fn run(self) -> anyhow::Result<()>`: it prints its result on standard
+//! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
+//! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, max_term_width = 110)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {}
+
+impl Command {
+    fn run(self) -> anyhow::Result<()> {
+        match self {}
+    }
+}
+
+impl Cli {
+    /// Runs the subcommand; a failure is reported once, here, on standard error.
+    pub fn run(self) -> ExitCode {
+        match self.command.run() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("gyrowatch: {error:#}");
+                ExitCode::FAILURE
+            }
+        }
+    }
+}
+
+/// Whoever reads our output has seen enough (`gyrowatch … | head`): not an error.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|e| e.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -9,5 +9,6 @@ pub mod frames;
 pub mod model;
 pub mod mounting;
 pub mod record;
+pub mod separate;
 pub mod time;
 pub mod units;

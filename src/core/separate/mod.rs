@@ -1,0 +1,165 @@
+//! One gyro's row of model (6) in, its acceleration-sensitive drift coefficients out.
+//!
+//! Two methods side by side, always: [`rigid`] (the default that is judged) and [`published`] (eqs. 7-13 of the
+//! paper). Both begin with eq. (7): the scale factor is |E| and the input axis I^ = E/|E|; both resolve
+//! y = G/|E|, in deg/(h g0), on gyro axes.
+
+pub mod published;
+pub mod rigid;
+
+use nalgebra::{Matrix6, Vector3};
+
+use super::mounting::{Geometry, Slot};
+pub use published::{Branch, NotPublished, Published};
+pub use rigid::Rigid;
+
+/// Covariance of (E_x, E_y, E_z, G_x, G_y, G_z) of one gyro, in the units of E and G.
+pub type CovarianceEg = Matrix6<f64>;
+
+/// Everything that one gyro's E and G say about its mounting and its drift.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Separation {
+    pub slot: Slot,
+    /// E_i = |E|, pulse/arcsec, eq. (7).
+    pub scale_factor: f64,
+    /// First-order standard deviation of the scale factor, where a covariance was given.
+    pub scale_factor_sd: Option<f64>,
+    /// I^ = E/|E|, a unit vector in body axes.
+    pub input_axis: Vector3<f64>,
+    /// alpha_x, alpha_y, alpha_z of eq. (7): angles of the input axis to the body axes, radians.
+    pub alpha: [f64; 3],
+    /// Angle from the nominal to the measured input axis, radians.
+    pub misalignment: f64,
+    pub rigid: Rigid,
+    /// Eqs. (8)-(13) with the errata applied.
+    pub published: Result<Published, NotPublished>,
+    /// Eqs. (8)-(13) letter by letter, so that a reader can compare; never judged, and without covariance.
+    pub as_printed: Result<Published, NotPublished>,
+}
+
+/// Why E and G cannot be separated at all.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Unseparable {
+    #[error("the geometry names no axes for {}", .0.name())]
+    NoAxes(Slot),
+    #[error("E is zero: it has no direction and cannot divide G")]
+    ZeroScale,
+    #[error("E, G or their quotient is not a finite number")]
+    NotFinite,
+    #[error(
+        "E points {:.1} deg away from its nominal input axis: reversed polarity or another slot",
+        .0.to_degrees()
+    )]
+    PointsAway(f64),
+}
+
+/// The measured input axis and G resolved per unit of scale: what both methods start from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Normalised {
+    /// |E|, pulse/arcsec.
+    pub scale: f64,
+    /// I^ = E/|E|.
+    pub input: Vector3<f64>,
+    /// y = G/|E|, deg/(h g0), body axes.
+    pub y: Vector3<f64>,
+}
+
+impl Normalised {
+    fn of(e: &Vector3<f64>, g: &Vector3<f64>) -> Result<Self, Unseparable> {
+        if !(e.iter().chain(g.iter()).all(|x| x.is_finite())) {
+            return Err(Unseparable::NotFinite);
+        }
+        let largest = e.amax();
+        if largest == 0.0 {
+            return Err(Unseparable::ZeroScale);
+        }
+        // Scaled first: squares of 1e-200 or 1e200 would be 0 or infinite. Twice, as 1/largest may itself overflow.
+        let scaled = e.map(|x| x / largest);
+        let length = scaled.norm();
+        let (scale, input) = (largest * length, scaled / length);
+        let y = g.map(|x| x / scale);
+        if !scale.is_finite() || y.iter().any(|x| !x.is_finite()) {
+            return Err(Unseparable::NotFinite);
+        }
+        Ok(Self { scale, input, y })
+    }
+}
+
+/// Separates one gyro by both methods.
+///
+/// `e` pulse/arcsec and `g` pulse/(s g0) in body axes; `covariance` of (E, G) with its cross terms, or none, and
+/// then no standard deviations come out. No allocation.
+///
+/// # Errors
+/// [`Unseparable`] where E has no usable direction, lies more than 90 deg from the nominal input axis, or a result
+/// would not be finite.
+pub fn separate(
+    geometry: &Geometry,
+    slot: Slot,
+    e: &Vector3<f64>,
+    g: &Vector3<f64>,
+    covariance: Option<&CovarianceEg>,
+) -> Result<Separation, Unseparable> {
+    let triad = geometry.triad(slot).ok_or(Unseparable::NoAxes(slot))?;
+    let gyro = Normalised::of(e, g)?;
+    let misalignment = angle_between(&gyro.input, &triad.input());
+    if misalignment > std::f64::consts::FRAC_PI_2 {
+        return Err(Unseparable::PointsAway(misalignment));
+    }
+    let rigid = Rigid::of(&gyro, &triad, covariance);
+    let alpha = published::alpha(&gyro.input);
+    let skewed = matches!(geometry, Geometry::Skewed);
+    let (published, as_printed) = if skewed {
+        (published::corrected(slot, &gyro, alpha, covariance), published::as_printed(slot, &gyro, alpha))
+    } else {
+        (Err(NotPublished::Geometry), Err(NotPublished::Geometry))
+    };
+    let separation = Separation {
+        slot,
+        scale_factor: gyro.scale,
+        scale_factor_sd: covariance.map(|c| scale_factor_sd(&gyro.input, c)),
+        input_axis: gyro.input,
+        alpha,
+        misalignment,
+        rigid,
+        published,
+        as_printed,
+    };
+    if separation.is_finite() { Ok(separation) } else { Err(Unseparable::NotFinite) }
+}
+
+/// Diagonal covariance of (E, G) from the station's standard deviations.
+///
+/// None unless both are known: a standard deviation that leaves out half of its sources would mislead. A station
+/// that holds E fixed says so with zeros.
+pub fn diagonal_covariance(e_sd: Option<&Vector3<f64>>, g_sd: Option<&Vector3<f64>>) -> Option<CovarianceEg> {
+    let (e_sd, g_sd) = (e_sd?, g_sd?);
+    let mut covariance = CovarianceEg::zeros();
+    for axis in 0..3 {
+        covariance[(axis, axis)] = e_sd[axis] * e_sd[axis];
+        covariance[(axis + 3, axis + 3)] = g_sd[axis] * g_sd[axis];
+    }
+    Some(covariance)
+}
+
+/// Angle between two unit vectors, radians; accurate near 0 and 180 deg, where arccos is not.
+fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
+/// d|E| = I^ . dE.
+fn scale_factor_sd(input: &Vector3<f64>, covariance: &CovarianceEg) -> f64 {
+    let e_block = covariance.fixed_view::<3, 3>(0, 0);
+    input.dot(&(e_block * input)).max(0.0).sqrt()
+}
+
+impl Separation {
+    fn is_finite(&self) -> bool {
+        self.rigid.is_finite()
+            && self.scale_factor_sd.is_none_or(f64::is_finite)
+            && [&self.published, &self.as_printed].iter().all(|p| p.as_ref().map_or(true, Published::is_finite))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -6,6 +6,7 @@
 pub mod campaign;
 pub mod fault;
 pub mod frames;
+pub mod judge;
 pub mod model;
 pub mod mounting;
 pub mod record;

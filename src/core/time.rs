@@ -18,3 +18,49 @@ impl UtcMicros {
         Self(self.0.saturating_add((days * Self::DAY as f64) as i64))
     }
 }
+
+/// A day of the proleptic Gregorian calendar, UTC. Displays as `2026-03-01`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct UtcDate {
+    pub year: i64,
+    pub month: u8,
+    pub day: u8,
+}
+
+impl UtcMicros {
+    /// The UTC day of this instant, for words that name a date. (Days to civil date after H. Hinnant, whose eras
+    /// of 400 years begin on 1 March.)
+    pub fn date(self) -> UtcDate {
+        let days = self.0.div_euclid(Self::DAY) + 719_468;
+        let era = days.div_euclid(146_097);
+        let day_of_era = days.rem_euclid(146_097);
+        let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+        let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+        let shifted_month = (5 * day_of_year + 2) / 153;
+        let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+        let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
+        let year = year_of_era + era * 400 + i64::from(month <= 2);
+        UtcDate { year, month: month as u8, day: day as u8 }
+    }
+}
+
+impl std::fmt::Display for UtcDate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_agree_with_the_calendar_over_four_centuries() {
+        let jiff_date = |micros| jiff::Timestamp::from_microsecond(micros).expect("in range").strftime("%Y-%m-%d");
+        for day in (-80_000..80_000).step_by(17) {
+            let instant = UtcMicros(day * UtcMicros::DAY + 86_399_999_999);
+            assert_eq!(instant.date().to_string(), jiff_date(instant.0).to_string());
+        }
+        assert_eq!(UtcMicros(951_782_400_000_000).date().to_string(), "2000-02-29");
+    }
+}

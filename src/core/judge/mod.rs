@@ -1,0 +1,224 @@
+//! History and limits in, verdicts with their reasons out.
+//!
+//! A verdict judges one record of one gyro by one rule. Rules are pure functions of a bounded stretch of history
+//! ([`history::Need`] says how much), so a record that arrives late, or is voided, is dealt with by judging the records
+//! after it again. No words are made while judging: [`Verdict::reason`] makes them when somebody reads.
+
+pub mod history;
+pub mod limits;
+
+mod decide;
+mod reason;
+mod rules;
+
+pub use history::{BASELINE_RECORDS, Event, History, Mark, Measured, Need, Sample, baseline_since};
+pub use limits::{DriftLimits, Limits};
+pub use reason::Finding;
+
+/// What a verdict is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Coefficient {
+    DI,
+    DS,
+    /// The closure: mounting, not mass unbalance.
+    DO,
+    /// The scale-factor row (Table 3).
+    E,
+    /// The row of g-sensitive terms (Table 4).
+    G,
+    /// The gyro as a whole.
+    All,
+}
+
+impl Coefficient {
+    pub const ALL: [Coefficient; 6] =
+        [Coefficient::DI, Coefficient::DS, Coefficient::DO, Coefficient::E, Coefficient::G, Coefficient::All];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Coefficient::DI => "D_I",
+            Coefficient::DS => "D_S",
+            Coefficient::DO => "D_O",
+            Coefficient::E => "E",
+            Coefficient::G => "G",
+            Coefficient::All => "all",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|coefficient| coefficient.name() == name)
+    }
+
+    /// Its place in [`Sample::d`]; none for what has no history there.
+    pub fn column(self) -> Option<usize> {
+        match self {
+            Coefficient::DI => Some(0),
+            Coefficient::DS => Some(1),
+            Coefficient::DO => Some(2),
+            _ => None,
+        }
+    }
+}
+
+/// A criterion. Several may watch the same coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// |x_k - x_(k-1)|.
+    Step,
+    /// max - min over the records of the last days.
+    Range,
+    /// |x_k - baseline|.
+    Baseline,
+    /// Robust slope, carried forward to the budget.
+    Trend,
+    /// Two-sided cumulative sum.
+    Cusum,
+    /// Root mean square of successive differences.
+    RmsSuccessive,
+    /// The closure moved from its baseline.
+    Closure,
+    /// Range over the methods that measured the gyro.
+    Agreement,
+    /// E or G outside its requirement (Tables 3 and 4).
+    Requirement,
+    /// Not calibrated for longer than the interval.
+    Overdue,
+}
+
+/// Which kind of limit a rule holds a gyro to; the two are never mixed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LimitKind {
+    /// What the gyro must do: a budget or a requirement.
+    Specification,
+    /// What this gyro usually does: a statistical limit, calibrated by its rate of false alarms.
+    Control,
+}
+
+impl Rule {
+    pub const ALL: [Rule; 10] = [
+        Rule::Step,
+        Rule::Range,
+        Rule::Baseline,
+        Rule::Trend,
+        Rule::Cusum,
+        Rule::RmsSuccessive,
+        Rule::Closure,
+        Rule::Agreement,
+        Rule::Requirement,
+        Rule::Overdue,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Rule::Step => "step",
+            Rule::Range => "range",
+            Rule::Baseline => "baseline",
+            Rule::Trend => "trend",
+            Rule::Cusum => "cusum",
+            Rule::RmsSuccessive => "rms_successive",
+            Rule::Closure => "closure",
+            Rule::Agreement => "agreement",
+            Rule::Requirement => "requirement",
+            Rule::Overdue => "overdue",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|rule| rule.name() == name)
+    }
+
+    pub fn limit_kind(self) -> LimitKind {
+        match self {
+            Rule::Cusum | Rule::Trend => LimitKind::Control,
+            _ => LimitKind::Specification,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum State {
+    Within,
+    /// Too few points, or the uncertainty straddles the limit.
+    Indeterminate,
+    Exceeded,
+}
+
+impl State {
+    pub const ALL: [State; 3] = [State::Within, State::Indeterminate, State::Exceeded];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            State::Within => "within",
+            State::Indeterminate => "indeterminate",
+            State::Exceeded => "exceeded",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|state| state.name() == name)
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    Warning,
+    Critical,
+}
+
+impl Severity {
+    pub fn name(self) -> &'static str {
+        match self {
+            Severity::Warning => "warning",
+            Severity::Critical => "critical",
+        }
+    }
+}
+
+/// One record of one gyro judged by one rule.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Verdict {
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub state: State,
+    /// The magnitude that is compared with the limit; none where there are too few points.
+    pub value: Option<f64>,
+    pub limit: f64,
+    /// Standard deviation of the value, where the station's standard deviations are known.
+    pub sd: Option<f64>,
+    /// Probability that the true value exceeds the limit, where the standard deviation is known.
+    pub probability: Option<f64>,
+    /// A second campaign says the same: see each rule for what that takes.
+    pub confirmed: bool,
+    /// What the rule saw, for the reason in words.
+    pub finding: Finding,
+}
+
+impl Verdict {
+    /// Specification limits warn, and are critical once a second campaign confirms; control limits only ever warn.
+    pub fn severity(&self) -> Option<Severity> {
+        match (self.state, self.rule.limit_kind(), self.confirmed) {
+            (State::Exceeded, LimitKind::Specification, true) => Some(Severity::Critical),
+            (State::Exceeded, _, _) => Some(Severity::Warning),
+            _ => None,
+        }
+    }
+}
+
+/// Judges record `k` of a history by every rule that has a limit, appending to `verdicts`.
+///
+/// Used for the latest record as for any earlier one that has to be judged again: records after `k` have no part in it.
+///
+/// # Panics
+/// Where `k` is not an index of `history.samples`.
+pub fn judge(history: &History<'_>, k: usize, limits: &Limits, verdicts: &mut Vec<Verdict>) {
+    for (coefficient, drift) in [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)] {
+        verdicts.extend(drift.step.map(|limit| rules::step(history, k, coefficient, limit, limits)));
+        verdicts.extend(drift.range.map(|limit| rules::range(history, k, coefficient, limit, limits)));
+        verdicts.extend(
+            drift.baseline.map(|limit| rules::baseline(history, k, coefficient, limit, drift.fixed_baseline, limits)),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests;

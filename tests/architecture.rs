@@ -1,0 +1,279 @@
+//! Keeps the rules of the house that would otherwise have to be repeated in every review (docs/architecture.md).
+//!
+//! Each rule is a function from a file's text to the complaints about it, and each is first tried on a text that
+//! breaks it: a rule that cannot complain keeps nothing.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const PEERS: [&str; 4] = ["store", "http", "alert", "pages"];
+const CORE_CRATES: [&str; 6] = ["std", "core", "alloc", "nalgebra", "thiserror", "statrs"];
+const IMPURE_STD: [&str; 7] = ["fs", "io", "net", "env", "process", "thread", "time"];
+const MAX_LINES: usize = 400;
+const LONG_FILE_EXCUSE: &str = "Longer than 400 lines because";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Every file below `dir`, sorted, without what git ignores.
+fn files_below(dir: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![dir.to_owned()];
+    while let Some(dir) = open.pop() {
+        for entry in fs::read_dir(&dir).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if matches!(name.as_str(), ".git" | "target" | "node_modules") {
+                continue;
+            }
+            if path.is_dir() { open.push(path) } else { found.push(path) }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Runs one rule over the Rust files below `dir` (relative to the repository) and fails with all its complaints.
+fn keep(dir: &str, rule: impl Fn(&str, &str) -> Vec<String>) {
+    let dir = root().join(dir);
+    if !dir.exists() {
+        return;
+    }
+    let complaints: Vec<String> = files_below(&dir)
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
+        .flat_map(|path| {
+            let name = path.strip_prefix(root()).unwrap().display().to_string();
+            let text = fs::read_to_string(&path).unwrap();
+            rule(&name, &text).into_iter().map(move |c| format!("{name}: {c}"))
+        })
+        .collect();
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+/// What ships: the lines before the unit tests.
+fn production(text: &str) -> &str {
+    text.find("\n#[cfg(test)]").map_or(text, |end| &text[..end])
+}
+
+/// Production code without its comments.
+fn code(text: &str) -> String {
+    production(text).lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
+}
+
+fn is_ident(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// The first segment of every path in `code` (`serde` of `serde::Serialize`), and of every plain `use serde;`.
+fn path_roots(code: &str) -> BTreeSet<String> {
+    let mut roots = BTreeSet::new();
+    for (at, _) in code.match_indices("::") {
+        let before = &code[..at];
+        let start = before.rfind(|c| !is_ident(c)).map_or(0, |i| i + 1);
+        if start < at && !before[..start].ends_with("::") {
+            roots.insert(before[start..].to_owned());
+        }
+    }
+    for (at, _) in code.match_indices("use ") {
+        roots.insert(code[at + 4..].chars().take_while(|&c| is_ident(c)).collect());
+    }
+    roots
+}
+
+/// What follows `prefix` in paths: `store` and `http` of `crate::{store::Store, http}` for the prefix `crate::`.
+fn segments_after(code: &str, prefix: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for (at, _) in code.match_indices(prefix) {
+        if code[..at].ends_with(is_ident) {
+            continue;
+        }
+        let rest = code[at + prefix.len()..].trim_start();
+        match rest.strip_prefix('{') {
+            Some(group) => found.extend(group_heads(group)),
+            None => _ = found.insert(rest.chars().take_while(|&c| is_ident(c)).collect()),
+        }
+    }
+    found
+}
+
+/// Heads of the top-level members of a `use` group, whose opening brace has been read.
+fn group_heads(group: &str) -> Vec<String> {
+    let (mut depth, mut heads, mut head) = (0, Vec::new(), String::new());
+    for c in group.chars() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => heads.push(std::mem::take(&mut head)),
+            c if depth == 0 => head.push(c),
+            _ => {}
+        }
+    }
+    heads.push(head);
+    heads.iter().map(|h| h.trim().chars().take_while(|&c| is_ident(c)).collect()).collect()
+}
+
+fn dependencies() -> BTreeSet<String> {
+    let manifest: toml::Table = fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
+    ["dependencies", "dev-dependencies"]
+        .iter()
+        .filter_map(|section| manifest[*section].as_table())
+        .flat_map(|table| table.keys().map(|name| name.replace('-', "_")))
+        .collect()
+}
+
+fn core_is_pure(text: &str) -> Vec<String> {
+    let code = code(text);
+    let foreign = dependencies();
+    let mut complaints: Vec<String> = path_roots(&code)
+        .into_iter()
+        .filter(|root| foreign.contains(root) && !CORE_CRATES.contains(&root.as_str()))
+        .map(|root| format!("core must not use the crate {root}"))
+        .collect();
+    let crate_parts = segments_after(&code, "crate::").into_iter().filter(|m| m != "core");
+    complaints.extend(crate_parts.map(|m| format!("core must not use crate::{m}")));
+    let std_parts = segments_after(&code, "std::").into_iter().filter(|m| IMPURE_STD.contains(&m.as_str()));
+    complaints.extend(std_parts.map(|m| format!("core must not use std::{m}")));
+    complaints
+        .extend(["println!", "print!"].iter().filter(|p| code.contains(*p)).map(|p| format!("core must not use {p}")));
+    complaints
+}
+
+/// `store`, `http`, `alert` and `pages` meet only in `pipeline` and in the wiring of the command line.
+fn peers_do_not_meet(name: &str, text: &str) -> Vec<String> {
+    let Some(me) = PEERS.iter().find(|peer| name.starts_with(&format!("src/{peer}"))) else { return Vec::new() };
+    let code = code(text);
+    let used = segments_after(&code, "crate::").into_iter().chain(segments_after(&code, "super::"));
+    used.filter(|m| PEERS.contains(&m.as_str()) && m != me).map(|m| format!("must not use {m}")).collect()
+}
+
+/// The wire formats know the core alone, and the database knows nothing of the wire formats.
+fn wire_is_an_edge(name: &str, text: &str) -> Vec<String> {
+    let used = segments_after(&code(text), "crate::").into_iter();
+    if name.starts_with("src/wire") {
+        used.filter(|m| !matches!(m.as_str(), "core" | "wire")).map(|m| format!("wire must not use {m}")).collect()
+    } else if name.starts_with("src/store") {
+        used.filter(|m| m == "wire").map(|_| "store must not use wire".to_owned()).collect()
+    } else {
+        Vec::new()
+    }
+}
+
+fn anyhow_stays_outside(name: &str, text: &str) -> Vec<String> {
+    let outside = name == "src/main.rs" || name.starts_with("src/cli");
+    let used = path_roots(&code(text)).contains("anyhow");
+    if used && !outside { vec!["anyhow belongs to main and the subcommands".into()] } else { Vec::new() }
+}
+
+fn files_are_short(text: &str) -> Vec<String> {
+    let lines = production(text).lines().count();
+    let head: String = text.lines().take_while(|l| l.starts_with("//!")).collect();
+    if lines > MAX_LINES && !head.contains(LONG_FILE_EXCUSE) {
+        return vec![format!(
+            "{lines} lines before the tests; split it, or begin a head line with '{LONG_FILE_EXCUSE}'"
+        )];
+    }
+    Vec::new()
+}
+
+fn nothing_is_left_behind(text: &str) -> Vec<String> {
+    let marks =
+        [concat!("TO", "DO"), concat!("FIX", "ME"), concat!("XX", "X:"), concat!("db", "g!("), concat!("to", "do!(")];
+    let mut complaints = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        complaints.extend(marks.iter().filter(|m| line.contains(*m)).map(|m| format!("{m} in line {}", number + 1)));
+    }
+    complaints
+}
+
+fn no_machine_paths(text: &str) -> Vec<String> {
+    let needles = [concat!("/", "work/"), concat!("/", "root/"), concat!("../", "shared"), concat!("/", "home/")];
+    let mut complaints = Vec::new();
+    for needle in needles {
+        let foreign = |(at, _): &(usize, &str)| !text[..*at].ends_with(|c| is_ident(c) || c == '}' || c == '.');
+        if let Some((at, _)) = text.match_indices(needle).find(foreign) {
+            complaints.push(format!("{needle} in line {}", text[..at].matches('\n').count() + 1));
+        }
+    }
+    complaints
+}
+
+#[test]
+fn core_uses_only_std_nalgebra_thiserror_and_statrs() {
+    assert_eq!(core_is_pure("use serde::Serialize;").len(), 1);
+    assert_eq!(core_is_pure("fn f() { tokio::spawn(g()) }").len(), 1);
+    assert_eq!(core_is_pure("use crate::store::Store;").len(), 1);
+    assert_eq!(core_is_pure("use std::time::Instant;").len(), 1);
+    assert_eq!(core_is_pure("use std::{fs, fmt};").len(), 1);
+    assert_eq!(core_is_pure("fn f() { println!() }").len(), 1);
+    assert!(core_is_pure("use nalgebra::Vector3;\nuse std::fmt;\nuse crate::core::units;\n// serde::x").is_empty());
+    assert!(core_is_pure("fn f() {}\n#[cfg(test)]\nmod tests { use rand::Rng; }").is_empty());
+    keep("src/core", |_, text| core_is_pure(text));
+}
+
+#[test]
+fn store_http_alert_and_pages_never_use_one_another() {
+    assert_eq!(peers_do_not_meet("src/http/records.rs", "use crate::store::Store;").len(), 1);
+    assert_eq!(peers_do_not_meet("src/http/mod.rs", "use crate::{core::record, store::{Store, Row}};").len(), 1);
+    assert_eq!(peers_do_not_meet("src/alert/mod.rs", "fn f() { super::pages::render() }").len(), 1);
+    assert!(peers_do_not_meet("src/store/mod.rs", "use crate::store::rows; use super::alerts;").is_empty());
+    assert!(peers_do_not_meet("src/pipeline.rs", "use crate::store::Store; use crate::alert::Payload;").is_empty());
+    keep("src", peers_do_not_meet);
+}
+
+#[test]
+fn wire_formats_know_the_core_alone_and_the_store_does_not_know_them() {
+    assert_eq!(wire_is_an_edge("src/wire/record.rs", "use crate::http::Problem;").len(), 1);
+    assert_eq!(wire_is_an_edge("src/store/records.rs", "use crate::wire::record;").len(), 1);
+    assert!(wire_is_an_edge("src/wire/record.rs", "use crate::core::record::Record;").is_empty());
+    keep("src", wire_is_an_edge);
+}
+
+#[test]
+fn anyhow_is_for_main_and_the_subcommands() {
+    assert_eq!(anyhow_stays_outside("src/store/mod.rs", "use anyhow::Result;").len(), 1);
+    assert!(anyhow_stays_outside("src/cli/serve.rs", "use anyhow::Result;").is_empty());
+    keep("src", anyhow_stays_outside);
+}
+
+#[test]
+fn production_files_are_short_or_say_why_not() {
+    let long = "fn f() {}\n".repeat(MAX_LINES + 1);
+    assert_eq!(files_are_short(&long).len(), 1);
+    assert!(files_are_short(&format!("//! {LONG_FILE_EXCUSE} it is a table.\n{long}")).is_empty());
+    assert!(files_are_short(&format!("fn f() {{}}\n#[cfg(test)]\nmod tests {{}}\n{long}")).is_empty());
+    keep("src", |_, text| files_are_short(text));
+}
+
+#[test]
+fn nothing_unfinished_is_left_behind() {
+    assert_eq!(nothing_is_left_behind(concat!("a\n// TO", "DO later\n")).len(), 1);
+    for dir in ["src", "tests", "benches", "fuzz"] {
+        keep(dir, |_, text| nothing_is_left_behind(text));
+    }
+}
+
+#[test]
+fn no_file_names_a_path_of_somebodys_machine() {
+    assert_eq!(no_machine_paths(concat!("see /", "work/x")).len(), 1);
+    assert!(no_machine_paths("a network/worker").is_empty());
+    let mut complaints = Vec::new();
+    for path in files_below(root()) {
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        complaints.extend(no_machine_paths(&text).into_iter().map(|c| format!("{}: {c}", path.display())));
+    }
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+#[test]
+fn every_subcommand_file_is_wired_in() {
+    let frame = fs::read_to_string(root().join("src/cli/mod.rs")).unwrap();
+    for path in files_below(&root().join("src/cli")) {
+        let name = path.strip_prefix(root().join("src/cli")).unwrap().with_extension("").display().to_string();
+        let part_of_another = name.contains('/') || name == "mod";
+        assert!(part_of_another || frame.contains(&format!("mod {name};")), "src/cli/{name}.rs is not compiled");
+    }
+}

@@ -16,8 +16,9 @@
 //! # In reading order
 //!
 //! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
-//! [`core::model`] what model (6) predicts.
+//! [`core::model`] what model (6) predicts, [`simulate`] what a station would measure.
 
 pub mod cli;
 pub mod core;
+pub mod simulate;
 pub mod system;

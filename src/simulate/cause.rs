@@ -1,0 +1,260 @@
+//! What may be wrong beyond model (6): causes as physics, each acting on one gyro at one moment or on the table.
+
+use nalgebra::{Rotation3, Vector3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::outside::Outside;
+use super::programme::any_direction;
+use super::station::Moment;
+
+/// When a dwell happens and what was before it; the same for every gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Situation {
+    pub index: usize,
+    /// Middle of the dwell, hours after the start.
+    pub time_h: f64,
+    pub since_power_up_h: f64,
+    /// Hours since the body's vertical last changed, at mid-dwell.
+    pub since_face_change_h: f64,
+    /// True temperature minus its mean over the campaign, K.
+    pub temperature_k: f64,
+    /// Mean specific force of the dwell before, body axes; none in the first.
+    pub a_before: Option<Vector3<f64>>,
+    /// Mean inertial rate of the dwell before, body axes.
+    pub w_before: Option<Vector3<f64>>,
+}
+
+/// One moment in the axes of one gyro (components along I, S, O).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Felt {
+    pub a: Vector3<f64>,
+    pub w: Vector3<f64>,
+    pub field: Vector3<f64>,
+    pub a_before: Option<Vector3<f64>>,
+    pub w_before: Option<Vector3<f64>>,
+    /// The same moment in body axes.
+    pub body: Moment,
+}
+
+/// What a cause adds: drift in deg/h, and a relative change of the scale factor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Action {
+    pub drift: f64,
+    pub scale: f64,
+}
+
+/// An effect of the catalogue with its hidden particulars; vectors are per gyro, unit length.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Effect {
+    GLinear([Vector3<f64>; 3]),
+    GSquared([Vector3<f64>; 3]),
+    TemperatureBias,
+    TemperatureG([Vector3<f64>; 3]),
+    TemperatureScale,
+    Warmup { tau_h: f64 },
+    TimeRamp,
+    BiasStep { first: usize },
+    OutlierDwell { index: usize },
+    Periodic { period_h: f64, phase: f64 },
+    Hysteresis,
+    ScaleAsymmetry,
+    ScaleQuadratic,
+    ScaleCubic,
+    Anisoinertia,
+    GRateCoupling,
+    Levelling { east: f64, north: f64 },
+    Azimuth,
+    Magnetic([Vector3<f64>; 3]),
+    CrossCompliance([Vector3<f64>; 3]),
+    CubicG,
+    OutputAxisG,
+    MountClocking,
+}
+
+/// Ids of the catalogue that can be injected, each with a typical size in its own unit.
+pub const CATALOGUE: [(&str, f64); 23] = [
+    ("g_linear", 0.05),          // deg/(h g0)
+    ("g_squared", 0.05),         // deg/(h g0^2)
+    ("temperature_bias", 0.005), // deg/h/K
+    ("temperature_g", 0.01),     // deg/(h g0 K)
+    ("temperature_scale", 1e-6), // 1/K
+    ("warmup", 0.02),            // deg/h
+    ("time_ramp", 0.002),        // deg/h per h
+    ("bias_step", 0.01),         // deg/h
+    ("outlier_dwell", 0.02),     // deg/h
+    ("periodic", 0.005),         // deg/h
+    ("hysteresis", 0.005),       // deg/(h g0)
+    ("scale_asymmetry", 1e-6),
+    ("scale_quadratic", 1e-9),  // deg/h per (deg/h)^2
+    ("scale_cubic", 1e-13),     // deg/h per (deg/h)^3
+    ("anisoinertia", 1e-9),     // deg/h per (deg/h)^2
+    ("g_rate_coupling", 1e-6),  // 1/g0
+    ("levelling", 1e-4),        // rad
+    ("azimuth", 2e-4),          // rad
+    ("magnetic", 0.01),         // deg/h in the field of the site
+    ("cross_compliance", 0.05), // deg/(h g0^2)
+    ("cubic_g", 0.02),          // deg/(h g0^3)
+    ("output_axis_g", 0.1),     // deg/(h g0)
+    ("mount_clocking", 1e-3),   // rad
+];
+
+/// Ids that act through the table on every gyro at once.
+pub const COMMON: [&str; 2] = ["levelling", "azimuth"];
+
+/// A cause in one campaign: what, how much, and by which factor in each slot (zero: the gyro does not have it).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cause {
+    /// Catalogue id, or `outside:FAMILY`.
+    pub label: String,
+    pub size: f64,
+    pub weights: [f64; 3],
+    pub kind: Kind,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Kind {
+    Catalogue(Effect),
+    Outside(Outside),
+}
+
+/// Particulars that a person may fix; the rest is drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Particulars {
+    pub time_h: Option<f64>,
+    pub dwell: Option<usize>,
+    pub direction: Option<Vector3<f64>>,
+}
+
+impl Effect {
+    /// The effect of a catalogue id with its particulars; none where the id is unknown.
+    /// `starts_h` holds the mid-times of the dwells.
+    pub fn draw(id: &str, fixed: &Particulars, starts_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {
+        let dwells = starts_h.len();
+        let span_h = starts_h.last().copied().unwrap_or(0.0).max(1e-3);
+        let mut directions = || [0; 3].map(|_| fixed.direction.unwrap_or_else(|| any_direction(rng)));
+        Some(match id {
+            "g_linear" => Self::GLinear(directions()),
+            "g_squared" => Self::GSquared(directions()),
+            "temperature_bias" => Self::TemperatureBias,
+            "temperature_g" => Self::TemperatureG(directions()),
+            "temperature_scale" => Self::TemperatureScale,
+            "warmup" => Self::Warmup { tau_h: fixed.time_h.unwrap_or_else(|| span_h * rng.random_range(0.05..0.3)) },
+            "time_ramp" => Self::TimeRamp,
+            "bias_step" => Self::BiasStep { first: fixed.dwell.unwrap_or_else(|| inner_dwell(dwells, rng)) },
+            "outlier_dwell" => Self::OutlierDwell { index: fixed.dwell.unwrap_or_else(|| rng.random_range(0..dwells)) },
+            "periodic" => {
+                let drawn = span_h / rng.random_range(1.5..(dwells as f64 / 6.0).max(2.0));
+                let phase = rng.random_range(0.0..std::f64::consts::TAU);
+                Self::Periodic { period_h: fixed.time_h.unwrap_or(drawn), phase }
+            }
+            "hysteresis" => Self::Hysteresis,
+            "scale_asymmetry" => Self::ScaleAsymmetry,
+            "scale_quadratic" => Self::ScaleQuadratic,
+            "scale_cubic" => Self::ScaleCubic,
+            "anisoinertia" => Self::Anisoinertia,
+            "g_rate_coupling" => Self::GRateCoupling,
+            "levelling" => {
+                let angle = rng.random_range(0.0..std::f64::consts::TAU);
+                let along = fixed.direction.unwrap_or(Vector3::new(angle.cos(), angle.sin(), 0.0));
+                Self::Levelling { east: along.x, north: along.y }
+            }
+            "azimuth" => Self::Azimuth,
+            "magnetic" => Self::Magnetic(directions()),
+            "cross_compliance" => Self::CrossCompliance(directions()),
+            "cubic_g" => Self::CubicG,
+            "output_axis_g" => Self::OutputAxisG,
+            "mount_clocking" => Self::MountClocking,
+            _ => return None,
+        })
+    }
+}
+
+/// A dwell away from both ends, where a step leaves something on either side.
+fn inner_dwell(dwells: usize, rng: &mut ChaCha8Rng) -> usize {
+    let margin = (dwells / 6).max(1);
+    rng.random_range(margin..(dwells - margin).max(margin + 1))
+}
+
+impl Cause {
+    /// How this cause misplaces the table; the identity for causes inside gyros.
+    pub fn table_from_nav(&self) -> Rotation3<f64> {
+        match self.kind {
+            Kind::Catalogue(Effect::Levelling { east, north }) => {
+                Rotation3::new(Vector3::new(east, north, 0.0) * self.size)
+            }
+            Kind::Catalogue(Effect::Azimuth) => Rotation3::new(Vector3::new(0.0, 0.0, self.size)),
+            _ => Rotation3::identity(),
+        }
+    }
+
+    /// Rotation of the spin axis about the input axis, radians.
+    pub fn clocking(&self, gyro: usize) -> f64 {
+        match self.kind {
+            Kind::Catalogue(Effect::MountClocking) => self.size * self.weights[gyro],
+            _ => 0.0,
+        }
+    }
+
+    /// What it adds to one gyro at one moment.
+    pub fn acts(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
+        let k = self.size * self.weights[gyro];
+        if k == 0.0 {
+            return Action::default();
+        }
+        let unit = match &self.kind {
+            Kind::Catalogue(effect) => effect.at_unit_size(gyro, felt, at),
+            Kind::Outside(outside) => outside.at_unit_size(gyro, felt, at),
+        };
+        Action { drift: k * unit.drift, scale: k * unit.scale }
+    }
+}
+
+impl Effect {
+    fn at_unit_size(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
+        let Felt { a, w, .. } = felt;
+        let t = at.temperature_k;
+        let drift = |drift: f64| Action { drift, scale: 0.0 };
+        let scale = |scale: f64| Action { drift: 0.0, scale };
+        match self {
+            Self::GLinear(k) => drift(k[gyro].dot(&felt.body.a)),
+            Self::GSquared(k) => drift(k[gyro].dot(&felt.body.a.component_mul(&felt.body.a))),
+            Self::TemperatureBias => drift(t),
+            Self::TemperatureG(k) => drift(t * k[gyro].dot(a)),
+            Self::TemperatureScale => scale(t),
+            Self::Warmup { tau_h } => drift((-at.since_power_up_h / tau_h).exp()),
+            Self::TimeRamp => drift(at.time_h),
+            Self::BiasStep { first } => drift(f64::from(at.index >= *first)),
+            Self::OutlierDwell { index } => drift(f64::from(at.index == *index)),
+            Self::Periodic { period_h, phase } => drift((std::f64::consts::TAU * at.time_h / period_h + phase).sin()),
+            Self::Hysteresis => drift(felt.a_before.map_or(0.0, |a| a.z)),
+            Self::ScaleAsymmetry => scale(w.x.signum()),
+            Self::ScaleQuadratic => drift(w.x * w.x),
+            Self::ScaleCubic => drift(w.x.powi(3)),
+            Self::Anisoinertia => drift(w.x * w.y),
+            Self::GRateCoupling => scale(a.x),
+            Self::Magnetic(k) => drift(k[gyro].dot(&felt.field)),
+            Self::CrossCompliance(k) => drift(k[gyro].dot(&Vector3::new(a.x * a.y, a.x * a.z, a.z * a.y))),
+            Self::CubicG => drift(a.x.powi(3)),
+            Self::OutputAxisG => drift(a.z),
+            Self::Levelling { .. } | Self::Azimuth | Self::MountClocking => Action::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::{Stream, random};
+
+    #[test]
+    fn every_listed_id_can_be_drawn_and_no_other() {
+        let mut rng = random(1, Stream::Causes);
+        for (id, typical) in CATALOGUE {
+            assert!(Effect::draw(id, &Particulars::default(), &[0.1, 0.2, 0.3, 0.4], &mut rng).is_some(), "{id}");
+            assert!(typical > 0.0);
+        }
+        assert!(COMMON.iter().all(|id| CATALOGUE.iter().any(|(listed, _)| listed == id)));
+        assert!(Effect::draw("time_rampp", &Particulars::default(), &[0.1], &mut rng).is_none());
+    }
+}

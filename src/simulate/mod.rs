@@ -1,0 +1,53 @@
+//! A station simulator from physics: what a table, the Earth, the thermostat and imperfect gyros would write down.
+//!
+//! It is the other side of every check of this program, so it shares no code with the fit, the effects catalogue
+//! or the diagnosis: attitudes are finite rotations, a turn of the table is averaged moment by moment, drift comes
+//! from the gyro's own axes by eq. (5), and an unmodelled cause changes what the IMU feels or how it answers,
+//! never a design column. Of the core it uses the conventions only: frames, mounting, units, the campaign type.
+//!
+//! # In reading order
+//!
+//! [`scenario`] what can be asked for, [`presets`] ready ones; [`programme`] the table's positions and rates in
+//! time; [`station`] what the IMU feels in each dwell; [`gyro`] how it answers; [`cause`] and [`outside`] what may
+//! go wrong, [`inject`] how much of it; [`world`] puts them together; [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is
+//! written apart from the campaign.
+
+pub mod cause;
+pub mod detectability;
+pub mod environment;
+pub mod gyro;
+pub mod inject;
+pub mod noise;
+pub mod outside;
+pub mod presets;
+pub mod programme;
+pub mod run;
+pub mod scenario;
+pub mod station;
+pub mod truth;
+pub mod world;
+
+pub use run::{Simulated, simulate};
+pub use scenario::Scenario;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// What a stream of random numbers is for. Each has its own, so that adding a cause leaves the noise, the order of
+/// positions and the gyros of the same seed untouched.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Stream {
+    Programme = 1,
+    Population = 2,
+    Temperature = 3,
+    Noise = 4,
+    StandardErrors = 5,
+    Causes = 6,
+}
+
+/// The generator of one stream of a seed; ChaCha8, so that the same seed gives the same campaign everywhere.
+pub(crate) fn random(seed: u64, stream: Stream) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream as u64);
+    rng
+}

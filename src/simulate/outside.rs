@@ -1,0 +1,230 @@
+//! Causes that no catalogue lists: an honest diagnosis sees that something is there and declines to name it.
+
+use nalgebra::Vector6;
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use super::cause::{Action, Felt, Situation};
+
+/// Families of such causes, each with its hidden particulars.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outside {
+    /// A smooth random function of the whole attitude (up and north in the body): waves of a few radians.
+    Orientation([[Wave; 4]; 3]),
+    /// A number per dwell and gyro, whatever its origin.
+    Series(Vec<[f64; 3]>),
+    /// T^2.
+    TemperatureSquared,
+    /// T w_S.
+    TemperatureRate,
+    /// T t.
+    TemperatureTime,
+    Sawtooth {
+        period_h: f64,
+        phase: f64,
+    },
+    /// Time since the body's vertical last changed.
+    FaceAge,
+    /// Scale factor running away: w_I t.
+    RateTime,
+    /// Mass unbalance running away: a_S t.
+    GTime,
+    /// Scale factor that steps at a dwell.
+    ScaleStep {
+        first: usize,
+    },
+    /// w_S of the dwell before.
+    RateMemory,
+    /// |w_S|^(1/2) with its sign: a bearing that slips.
+    SpinRateRoot,
+}
+
+/// cos(k . (up, north) + phase).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wave {
+    k: Vector6<f64>,
+    phase: f64,
+}
+
+/// Names of the families, as in `outside:NAME`.
+pub const FAMILIES: [&str; 16] = [
+    "orientation",
+    "coloured_noise",
+    "several_outliers",
+    "temperature_squared",
+    "temperature_rate",
+    "temperature_time",
+    "sawtooth",
+    "random_walk",
+    "face_age",
+    "rate_time",
+    "g_time",
+    "scale_step",
+    "rate_memory",
+    "spin_rate_root",
+    "noise_burst",
+    "several_steps",
+];
+
+impl Outside {
+    /// A member of a family; none where the name is unknown. `mid_h` holds the mid-times of the dwells.
+    pub fn draw(family: &str, mid_h: &[f64], rng: &mut ChaCha8Rng) -> Option<Self> {
+        let dwells = mid_h.len();
+        let span_h = mid_h.last().copied().unwrap_or(0.0).max(1e-3);
+        Some(match family {
+            "orientation" => Self::Orientation([0; 3].map(|_| [0; 4].map(|_| Wave::draw(rng)))),
+            "coloured_noise" => Self::Series(coloured(dwells, rng)),
+            "several_outliers" => Self::Series(outliers(dwells, rng)),
+            "temperature_squared" => Self::TemperatureSquared,
+            "temperature_rate" => Self::TemperatureRate,
+            "temperature_time" => Self::TemperatureTime,
+            "sawtooth" => {
+                Self::Sawtooth { period_h: span_h / rng.random_range(2.0..5.0), phase: rng.random_range(0.0..1.0) }
+            }
+            "random_walk" => Self::Series(walk(dwells, rng)),
+            "face_age" => Self::FaceAge,
+            "rate_time" => Self::RateTime,
+            "g_time" => Self::GTime,
+            "scale_step" => {
+                Self::ScaleStep { first: rng.random_range(dwells / 4..(3 * dwells / 4).max(dwells / 4 + 1)) }
+            }
+            "rate_memory" => Self::RateMemory,
+            "spin_rate_root" => Self::SpinRateRoot,
+            "noise_burst" => Self::Series(burst(dwells, rng)),
+            "several_steps" => Self::Series(steps(dwells, rng)),
+            _ => return None,
+        })
+    }
+
+    pub(super) fn at_unit_size(&self, gyro: usize, felt: &Felt, at: &Situation) -> Action {
+        let t = at.temperature_k;
+        let drift = |drift: f64| Action { drift, scale: 0.0 };
+        match self {
+            Self::Orientation(waves) => drift(waves[gyro].iter().map(|wave| wave.at(felt)).sum()),
+            Self::Series(values) => drift(values[at.index][gyro]),
+            Self::TemperatureSquared => drift(t * t),
+            Self::TemperatureRate => drift(t * felt.w.y),
+            Self::TemperatureTime => drift(t * at.time_h),
+            Self::Sawtooth { period_h, phase } => drift((at.time_h / period_h + phase).fract() - 0.5),
+            Self::FaceAge => drift(at.since_face_change_h),
+            Self::RateTime => Action { drift: 0.0, scale: at.time_h },
+            Self::GTime => drift(felt.a.y * at.time_h),
+            Self::ScaleStep { first } => Action { drift: 0.0, scale: f64::from(at.index >= *first) },
+            Self::RateMemory => drift(felt.w_before.map_or(0.0, |w| w.y)),
+            Self::SpinRateRoot => drift(felt.w.y.signum() * felt.w.y.abs().sqrt()),
+        }
+    }
+}
+
+impl Wave {
+    fn draw(rng: &mut ChaCha8Rng) -> Self {
+        Self { k: Vector6::from_fn(|_, _| 1.5 * gaussian(rng)), phase: rng.random_range(0.0..std::f64::consts::TAU) }
+    }
+
+    fn at(&self, felt: &Felt) -> f64 {
+        let (up, north) = (felt.body.a.normalize(), felt.body.north);
+        (self.k.dot(&Vector6::new(up.x, up.y, up.z, north.x, north.y, north.z)) + self.phase).cos()
+    }
+}
+
+fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
+    rng.sample(StandardNormal)
+}
+
+fn per_gyro(dwells: usize, mut series: impl FnMut() -> Vec<f64>) -> Vec<[f64; 3]> {
+    let each = [series(), series(), series()];
+    (0..dwells).map(|k| [each[0][k], each[1][k], each[2][k]]).collect()
+}
+
+/// AR(1) with a correlation of 0.6 to 0.9 from dwell to dwell.
+fn coloured(dwells: usize, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
+    let rho: f64 = rng.random_range(0.6..0.9);
+    per_gyro(dwells, || {
+        let mut x = gaussian(rng);
+        let mut next = || {
+            x = rho * x + (1.0 - rho * rho).sqrt() * gaussian(rng);
+            x
+        };
+        (0..dwells).map(|_| next()).collect()
+    })
+}
+
+fn walk(dwells: usize, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
+    per_gyro(dwells, || {
+        let mut x = 0.0;
+        let mut next = || {
+            x += gaussian(rng);
+            x
+        };
+        (0..dwells).map(|_| next()).collect()
+    })
+}
+
+/// Three to six dwells off, each by its own amount and the same dwells in every gyro (a door, a truck).
+fn outliers(dwells: usize, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
+    let mut all: Vec<usize> = (0..dwells).collect();
+    all.shuffle(rng);
+    let mut series = vec![[0.0; 3]; dwells];
+    for &k in all.iter().take(rng.random_range(3..=6)) {
+        let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        series[k] = [0; 3].map(|_| sign * rng.random_range(0.7..1.3));
+    }
+    series
+}
+
+/// Noise in a sixth of the campaign only.
+fn burst(dwells: usize, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
+    let length = (dwells / 6).max(4).min(dwells);
+    let first = rng.random_range(0..=dwells - length);
+    let inside = first..first + length;
+    let mut value = |k: usize| if inside.contains(&k) { gaussian(rng) } else { 0.0 };
+    (0..dwells).map(|k| [0; 3].map(|_| value(k))).collect()
+}
+
+/// A bias that jumps at three instants and stays.
+fn steps(dwells: usize, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
+    let mut edges: Vec<usize> = (1..4).map(|quarter| quarter * dwells / 4).collect();
+    for edge in &mut edges {
+        *edge += rng.random_range(0..=dwells / 8);
+    }
+    let mut levels = vec![[0.0; 3]];
+    for _ in &edges {
+        levels.push([0; 3].map(|_| gaussian(rng)));
+    }
+    (0..dwells).map(|k| levels[edges.iter().filter(|&&edge| k >= edge).count()]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::{Stream, random};
+
+    #[test]
+    fn every_family_can_be_drawn_and_no_other() {
+        let mut rng = random(3, Stream::Causes);
+        let mid_h: Vec<f64> = (0..24).map(|k| f64::from(k) / 15.0).collect();
+        for family in FAMILIES {
+            assert!(Outside::draw(family, &mid_h, &mut rng).is_some(), "{family}");
+        }
+        assert!(Outside::draw("temperature_bias", &mid_h, &mut rng).is_none());
+    }
+
+    #[test]
+    fn several_outliers_are_several() {
+        for seed in 0..20 {
+            let hit = outliers(78, &mut random(seed, Stream::Causes)).iter().filter(|v| v[0] != 0.0).count();
+            assert!((3..=6).contains(&hit));
+        }
+    }
+
+    #[test]
+    fn coloured_noise_is_correlated_from_dwell_to_dwell() {
+        let series = coloured(4000, &mut random(5, Stream::Causes));
+        let x: Vec<f64> = series.iter().map(|v| v[1]).collect();
+        let power: f64 = x.iter().map(|v| v * v).sum();
+        let lag1: f64 = x.windows(2).map(|p| p[0] * p[1]).sum();
+        assert!((0.55..0.95).contains(&(lag1 / power)), "{}", lag1 / power);
+    }
+}

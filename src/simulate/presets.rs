@@ -1,0 +1,84 @@
+//! Ready scenarios.
+
+use super::programme::{Order, Positions, Programme};
+use super::scenario::{Columns, GeometryChoice, Noise, Scenario, StandardErrors};
+
+/// Name, one line about it.
+pub const PRESETS: [(&str, &str); 6] = [
+    ("24-position", "24 positions, 6 repeats and 48 rate dwells in random order: 78 dwells of three minutes"),
+    ("24-bare", "24 positions once each in fixed order, no rates, E stated: the least that yields D_I and D_S"),
+    ("36-position", "24 positions and 12 edges at 45 degrees, 6 repeats, 48 rate dwells"),
+    ("60-position", "24 positions, edges, tilts of 30 and 60 degrees, 6 repeats, 48 rate dwells"),
+    ("long", "1008 dwells: the 60-position programme eight times over, four power-ups, wandering bias, counted pulses"),
+    ("orthogonal-mems", "three orthogonal gyros, whole-pulse counter, no rates, no temperature, no standard errors"),
+];
+
+/// The preset of that name, if there is one.
+pub fn preset(name: &str) -> Option<Scenario> {
+    let base = Scenario::default();
+    Some(match name {
+        "24-position" => base,
+        "24-bare" => {
+            let programme =
+                Programme { repeats: 0, rates_arcsec_s: Vec::new(), order: Order::Fixed, ..Programme::default() };
+            let mut bare = Scenario { programme, ..base };
+            bare.gyros.iter_mut().for_each(|gyro| gyro.states_e = true);
+            bare
+        }
+        "36-position" => positions(base, Positions::WithEdges),
+        "60-position" => positions(base, Positions::WithTilts),
+        "long" => {
+            let long = positions(base, Positions::WithTilts);
+            Scenario {
+                programme: Programme { cycles: 8, repeats: 18, power_ups: 4, ..long.programme },
+                noise: Noise {
+                    bias_instability_deg_per_h: 5e-4,
+                    rate_random_walk_deg_per_h_sqrt_h: 2e-4,
+                    pulse_quantum: 1.0 / 64.0,
+                    ..long.noise
+                },
+                ..long
+            }
+        }
+        "orthogonal-mems" => {
+            let mut mems = Scenario {
+                geometry: GeometryChoice::Named("orthogonal".into()),
+                programme: Programme { rates_arcsec_s: Vec::new(), ..Programme::default() },
+                noise: Noise {
+                    angle_random_walk_deg_per_sqrt_h: 0.2,
+                    bias_instability_deg_per_h: 5.0,
+                    pulse_quantum: 1.0,
+                    ..Noise::default()
+                },
+                columns: Columns { temperature: false, attitude: true, standard_errors: StandardErrors::Absent },
+                ..base
+            };
+            mems.population.scale_factor = 1.0;
+            mems.population.scale_factor_sd = 0.0;
+            mems.population.d_f_sd = 200.0;
+            mems.population.d_i_sd = 50.0;
+            mems.population.d_s_sd = 50.0;
+            mems.gyros.iter_mut().for_each(|gyro| gyro.states_e = true);
+            mems
+        }
+        _ => return None,
+    })
+}
+
+fn positions(base: Scenario, positions: Positions) -> Scenario {
+    Scenario { programme: Programme { positions, ..base.programme }, ..base }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_listed_preset_exists_and_runs() {
+        for (name, _) in PRESETS {
+            let scenario = preset(name).unwrap_or_else(|| panic!("{name} is listed"));
+            crate::simulate::simulate(&scenario).unwrap_or_else(|faults| panic!("{name}: {faults}"));
+        }
+        assert!(preset("25-position").is_none());
+    }
+}

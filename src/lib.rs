@@ -22,3 +22,4 @@ pub mod cli;
 pub mod core;
 pub mod simulate;
 pub mod system;
+pub mod wire;

@@ -1,0 +1,44 @@
+//! A validated bench result: what a single-gyro test outside the IMU says of one gyro.
+
+use super::record::Name;
+use super::time::UtcMicros;
+
+/// How a single gyro was tested (the paper's schemes one and three).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum BenchMethod {
+    /// Polar-axis tumble, the float held by the torquer.
+    TorqueFeedback,
+    /// The gyro steers a servo turntable.
+    TurntableServo,
+}
+
+impl BenchMethod {
+    pub const ALL: [BenchMethod; 2] = [BenchMethod::TorqueFeedback, BenchMethod::TurntableServo];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            BenchMethod::TorqueFeedback => "torque_feedback",
+            BenchMethod::TurntableServo => "turntable_servo",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+}
+
+/// Drift coefficients in deg/(h g0), with standard deviations where the bench states them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchResult {
+    pub serial: Name,
+    pub station: Name,
+    pub measured_at: UtcMicros,
+    pub method: BenchMethod,
+    pub d_i: f64,
+    pub d_s: f64,
+    pub d_i_sd: Option<f64>,
+    pub d_s_sd: Option<f64>,
+    pub temperature_c: Option<f64>,
+    pub operator: Option<String>,
+    pub note: Option<String>,
+}

@@ -1,0 +1,103 @@
+//! A bench result: D_I and D_S of a single gyro on its own fixture (Table 5's columns 1 and 3).
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{json, text, time};
+use crate::core::bench::{BenchMethod, BenchResult};
+use crate::core::fault::Faults;
+
+/// A bench result as it stands on the wire.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BenchBody {
+    pub serial: String,
+    pub station: String,
+    /// RFC 3339 with offset.
+    pub measured_at: String,
+    pub method: BenchMethodBody,
+    pub d_i_deg_per_h_g0: f64,
+    pub d_s_deg_per_h_g0: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub d_i_sd: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub d_s_sd: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operator: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BenchMethodBody {
+    TorqueFeedback,
+    TurntableServo,
+}
+
+impl From<BenchMethodBody> for BenchMethod {
+    fn from(method: BenchMethodBody) -> Self {
+        match method {
+            BenchMethodBody::TorqueFeedback => BenchMethod::TorqueFeedback,
+            BenchMethodBody::TurntableServo => BenchMethod::TurntableServo,
+        }
+    }
+}
+
+impl From<BenchMethod> for BenchMethodBody {
+    fn from(method: BenchMethod) -> Self {
+        match method {
+            BenchMethod::TorqueFeedback => BenchMethodBody::TorqueFeedback,
+            BenchMethod::TurntableServo => BenchMethodBody::TurntableServo,
+        }
+    }
+}
+
+/// Reads and checks a bench result; `max_drift` is the largest accepted |D|, deg/(h g0).
+pub fn parse_bench_result(bytes: &[u8], max_drift: f64) -> Result<BenchResult, Faults> {
+    json::parse::<BenchBody>(bytes)?.to_core(max_drift)
+}
+
+impl BenchBody {
+    pub fn to_core(&self, max_drift: f64) -> Result<BenchResult, Faults> {
+        let mut faults = Faults::default();
+        let result = BenchResult {
+            serial: text::name("/serial", &self.serial, &mut faults),
+            station: text::name("/station", &self.station, &mut faults),
+            measured_at: text::instant("/measured_at", &self.measured_at, &mut faults),
+            method: self.method.into(),
+            d_i: self.d_i_deg_per_h_g0,
+            d_s: self.d_s_deg_per_h_g0,
+            d_i_sd: text::deviation("/d_i_sd", self.d_i_sd, &mut faults),
+            d_s_sd: text::deviation("/d_s_sd", self.d_s_sd, &mut faults),
+            temperature_c: text::temperature("/temperature_c", self.temperature_c, &mut faults),
+            operator: text::short("/operator", &self.operator, &mut faults),
+            note: text::note("/note", &self.note, &mut faults),
+        };
+        for (pointer, value) in [("/d_i_deg_per_h_g0", result.d_i), ("/d_s_deg_per_h_g0", result.d_s)] {
+            if value.abs() > max_drift {
+                faults.push(pointer, format!("{value} deg/(h g0) is beyond the accepted {max_drift}"));
+            }
+        }
+        faults.or(result)
+    }
+
+    /// The document of a bench result, for those who write them.
+    pub fn of(result: &BenchResult) -> Self {
+        Self {
+            serial: result.serial.to_string(),
+            station: result.station.to_string(),
+            measured_at: time::format(result.measured_at),
+            method: result.method.into(),
+            d_i_deg_per_h_g0: result.d_i,
+            d_s_deg_per_h_g0: result.d_s,
+            d_i_sd: result.d_i_sd,
+            d_s_sd: result.d_s_sd,
+            temperature_c: result.temperature_c,
+            operator: result.operator.clone(),
+            note: result.note.clone(),
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Reading JSON so that a fault names its place, and comparing two documents member by member.
+
+use serde::de::{DeserializeOwned, IgnoredAny};
+use serde_json::Value;
+use serde_path_to_error::{Path, Segment};
+
+use crate::core::fault::{Fault, Faults};
+
+/// Reads one JSON document. The error holds the one fault at which reading stopped.
+///
+/// A leading byte-order mark is skipped, as RFC 8259 (section 8.1) allows.
+/// The document is read without tracking places first, because almost all are good; only a refused one is read
+/// again to name the place.
+pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
+    let bytes = without_mark(bytes);
+    serde_json::from_slice(bytes).or_else(|_| parse_naming_places(bytes))
+}
+
+fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
+    let mut reader = serde_json::Deserializer::from_slice(bytes);
+    let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| fault_at(error.path(), error.inner()))?;
+    reader.end().map_err(|error| fault(String::new(), &error))?;
+    Ok(value)
+}
+
+/// Whether `bytes` are JSON at all, whatever they say: what tells a 400 from a 422.
+pub fn is_json(bytes: &[u8]) -> bool {
+    let bytes = without_mark(bytes);
+    std::str::from_utf8(bytes).is_ok() && serde_json::from_slice::<IgnoredAny>(bytes).is_ok()
+}
+
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// A JSON pointer's token for one member name (RFC 6901, section 3).
+pub fn pointer_token(member: &str) -> String {
+    member.replace('~', "~0").replace('/', "~1")
+}
+
+fn fault_at(path: &Path, error: &serde_json::Error) -> Faults {
+    let mut pointer = String::new();
+    for segment in path {
+        match segment {
+            Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
+            Segment::Map { key } => pointer.push_str(&format!("/{}", pointer_token(key))),
+            Segment::Enum { .. } | Segment::Unknown => {}
+        }
+    }
+    fault(pointer, error)
+}
+
+/// serde reports an absent, repeated or unknown member at the object that should or does hold it; the pointer
+/// returned here names the member itself.
+fn fault(mut pointer: String, error: &serde_json::Error) -> Faults {
+    let text = error.to_string();
+    for (opening, what) in [("missing field `", "is missing"), ("duplicate field `", "is given twice")] {
+        if let Some(member) = quoted_after(&text, opening) {
+            append_member(&mut pointer, member);
+            return Fault { pointer, detail: format!("`{member}` {what}") }.into();
+        }
+    }
+    if let Some(member) = quoted_after(&text, "unknown field `") {
+        append_member(&mut pointer, member);
+    }
+    Fault { pointer, detail: text }.into()
+}
+
+fn quoted_after<'t>(text: &'t str, opening: &str) -> Option<&'t str> {
+    text.strip_prefix(opening)?.split('`').next()
+}
+
+fn append_member(pointer: &mut String, member: &str) {
+    let token = format!("/{}", pointer_token(member));
+    if !pointer.ends_with(&token) {
+        pointer.push_str(&token);
+    }
+}
+
+/// Pointer to the first member in which two documents differ, none where they say the same.
+pub fn first_difference(a: &Value, b: &Value) -> Option<String> {
+    match (a, b) {
+        (Value::Object(x), Value::Object(y)) => {
+            let keys = x.keys().chain(y.keys().filter(|key| !x.contains_key(*key)));
+            keys.into_iter().find_map(|key| {
+                let below = match (x.get(key), y.get(key)) {
+                    (Some(p), Some(q)) => first_difference(p, q),
+                    _ => Some(String::new()),
+                };
+                below.map(|rest| format!("/{}{rest}", pointer_token(key)))
+            })
+        }
+        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
+            x.iter().zip(y).enumerate().find_map(|(i, (p, q))| first_difference(p, q).map(|rest| format!("/{i}{rest}")))
+        }
+        _ => (a != b).then(String::new),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+    use serde_json::json;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        #[expect(dead_code, reason = "only the reading of it is looked at")]
+        list: Vec<Inner>,
+    }
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        #[expect(dead_code, reason = "only the reading of it is looked at")]
+        x: f64,
+    }
+
+    fn refused(text: &str) -> (String, String) {
+        let fault = parse::<Outer>(text.as_bytes()).unwrap_err().0.remove(0);
+        (fault.pointer, fault.detail)
+    }
+
+    #[test]
+    fn a_fault_is_named_at_the_member_that_causes_it() {
+        assert_eq!(refused(r#"{"list":[{"x":1},{}]}"#), ("/list/1/x".into(), "`x` is missing".into()));
+        assert_eq!(refused(r#"{"list":[{"x":1,"x":2}]}"#), ("/list/0/x".into(), "`x` is given twice".into()));
+        let (pointer, detail) = refused(r#"{"list":[{"x":1,"a/b":2}]}"#);
+        assert_eq!(pointer, "/list/0/a~1b");
+        assert!(detail.contains("unknown field `a/b`"), "{detail}");
+        assert_eq!(refused(r#"{"list":[{"x":"1"}]}"#).0, "/list/0/x");
+        assert_eq!(refused(r#"{"list":[{"x":1e400}]}"#).0, "/list/0/x");
+        assert_eq!(refused(r#"{"list":[]} {}"#).0, "");
+    }
+
+    #[test]
+    fn json_is_told_from_what_is_not_json() {
+        assert!(is_json(b"[1e999]"));
+        assert!(is_json(b"\xef\xbb\xbf{}"));
+        assert!(!is_json(b"{\"x\": NaN}"));
+        assert!(!is_json(b"{\"x\": 1"));
+        assert!(!is_json(b"{\"x\": \"\xff\"}"));
+    }
+
+    #[test]
+    fn the_first_difference_is_found_at_any_depth_and_in_either_document() {
+        let a = json!({"m": 1, "list": [{"x": 1}, {"x": 2}]});
+        assert_eq!(first_difference(&a, &a), None);
+        assert_eq!(first_difference(&a, &json!({"m": 1, "list": [{"x": 1}, {"x": 3}]})).as_deref(), Some("/list/1/x"));
+        assert_eq!(first_difference(&a, &json!({"m": 1, "list": [{"x": 1}]})).as_deref(), Some("/list"));
+        assert_eq!(first_difference(&json!({}), &json!({"n": null})).as_deref(), Some("/n"));
+    }
+}

@@ -1,0 +1,14 @@
+//! The formats that stations and tools rely on, and their conversion to and from the core's types.
+//!
+//! The command line and the HTTP service speak the same JSON, so both read and write it through this module.
+//! Reading has two stages: serde checks shape and types and stops at the first fault; conversion to the core
+//! type then collects every fault of content. Both name places by JSON pointers with the names on the wire.
+
+pub mod bench;
+pub mod geometry;
+pub mod json;
+pub mod problem;
+pub mod record;
+pub mod text;
+pub mod time;
+pub mod triple;

@@ -1,0 +1,89 @@
+//! Members that every document has in one form or another: each is checked here, its fault noted at its place.
+//!
+//! A refused member is given a stand-in, so that checking can go on and name the other faults as well; the
+//! stand-in never leaves the conversion, which fails once any fault was noted.
+
+use nalgebra::Vector3;
+
+use super::time;
+use super::triple::Triple;
+use crate::core::fault::Faults;
+use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
+use crate::core::time::UtcMicros;
+
+/// Largest standard deviation and temperature that is taken for a measured one.
+const LARGEST_DEVIATION: f64 = 1e9;
+const TEMPERATURE_RANGE_C: std::ops::RangeInclusive<f64> = -273.15..=1000.0;
+
+pub fn name(pointer: &str, text: &str, faults: &mut Faults) -> Name {
+    Name::parse(text).unwrap_or_else(|detail| {
+        faults.push(pointer, detail);
+        stand_in(pointer)
+    })
+}
+
+/// A name of its own for each place, so that two refused serials are not taken for one gyro.
+fn stand_in(pointer: &str) -> Name {
+    let tail: String = pointer.chars().rev().take(MAX_NAME_CHARS).collect();
+    Name::parse(&tail).expect("the end of a pointer is short, not empty and free of blanks")
+}
+
+pub fn instant(pointer: &str, text: &str, faults: &mut Faults) -> UtcMicros {
+    time::parse(text).unwrap_or_else(|detail| {
+        faults.push(pointer, detail);
+        UtcMicros(0)
+    })
+}
+
+/// Optional text of one line.
+pub fn short(pointer: &str, text: &Option<String>, faults: &mut Faults) -> Option<String> {
+    optional(pointer, text, MAX_NAME_CHARS, |c| c.is_control(), faults)
+}
+
+/// Optional text of several lines.
+pub fn note(pointer: &str, text: &Option<String>, faults: &mut Faults) -> Option<String> {
+    optional(pointer, text, MAX_NOTE_CHARS, |c| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), faults)
+}
+
+fn optional(
+    pointer: &str,
+    text: &Option<String>,
+    most: usize,
+    forbidden: impl Fn(char) -> bool,
+    faults: &mut Faults,
+) -> Option<String> {
+    let text = text.as_ref()?;
+    let chars = text.chars().count();
+    if chars > most {
+        faults.push(pointer, format!("must have at most {most} characters, has {chars}"));
+    }
+    if let Some(c) = text.chars().find(|&c| forbidden(c)) {
+        faults.push(pointer, format!("must not contain the control character U+{:04X}", c as u32));
+    }
+    Some(text.clone())
+}
+
+pub fn temperature(pointer: &str, celsius: Option<f64>, faults: &mut Faults) -> Option<f64> {
+    if let Some(t) = celsius
+        && !TEMPERATURE_RANGE_C.contains(&t)
+    {
+        faults.push(pointer, format!("must be a temperature between -273.15 and 1000 deg C, is {t}"));
+    }
+    celsius
+}
+
+pub fn deviations(pointer: &str, sd: Option<Triple>, faults: &mut Faults) -> Option<Vector3<f64>> {
+    for (axis, value) in sd.iter().flat_map(|sd| sd.0).enumerate() {
+        deviation(&format!("{pointer}/{axis}"), Some(value), faults);
+    }
+    sd.map(Triple::vector)
+}
+
+pub fn deviation(pointer: &str, sd: Option<f64>, faults: &mut Faults) -> Option<f64> {
+    if let Some(sd) = sd
+        && !(0.0..=LARGEST_DEVIATION).contains(&sd)
+    {
+        faults.push(pointer, format!("must be a standard deviation from 0 to {LARGEST_DEVIATION:e}, is {sd}"));
+    }
+    sd
+}

@@ -1,0 +1,120 @@
+//! Instants on the wire: RFC 3339 with an offset in, RFC 3339 in UTC out.
+
+use jiff::Timestamp;
+
+use crate::core::time::UtcMicros;
+
+/// Reads an RFC 3339 time (section 5.6): date, `T`, time with seconds, `Z` or `+hh:mm`. Digits beyond
+/// microseconds are cut off. A leap second (`:60`) is read as the second after it, as POSIX time counts.
+pub fn parse(text: &str) -> Result<UtcMicros, String> {
+    let shape =
+        Shape::of(text).ok_or("must be an RFC 3339 time such as 2026-03-01T08:00:00Z or 2026-03-01T16:00:00+08:00")?;
+    if !shape.has_offset {
+        return Err("must say its offset from UTC: Z, or such as +08:00".into());
+    }
+    if shape.offset_hours > 23 || shape.offset_minutes > 59 {
+        return Err("its offset from UTC must lie between -23:59 and +23:59".into());
+    }
+    let instant: Timestamp = text.parse().map_err(|_| "is no date and time of the calendar".to_owned())?;
+    let micros = instant.as_microsecond();
+    if shape.leap_second { after_leap_second(instant) } else { Ok(UtcMicros(micros)) }
+}
+
+/// Writes an instant in UTC with as many digits as it needs.
+pub fn format(instant: UtcMicros) -> String {
+    match Timestamp::from_microsecond(instant.0) {
+        Ok(timestamp) => timestamp.to_string(),
+        Err(_) => format!("{} us after 1970", instant.0),
+    }
+}
+
+/// Leap seconds are inserted at the end of a UTC month; elsewhere `:60` is an error of the sender.
+fn after_leap_second(read_as_59: Timestamp) -> Result<UtcMicros, String> {
+    let next = UtcMicros(read_as_59.as_second().saturating_add(1).saturating_mul(UtcMicros::SECOND));
+    let starts_month = Timestamp::from_microsecond(next.0)
+        .map(|t| t.to_zoned(jiff::tz::TimeZone::UTC))
+        .is_ok_and(|t| t.day() == 1 && t.hour() == 0 && t.minute() == 0);
+    if starts_month { Ok(next) } else { Err("has a 60th second where no leap second can be".into()) }
+}
+
+/// What the digits do not show: whether there is an offset, whether the second is the 60th.
+struct Shape {
+    has_offset: bool,
+    offset_hours: u8,
+    offset_minutes: u8,
+    leap_second: bool,
+}
+
+impl Shape {
+    /// None where `text` is not `YYYY-MM-DDThh:mm:ss`, an optional fraction and an optional offset.
+    fn of(text: &str) -> Option<Self> {
+        let bytes = text.as_bytes();
+        let (head, mut rest) = (bytes.get(..19)?, &bytes[19..]);
+        let pattern = b"dddd-dd-ddTdd:dd:dd";
+        let fits = head.iter().zip(pattern).all(|(&b, &p)| match p {
+            b'd' => b.is_ascii_digit(),
+            b'T' => b == b'T' || b == b't',
+            _ => b == p,
+        });
+        if !fits {
+            return None;
+        }
+        if rest.first() == Some(&b'.') {
+            let digits = rest[1..].iter().take_while(|b| b.is_ascii_digit()).count();
+            if !(1..=9).contains(&digits) {
+                return None;
+            }
+            rest = &rest[1 + digits..];
+        }
+        let two = |a: u8, b: u8| (a.is_ascii_digit() && b.is_ascii_digit()).then(|| (a - b'0') * 10 + (b - b'0'));
+        let (has_offset, offset_hours, offset_minutes) = match *rest {
+            [] => (false, 0, 0),
+            [b'Z' | b'z'] => (true, 0, 0),
+            [b'+' | b'-', a, b, b':', c, d] => (true, two(a, b)?, two(c, d)?),
+            _ => return None,
+        };
+        Some(Self { has_offset, offset_hours, offset_minutes, leap_second: &head[17..] == b"60" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(text: &str) -> String {
+        format(parse(text).unwrap())
+    }
+
+    #[test]
+    fn an_instant_is_the_same_in_every_offset() {
+        assert_eq!(written("2026-03-01T08:00:00Z"), "2026-03-01T08:00:00Z");
+        assert_eq!(written("2026-03-01T16:00:00+08:00"), "2026-03-01T08:00:00Z");
+        assert_eq!(written("2026-03-01t08:00:00.250z"), "2026-03-01T08:00:00.25Z");
+        assert_eq!(parse("1970-01-01T00:00:00.000001999Z"), Ok(UtcMicros(1)));
+    }
+
+    #[test]
+    fn what_is_no_instant_is_refused_in_words() {
+        for (text, words) in [
+            ("2026-03-01T08:00:00", "offset"),
+            ("2026-03-01T08:00:00+99:99", "offset"),
+            ("2026-03-01 08:00:00Z", "RFC 3339"),
+            ("2026-03-01T08:00Z", "RFC 3339"),
+            ("2026-03-01", "RFC 3339"),
+            ("yesterday", "RFC 3339"),
+            ("2026-02-30T08:00:00Z", "calendar"),
+            ("2026-03-01T24:00:00Z", "calendar"),
+            ("2026-03-01T08:00:60Z", "leap second"),
+            ("2026-03-01T08:00:00[UTC]", "RFC 3339"),
+        ] {
+            let refused = parse(text).unwrap_err();
+            assert!(refused.contains(words), "{text}: {refused}");
+        }
+    }
+
+    #[test]
+    fn a_real_leap_second_counts_as_the_second_after_it() {
+        assert_eq!(written("2016-12-31T23:59:60Z"), "2017-01-01T00:00:00Z");
+        assert_eq!(written("2017-01-01T07:59:60+08:00"), "2017-01-01T00:00:00Z");
+    }
+}

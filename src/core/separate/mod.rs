@@ -110,7 +110,8 @@ pub fn separate(
     let alpha = published::alpha(&gyro.input);
     let skewed = matches!(geometry, Geometry::Skewed);
     let (published, as_printed) = if skewed {
-        (published::corrected(slot, &gyro, alpha, covariance), published::as_printed(slot, &gyro, alpha))
+        let corrected = published::corrected(slot, &gyro, alpha, covariance);
+        (corrected, published::as_printed(slot, &gyro, alpha, corrected))
     } else {
         (Err(NotPublished::Geometry), Err(NotPublished::Geometry))
     };

@@ -113,12 +113,12 @@ fn corrected_angles(branch: Branch) -> SpinAngles {
     SpinAngles { base, gain }
 }
 
-/// beta_r in degrees exactly as (8)-(13) are printed.
-fn printed_beta(branch: Branch, alpha: [f64; 3], d: [f64; 3]) -> [f64; 3] {
+/// beta_r in degrees as printed, where that differs from [`corrected_angles`].
+fn misprinted_beta(branch: Branch, alpha: [f64; 3], d: [f64; 3]) -> Option<[f64; 3]> {
     match branch {
-        Branch::Eq10 => [90.0 - d[0] * 18.7292, 30.0 + d[1] * 0.8861, 120.0 + d[2] * 1.1103],
-        Branch::Eq12 => [90.0 - d[0] * 18.7292, 90.0 - (alpha[0] - 35.2644) * 13.2839, 180.0 - d[0]],
-        _ => beta(&corrected_angles(branch), d),
+        Branch::Eq10 => Some([90.0 - d[0] * 18.7292, 30.0 + d[1] * 0.8861, 120.0 + d[2] * 1.1103]),
+        Branch::Eq12 => Some([90.0 - d[0] * 18.7292, 90.0 - (alpha[0] - 35.2644) * 13.2839, 180.0 - d[0]]),
+        _ => None,
     }
 }
 
@@ -149,13 +149,19 @@ pub(crate) fn corrected(
     if published.is_finite() { Ok(published) } else { Err(NotPublished::Degenerate) }
 }
 
-/// Eqs. (8)-(13) as printed.
-pub(crate) fn as_printed(slot: Slot, gyro: &Normalised, alpha: [f64; 3]) -> Result<Published, NotPublished> {
+/// Eqs. (8)-(13) as printed; the same as `corrected` but for (10) and (12).
+pub(crate) fn as_printed(
+    slot: Slot,
+    gyro: &Normalised,
+    alpha: [f64; 3],
+    corrected: Result<Published, NotPublished>,
+) -> Result<Published, NotPublished> {
     let d = deviation(slot, alpha);
     let branch = Branch::choose(slot, d);
-    let beta = printed_beta(branch, alpha.map(degrees), d).map(radians);
-    let rows = Rows::solve(gyro, beta.map(f64::cos))?;
-    Ok(rows.published(branch, None))
+    match misprinted_beta(branch, alpha.map(degrees), d) {
+        Some(beta) => Ok(Rows::solve(gyro, beta.map(|b| radians(b).cos()))?.published(branch, None)),
+        None => corrected.map(|published| Published { covariance: None, ..published }),
+    }
 }
 
 /// The three rows y = D_I cos(alpha) + D_S cos(beta), solved by least squares.

@@ -18,6 +18,9 @@
 //! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
 //! [`core::model`] what model (6) predicts, [`simulate`] what a station would measure.
 
+// What ships never unwraps in silence: `expect` says why it cannot fail.
+#![warn(clippy::unwrap_used)]
+
 pub mod cli;
 pub mod core;
 pub mod simulate;

@@ -4,8 +4,13 @@
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
 //! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
+mod client;
+mod import;
+
 use std::io;
 use std::process::ExitCode;
+
+use anyhow::Context;
 
 use clap::{Parser, Subcommand};
 
@@ -18,11 +23,15 @@ pub struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {}
+enum Command {
+    Import(import::Import),
+}
 
 impl Command {
     fn run(self) -> anyhow::Result<()> {
-        match self {}
+        match self {
+            Self::Import(import) => import.run(),
+        }
     }
 }
 
@@ -43,4 +52,10 @@ impl Cli {
 /// Whoever reads our output has seen enough (`gyrowatch … | head`): not an error.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|e| e.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// Runs a subcommand that waits for the network. One thread is plenty: the service is where the work is.
+fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
+    runtime.block_on(work)
 }

@@ -1,0 +1,207 @@
+//! Talks to a running service the way a station does.
+//!
+//! Every answer is sorted into one of three: the service has the document ([`Sent`]), the document is at fault
+//! ([`Sent::Refused`]), or something else is ([`Trouble`]): then the document stays where it is.
+
+use std::time::Duration;
+
+use anyhow::Context;
+use bytes::Bytes;
+use reqwest::header::{CONTENT_TYPE, RETRY_AFTER};
+use reqwest::{Method, StatusCode};
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::system;
+use crate::wire::problem::Problem;
+
+pub const JSON: &str = "application/json";
+pub const NDJSON: &str = "application/x-ndjson";
+
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(120);
+
+/// What became of a document that reached the service.
+#[derive(Debug, PartialEq)]
+pub enum Sent {
+    Stored(Value),
+    /// The same content was already there.
+    Known(Value),
+    Refused(Problem),
+}
+
+/// Why nothing can be said about the document.
+#[derive(Debug, PartialEq)]
+pub enum Trouble {
+    /// No service answers at the address.
+    Away(String),
+    /// It answers that it is busy or unwell: sending again can help.
+    Again { why: String, after: Option<Duration> },
+    /// It cannot, until somebody changes the address, the token or the service.
+    Stop(String),
+}
+
+impl std::fmt::Display for Trouble {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Away(why) | Self::Again { why, .. } | Self::Stop(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for Trouble {}
+
+/// One line of the answer of `POST /v1/import`.
+#[derive(Debug, Deserialize)]
+pub struct LineAnswer {
+    pub status: u16,
+    #[serde(default)]
+    pub error: Option<Problem>,
+}
+
+#[derive(Debug, Clone)]
+pub struct Service {
+    base: String,
+    token: Option<String>,
+    http: reqwest::Client,
+}
+
+impl Service {
+    /// `address`: `http://host:port`, or `host:port` alone as `GYROWATCH_LISTEN` gives it.
+    pub fn at(address: &str, token: Option<String>) -> anyhow::Result<Self> {
+        let base = if address.contains("://") { address.to_owned() } else { format!("http://{address}") };
+        let url = reqwest::Url::parse(&base).with_context(|| format!("{address} is not an address"))?;
+        anyhow::ensure!(matches!(url.scheme(), "http" | "https"), "{address}: the scheme must be http or https");
+        let http = system::http_client(CONNECT_TIMEOUT, ANSWER_TIMEOUT).build().context("cannot set up HTTP")?;
+        Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http })
+    }
+
+    pub fn base(&self) -> &str {
+        &self.base
+    }
+
+    /// Posts one document to its own endpoint.
+    pub async fn post(&self, route: &str, content_type: &str, body: Bytes) -> Result<Sent, Trouble> {
+        let (status, after, body) = self.call(route, content_type, body).await?;
+        sort(status, after, &body)
+    }
+
+    /// Posts a batch of lines; one answer a line, in order.
+    pub async fn import(&self, lines: Bytes, count: usize) -> Result<Vec<LineAnswer>, Trouble> {
+        let (status, after, body) = self.call("/v1/import", NDJSON, lines).await?;
+        if status != StatusCode::OK {
+            return Err(match sort(status, after, &body)? {
+                Sent::Refused(problem) => Trouble::Stop(format!("the whole batch was refused: {}", problem.detail)),
+                Sent::Stored(_) | Sent::Known(_) => Trouble::Stop(format!("status {status} from /v1/import")),
+            });
+        }
+        let answers: Result<Vec<LineAnswer>, _> =
+            body.split(|&b| b == b'\n').filter(|line| !line.is_empty()).map(serde_json::from_slice).collect();
+        match answers {
+            Ok(answers) if answers.len() == count => Ok(answers),
+            Ok(answers) => {
+                let why = format!("{count} lines were sent, {} answered", answers.len());
+                Err(Trouble::Again { why, after: None })
+            }
+            Err(error) => Err(Trouble::Stop(format!("the answer is not one of gyrowatch: {error}"))),
+        }
+    }
+
+    async fn call(
+        &self,
+        route: &str,
+        content_type: &str,
+        body: Bytes,
+    ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
+        let mut request = self.http.request(Method::POST, format!("{}{route}", self.base)).body(body);
+        request = request.header(CONTENT_TYPE, content_type);
+        if let Some(token) = &self.token {
+            request = request.bearer_auth(token);
+        }
+        let away = |e: reqwest::Error| Trouble::Away(format!("cannot reach {}: {}", self.base, root_cause(&e)));
+        let answer = request.send().await.map_err(away)?;
+        let status = answer.status();
+        let after = answer.headers().get(RETRY_AFTER).and_then(|v| v.to_str().ok()).and_then(|v| v.parse().ok());
+        let body = answer.bytes().await.map_err(away)?;
+        Ok((status, after.map(Duration::from_secs), body))
+    }
+}
+
+/// The innermost error says what a person can act on ("Connection refused").
+fn root_cause(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(inner) = cause.source() {
+        cause = inner;
+    }
+    cause.to_string()
+}
+
+/// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and
+/// only what the document itself can cause refuses it.
+fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent, Trouble> {
+    let problem = || serde_json::from_slice::<Problem>(body).ok();
+    match status.as_u16() {
+        code @ (200 | 201) => match serde_json::from_slice::<Value>(body) {
+            Ok(answer) if answer.get("id").is_some() => {
+                Ok(if code == 201 { Sent::Stored(answer) } else { Sent::Known(answer) })
+            }
+            _ => Err(Trouble::Stop(format!("status {code}, but the answer is not one of gyrowatch"))),
+        },
+        400 | 409 | 413 | 415 | 422 => match problem() {
+            Some(problem) => Ok(Sent::Refused(problem)),
+            None => Err(Trouble::Stop(format!("status {status}, but the answer is not one of gyrowatch"))),
+        },
+        408 | 425 | 429 | 500.. => {
+            let why = problem().map_or_else(|| status.to_string(), |p| format!("{status}: {}", p.detail));
+            Err(Trouble::Again { why, after })
+        }
+        _ => {
+            let why = problem().map_or_else(|| status.to_string(), |p| format!("{status}: {}", p.detail));
+            Err(Trouble::Stop(why))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PROBLEM: &[u8] = br#"{"title":"T","status":422,"detail":"D","errors":[{"pointer":"/imu","detail":"x"}]}"#;
+
+    fn sorted(status: u16, body: &[u8]) -> Result<Sent, Trouble> {
+        sort(StatusCode::from_u16(status).unwrap(), None, body)
+    }
+
+    #[test]
+    fn only_an_answer_of_the_service_acknowledges() {
+        assert!(matches!(sorted(201, br#"{"id":"r1"}"#), Ok(Sent::Stored(_))));
+        assert!(matches!(sorted(200, br#"{"id":"r1"}"#), Ok(Sent::Known(_))));
+        for page in [&b"<html>Welcome to the guest network</html>"[..], b"{}", b""] {
+            assert!(matches!(sorted(200, page), Err(Trouble::Stop(_))));
+        }
+        assert!(matches!(sorted(302, b""), Err(Trouble::Stop(_))));
+    }
+
+    #[test]
+    fn only_the_documents_own_faults_refuse_it() {
+        for status in [400, 409, 413, 415, 422] {
+            assert!(matches!(sorted(status, PROBLEM), Ok(Sent::Refused(_))), "{status}");
+            assert!(matches!(sorted(status, b"<html>"), Err(Trouble::Stop(_))), "{status}");
+        }
+        for status in [401, 403, 404, 405] {
+            assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Stop(_))), "{status}");
+        }
+        for status in [408, 429, 500, 502, 503, 507] {
+            assert!(matches!(sorted(status, PROBLEM), Err(Trouble::Again { .. })), "{status}");
+        }
+    }
+
+    #[test]
+    fn an_address_may_leave_out_the_scheme() {
+        system::install_crypto();
+        assert_eq!(Service::at("127.0.0.1:8080", None).unwrap().base(), "http://127.0.0.1:8080");
+        assert_eq!(Service::at("https://host/", None).unwrap().base(), "https://host");
+        assert!(Service::at("ftp://host", None).is_err());
+        assert!(Service::at("http://", None).is_err());
+    }
+}

@@ -1,0 +1,97 @@
+//! `import`: sends files to a running service. Sending again does no harm, so that is how to resume.
+
+mod gist;
+mod send;
+mod source;
+mod watch;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::client::Service;
+use gist::Gist;
+use send::{Courier, Event, PATIENCE, Tally};
+
+/// Send records, campaigns and bench results (JSON, NDJSON, CSV) to a running service
+#[derive(Debug, clap::Args)]
+pub struct Import {
+    /// Files to send; `-` is standard input
+    #[arg(required_unless_present = "watch", conflicts_with = "watch")]
+    files: Vec<PathBuf>,
+
+    /// Instead of files: send what appears in DIR, move it to DIR/sent, or to DIR/refused with the reason beside it
+    #[arg(long, value_name = "DIR")]
+    watch: Option<PathBuf>,
+
+    /// With --watch: seconds for which a file must not change before it is sent
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = seconds)]
+    settle: f64,
+
+    /// Address of the service
+    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    url: String,
+
+    /// Access token, where the service asks for one
+    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+}
+
+impl Import {
+    pub fn run(self) -> anyhow::Result<()> {
+        let service = Service::at(&self.url, self.token)?;
+        match self.watch {
+            Some(dir) => super::block_on(watch::watch(&dir, Duration::from_secs_f64(self.settle), &service)),
+            None => super::block_on(import(&self.files, &service)),
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "must be a number of seconds".to_owned())?;
+    if (0.0..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must lie between 0 and 3600".into()) }
+}
+
+async fn import(files: &[PathBuf], service: &Service) -> anyhow::Result<()> {
+    let bar = progress_bar(files);
+    let mut total = Tally::default();
+    for path in files {
+        let name = path.display();
+        bar.set_message(name.to_string());
+        let tally = match source::open(path)? {
+            Ok(content) => {
+                let mut tell = |event: Event<'_>| match event {
+                    Event::Carried { bytes } => bar.inc(bytes),
+                    Event::Refused(refusal) => bar.suspend(|| eprintln!("{name}:{refusal}")),
+                    Event::Answered(answer) => bar.suspend(|| print!("{}", Gist(answer))),
+                };
+                let carried = Courier::new(service, &PATIENCE, &mut tell).carry(content).await;
+                carried.with_context(|| format!("{name}: stopped; import it again to go on"))?
+            }
+            Err(unreadable) => {
+                bar.suspend(|| eprintln!("{name}: {}", unreadable.why));
+                Tally { refused: 1, ..Tally::default() }
+            }
+        };
+        bar.suspend(|| println!("{name}: {tally}"));
+        total += tally;
+    }
+    bar.finish_and_clear();
+    if files.len() > 1 {
+        println!("together: {total}");
+    }
+    if total.refused > 0 {
+        bail!("{} refused", total.refused);
+    }
+    Ok(())
+}
+
+/// Counts bytes, because the number of documents in a file is known only at its end.
+fn progress_bar(files: &[PathBuf]) -> ProgressBar {
+    let sizes = files.iter().filter_map(|path| std::fs::metadata(path).ok()).map(|m| m.len());
+    let style = ProgressStyle::with_template("{bar:30} {bytes}/{total_bytes} {bytes_per_sec} {msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(sizes.sum()).with_style(style)
+}

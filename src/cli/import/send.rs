@@ -1,0 +1,254 @@
+//! Carries the content of one file to the service, however large, and tells what became of every document in it.
+
+use std::io::BufRead;
+use std::ops::AddAssign;
+use std::time::Duration;
+
+use bytes::Bytes;
+use serde_json::Value;
+
+use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
+use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
+use crate::wire::problem::Problem;
+
+/// A batch ends at either: enough to share a commit, little enough to answer soon.
+const BATCH_LINES: usize = 1000;
+const BATCH_BYTES: u64 = 1 << 20;
+/// Pauses before a busy or absent service is asked again, for somebody who waits at the terminal.
+pub const PATIENCE: [Duration; 5] = [
+    Duration::from_millis(250),
+    Duration::from_secs(1),
+    Duration::from_secs(3),
+    Duration::from_secs(8),
+    Duration::from_secs(20),
+];
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// What became of the documents of one file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    pub stored: u64,
+    pub known: u64,
+    pub refused: u64,
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        self.stored += other.stored;
+        self.known += other.known;
+        self.refused += other.refused;
+    }
+}
+
+impl std::fmt::Display for Tally {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} stored, {} already known, {} refused", self.stored, self.known, self.refused)
+    }
+}
+
+/// What happens on the way.
+pub enum Event<'a> {
+    Carried {
+        bytes: u64,
+    },
+    Refused(Refusal),
+    /// The service's answer to a document sent alone.
+    Answered(&'a Value),
+}
+
+/// A document that will never be stored as it is, and why, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// Line of the file, or number of the array's member, from 1; none for a file of one document.
+    pub line: Option<u64>,
+    pub why: String,
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{line}: {}", self.why),
+            None => f.write_str(&self.why),
+        }
+    }
+}
+
+pub struct Courier<'a> {
+    service: &'a Service,
+    tell: &'a mut dyn FnMut(Event<'_>),
+    /// Pauses between tries, before giving up.
+    pauses: &'a [Duration],
+    tally: Tally,
+}
+
+impl<'a> Courier<'a> {
+    pub fn new(service: &'a Service, pauses: &'a [Duration], tell: &'a mut dyn FnMut(Event<'_>)) -> Self {
+        Self { service, tell, pauses, tally: Tally::default() }
+    }
+
+    /// Stops at the first document of which nothing can be said (service gone, token wrong); what went before is
+    /// stored, and sending it again does no harm.
+    pub async fn carry(mut self, content: Content) -> anyhow::Result<Tally> {
+        match content {
+            Content::One(document) => self.carry_one(document).await?,
+            Content::Lines(mut reader) => {
+                let mut line = 0;
+                while let Some(batch) = self.next_batch(reader.as_mut(), &mut line)? {
+                    self.carry_batch(batch).await?;
+                }
+            }
+            Content::Members(members) => {
+                for (batch, number) in members.chunks(BATCH_LINES).zip(0..) {
+                    self.carry_batch(Batch::of(batch, number * BATCH_LINES as u64)).await?;
+                }
+            }
+        }
+        Ok(self.tally)
+    }
+
+    async fn carry_one(&mut self, document: Document) -> Result<(), Trouble> {
+        let Document { route, content_type, body } = document;
+        let (bytes, body) = (body.len() as u64, Bytes::from(body));
+        match patiently(self.pauses, async || self.service.post(route, content_type, body.clone()).await).await? {
+            Sent::Stored(answer) => {
+                self.tally.stored += 1;
+                (self.tell)(Event::Answered(&answer));
+            }
+            Sent::Known(answer) => {
+                self.tally.known += 1;
+                (self.tell)(Event::Answered(&answer));
+            }
+            Sent::Refused(problem) => self.refuse(None, in_words(&problem)),
+        }
+        (self.tell)(Event::Carried { bytes });
+        Ok(())
+    }
+
+    /// Sends a batch; lines that the service was too busy for go again until they are decided.
+    async fn carry_batch(&mut self, mut batch: Batch) -> Result<(), Trouble> {
+        let bytes = batch.bytes;
+        patiently(self.pauses, async || {
+            let answers = self.service.import(batch.body(), batch.lines.len()).await?;
+            let mut busy = None;
+            let mut answers = answers.into_iter();
+            batch.lines.retain(|(number, _)| {
+                let answer = answers.next().unwrap_or(LineAnswer { status: 503, error: None });
+                match self.decide(*number, answer) {
+                    Ok(()) => false,
+                    Err(trouble) => {
+                        busy.get_or_insert(trouble);
+                        true
+                    }
+                }
+            });
+            busy.map_or(Ok(()), Err)
+        })
+        .await?;
+        (self.tell)(Event::Carried { bytes });
+        Ok(())
+    }
+
+    fn decide(&mut self, line: u64, answer: LineAnswer) -> Result<(), Trouble> {
+        let why = || answer.error.as_ref().map_or_else(|| format!("status {}", answer.status), in_words);
+        match answer.status {
+            201 => self.tally.stored += 1,
+            200 => self.tally.known += 1,
+            401 | 403 => return Err(Trouble::Stop(why())),
+            408 | 425 | 429 | 500.. => {
+                return Err(Trouble::Again { why: format!("line {line}: {}", why()), after: None });
+            }
+            _ => {
+                let why = why();
+                self.refuse(Some(line), why);
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse(&mut self, line: Option<u64>, why: String) {
+        self.tally.refused += 1;
+        (self.tell)(Event::Refused(Refusal { line, why }));
+    }
+
+    /// The next lines that are not blank, with their numbers; none at the end of the file.
+    fn next_batch(&mut self, reader: &mut dyn BufRead, line: &mut u64) -> std::io::Result<Option<Batch>> {
+        let mut batch = Batch::default();
+        while batch.lines.len() < BATCH_LINES && batch.bytes < BATCH_BYTES {
+            let mut text = Vec::new();
+            if read_line(reader, &mut text)? == 0 {
+                break;
+            }
+            *line += 1;
+            if text.len() as u64 == MAX_DOCUMENT_BYTES && !text.ends_with(b"\n") {
+                self.refuse(Some(*line), format!("is longer than {MAX_DOCUMENT_BYTES} bytes"));
+                skip_line(reader)?;
+            } else if !text.trim_ascii().is_empty() {
+                batch.push(*line, text);
+            }
+        }
+        Ok(Some(batch).filter(|batch| !batch.lines.is_empty()))
+    }
+}
+
+#[derive(Default)]
+struct Batch {
+    /// Number in the file, and text.
+    lines: Vec<(u64, Vec<u8>)>,
+    bytes: u64,
+}
+
+impl Batch {
+    fn of(members: &[Vec<u8>], before: u64) -> Self {
+        let mut batch = Self::default();
+        for (text, number) in members.iter().zip(before + 1..) {
+            batch.push(number, text.clone());
+        }
+        batch
+    }
+
+    fn push(&mut self, number: u64, text: Vec<u8>) {
+        self.bytes += text.len() as u64;
+        self.lines.push((number, text));
+    }
+
+    fn body(&self) -> Bytes {
+        let mut body = Vec::with_capacity(self.bytes as usize + self.lines.len());
+        for (_, text) in &self.lines {
+            body.extend_from_slice(text.trim_ascii_end());
+            body.push(b'\n');
+        }
+        body.into()
+    }
+}
+
+fn skip_line(reader: &mut dyn BufRead) -> std::io::Result<()> {
+    loop {
+        let mut part = Vec::new();
+        if read_line(reader, &mut part)? == 0 || part.ends_with(b"\n") {
+            return Ok(());
+        }
+    }
+}
+
+/// Asks again after each of `pauses` while that can help; the service's own Retry-After goes before them.
+async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Result<T, Trouble>) -> Result<T, Trouble> {
+    for &pause in pauses {
+        let pause = match attempt().await {
+            Err(Trouble::Again { after, .. }) => after.map_or(pause, |after| after.min(LONGEST_PAUSE)),
+            Err(Trouble::Away(_)) => pause,
+            decided => return decided,
+        };
+        tokio::time::sleep(pause).await;
+    }
+    attempt().await
+}
+
+/// The places at fault, or the detail where the problem names none.
+fn in_words(problem: &Problem) -> String {
+    if problem.errors.is_empty() {
+        return problem.detail.clone();
+    }
+    let place = |pointer: &str| if pointer.is_empty() { "document".to_owned() } else { pointer.to_owned() };
+    let places = problem.errors.iter().map(|e| format!("{}: {}", place(&e.pointer), e.detail));
+    places.collect::<Vec<_>>().join("; ")
+}

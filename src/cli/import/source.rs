@@ -1,0 +1,179 @@
+//! What a file holds: one document, or many of them line by line.
+//!
+//! The content decides, not the name: stations call their files what they like. A single document goes to its own
+//! endpoint, byte for byte, so that the service's complaints name places in the file as it is.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
+
+use crate::cli::client::JSON;
+
+/// Longest line, and largest single document: far above any campaign, far below memory.
+pub const MAX_DOCUMENT_BYTES: u64 = 16 << 20;
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+pub enum Content {
+    One(Document),
+    /// NDJSON: one document a line.
+    Lines(Box<dyn BufRead + Send>),
+    /// The members of a JSON array, each on a line of its own.
+    Members(Vec<Vec<u8>>),
+}
+
+#[derive(Debug, PartialEq)]
+pub struct Document {
+    pub route: &'static str,
+    pub content_type: &'static str,
+    pub body: Vec<u8>,
+}
+
+/// Why a file is not sent. The place is inside `why`.
+#[derive(Debug)]
+pub struct Unreadable {
+    pub why: String,
+    /// The text ends before the document does: perhaps somebody is still writing it.
+    pub cut_short: bool,
+}
+
+/// Opens a file; `-` is standard input. The outer error is the file system's, the inner one the content's.
+pub fn open(path: &Path) -> anyhow::Result<Result<Content, Unreadable>> {
+    if path == Path::new("-") {
+        return read(BufReader::new(std::io::stdin())).context("standard input");
+    }
+    let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
+    if file.metadata().is_ok_and(|m| m.is_dir()) {
+        bail!("{} is a directory; name its files, or watch it with --watch", path.display());
+    }
+    read(BufReader::with_capacity(1 << 20, file)).with_context(|| path.display().to_string())
+}
+
+/// Reads the first line; when that alone is a JSON document and more follows, the rest is lines of such.
+fn read(mut reader: impl BufRead + Send + 'static) -> anyhow::Result<Result<Content, Unreadable>> {
+    let mut head = Vec::new();
+    while head.trim_ascii().is_empty() {
+        if read_line(&mut reader, &mut head)? == 0 {
+            return Ok(Err(unreadable("is empty", true)));
+        }
+    }
+    let first_is_whole = serde_json::from_slice::<IgnoredAny>(without_mark(&head)).is_ok();
+    if first_is_whole && starts_with(&head, b'{') && more_follows(&mut reader)? {
+        return Ok(Ok(Content::Lines(Box::new(std::io::Cursor::new(head).chain(reader)))));
+    }
+    let mut rest = reader.take(MAX_DOCUMENT_BYTES);
+    rest.read_to_end(&mut head)?;
+    if head.len() as u64 >= MAX_DOCUMENT_BYTES {
+        let why = format!("is one document of more than {MAX_DOCUMENT_BYTES} bytes; send one document a line");
+        return Ok(Err(unreadable(&why, false)));
+    }
+    Ok(classify(head))
+}
+
+/// Like `read_until`, but a line without end cannot fill the memory.
+pub fn read_line(reader: &mut (impl BufRead + ?Sized), line: &mut Vec<u8>) -> std::io::Result<usize> {
+    reader.take(MAX_DOCUMENT_BYTES).read_until(b'\n', line)
+}
+
+fn more_follows(reader: &mut impl BufRead) -> std::io::Result<bool> {
+    Ok(!reader.fill_buf()?.trim_ascii().is_empty())
+}
+
+fn classify(text: Vec<u8>) -> Result<Content, Unreadable> {
+    if starts_with(&text, b'[') {
+        return members(&text);
+    }
+    if !starts_with(&text, b'{') {
+        let content_type = "text/csv";
+        return Ok(Content::One(Document { route: "/v1/campaigns", content_type, body: text }));
+    }
+    let route = route_of(without_mark(&text))?;
+    Ok(Content::One(Document { route, content_type: JSON, body: text }))
+}
+
+/// Which endpoint takes the document, by the member that only its kind has.
+fn route_of(text: &[u8]) -> Result<&'static str, Unreadable> {
+    let members: std::collections::BTreeMap<String, IgnoredAny> = serde_json::from_slice(text).map_err(not_json)?;
+    let has = |name: &str| members.contains_key(name);
+    if has("dwells") {
+        Ok("/v1/campaigns")
+    } else if has("gyros") {
+        Ok("/v1/records")
+    } else if has("method") {
+        Ok("/v1/bench-results")
+    } else {
+        let why = "is neither a calibration record (`gyros`), a campaign (`dwells`) nor a bench result (`method`)";
+        Err(unreadable(why, false))
+    }
+}
+
+/// No line break may stand inside a JSON string, so every one between tokens can become a blank.
+fn members(text: &[u8]) -> Result<Content, Unreadable> {
+    let members: Vec<&RawValue> = serde_json::from_slice(without_mark(text)).map_err(not_json)?;
+    let one_line = |raw: &&RawValue| raw.get().replace(['\n', '\r'], " ").into_bytes();
+    Ok(Content::Members(members.iter().map(one_line).collect()))
+}
+
+fn not_json(error: serde_json::Error) -> Unreadable {
+    unreadable(&format!("is not JSON: {error}"), error.is_eof())
+}
+
+fn unreadable(why: &str, cut_short: bool) -> Unreadable {
+    Unreadable { why: why.to_owned(), cut_short }
+}
+
+fn starts_with(text: &[u8], first: u8) -> bool {
+    without_mark(text).trim_ascii_start().first() == Some(&first)
+}
+
+fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn content(text: &'static str) -> Result<Content, Unreadable> {
+        read(text.as_bytes()).unwrap()
+    }
+
+    fn route(text: &'static str) -> &'static str {
+        match content(text) {
+            Ok(Content::One(document)) => {
+                assert_eq!(document.body, text.as_bytes(), "sent byte for byte");
+                document.route
+            }
+            _ => panic!("{text} is one document"),
+        }
+    }
+
+    #[test]
+    fn a_document_goes_to_the_endpoint_of_its_kind() {
+        assert_eq!(route("{\"imu\": \"A\",\n \"gyros\": []}\n"), "/v1/records");
+        assert_eq!(route("{\"gyros\": [], \"dwells\": []}"), "/v1/campaigns");
+        assert_eq!(route("\u{feff}{\"method\": \"torque_feedback\"}"), "/v1/bench-results");
+        assert_eq!(route("# imu: A\nphase,start_s\nstatic,0\n"), "/v1/campaigns");
+    }
+
+    #[test]
+    fn lines_are_told_from_one_document_by_what_the_first_line_holds() {
+        assert!(matches!(content("{\"gyros\": []}\n{\"gyros\": []}\n"), Ok(Content::Lines(_))));
+        assert!(matches!(content("\n{\"gyros\": []}\nnot json\n"), Ok(Content::Lines(_))));
+        assert!(matches!(content("{\"gyros\": []}\n\n"), Ok(Content::One(_))));
+        let Ok(Content::Members(members)) = content("[{\"a\":\n1},\n{\"b\":2}]") else { panic!("an array") };
+        assert_eq!(members, [b"{\"a\": 1}".to_vec(), b"{\"b\":2}".to_vec()]);
+    }
+
+    #[test]
+    fn a_text_that_breaks_off_is_told_from_one_that_is_wrong() {
+        let cut = |text| content(text).err().expect("cannot be sent").cut_short;
+        assert!(cut("{\"gyros\": [\n"));
+        assert!(cut(""));
+        assert!(cut("[{\"gyros\": []},\n"));
+        assert!(!cut("{\"gyros\" = 1}\n"));
+        assert!(!cut("{\"imu\": \"A\"}\n"));
+    }
+}

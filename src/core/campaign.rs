@@ -8,6 +8,10 @@ use super::mounting::{Geometry, Slot};
 use super::record::Name;
 use super::time::UtcMicros;
 
+mod check;
+
+pub use check::{Limits, check_dwells, unchecked};
+
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
@@ -21,6 +25,10 @@ impl Phase {
             Phase::Static => "static",
             Phase::Rate => "rate",
         }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Phase::Static, Phase::Rate].into_iter().find(|phase| phase.name() == name)
     }
 }
 
@@ -42,6 +50,10 @@ impl TestKind {
             TestKind::TorqueFeedback => "torque_feedback",
             TestKind::TurntableServo => "turntable_servo",
         }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        [TestKind::Imu, TestKind::TorqueFeedback, TestKind::TurntableServo].into_iter().find(|t| t.name() == name)
     }
 }
 

@@ -85,6 +85,13 @@ impl Rotation<Nav, Body> {
         let q = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
         Self::stated_as(q.to_rotation_matrix())
     }
+
+    /// The unit quaternion [w, x, y, z] of [`Rotation::from_attitude`], with w not negative.
+    pub fn to_attitude(&self) -> [f64; 4] {
+        let q = UnitQuaternion::from_rotation_matrix(&self.0);
+        let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+        [q.w, q.i, q.j, q.k].map(|c| sign * c)
+    }
 }
 
 impl<A, B> Mul<Vector<A>> for Rotation<A, B> {

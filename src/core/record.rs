@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::fault::Faults;
-use super::mounting::{Geometry, Slot};
+use super::mounting::{Geometry, Slot, Triad};
 use super::time::UtcMicros;
 
 /// Longest identifier (IMU, station, serial, operator, campaign) in characters.
@@ -92,6 +92,31 @@ impl Default for Plausibility {
     }
 }
 
+impl Plausibility {
+    /// Whether `e` (pulse/arcsec) is a possible row of E for a gyro mounted nominally as `triad`.
+    ///
+    /// # Errors
+    /// Words for a person: |E| out of range, or its direction too far from the nominal input axis.
+    pub fn check_scale(&self, e: &Vector3<f64>, triad: &Triad, slot: Slot) -> Result<(), String> {
+        let norm = e.norm();
+        let (low, high) = self.scale_factor;
+        if !(low..=high).contains(&norm) {
+            return Err(format!("|E| = {norm} pulse/arcsec is outside {low} to {high}"));
+        }
+        let direction = e / norm;
+        let angle = direction.cross(&triad.input()).norm().atan2(direction.dot(&triad.input()));
+        if angle > self.max_misalignment {
+            return Err(format!(
+                "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted",
+                angle.to_degrees(),
+                slot.name(),
+                self.max_misalignment.to_degrees()
+            ));
+        }
+        Ok(())
+    }
+}
+
 impl Record {
     /// Checks what a type cannot: names are unique, E is a possible row of the declared geometry.
     pub fn check(&self, limits: &Plausibility) -> Result<(), Faults> {
@@ -100,21 +125,26 @@ impl Record {
             faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
         }
         for (i, gyro) in self.gyros.iter().enumerate() {
-            check_unique(&self.gyros, i, &mut faults);
-            check_against_geometry(&self.geometry, gyro, i, limits, &mut faults);
+            // A gyro in another's slot would be held against the wrong axes.
+            if check_unique(&self.gyros, i, &mut faults) {
+                check_against_geometry(&self.geometry, gyro, i, limits, &mut faults);
+            }
         }
         faults.or(())
     }
 }
 
-fn check_unique(gyros: &[GyroParameters], i: usize, faults: &mut Faults) {
+/// Whether the gyro has its slot for itself.
+fn check_unique(gyros: &[GyroParameters], i: usize, faults: &mut Faults) -> bool {
     let (gyro, before) = (&gyros[i], &gyros[..i]);
-    if let Some(twin) = before.iter().position(|g| g.slot == gyro.slot) {
+    let slot_twin = before.iter().position(|g| g.slot == gyro.slot);
+    if let Some(twin) = slot_twin {
         faults.push(format!("/gyros/{i}/slot"), format!("{} is already taken by /gyros/{twin}", gyro.slot.name()));
     }
     if let Some(twin) = before.iter().position(|g| g.serial == gyro.serial) {
         faults.push(format!("/gyros/{i}/serial"), format!("{} is already named by /gyros/{twin}", gyro.serial));
     }
+    slot_twin.is_none()
 }
 
 fn check_against_geometry(
@@ -125,31 +155,16 @@ fn check_against_geometry(
     faults: &mut Faults,
 ) {
     let pointer = format!("/gyros/{i}/e_pulse_per_arcsec");
-    let norm = gyro.e.norm();
-    let (low, high) = limits.scale_factor;
-    if !(low..=high).contains(&norm) {
-        faults.push(pointer, format!("|E| = {norm} pulse/arcsec is outside {low} to {high}"));
-        return;
-    }
     let Some(triad) = geometry.triad(gyro.slot) else {
         faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
         return;
     };
-    let direction = gyro.e / norm;
-    let angle = direction.cross(&triad.input()).norm().atan2(direction.dot(&triad.input()));
-    if angle > limits.max_misalignment {
-        faults.push(
-            pointer,
-            format!(
-                "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted",
-                angle.to_degrees(),
-                gyro.slot.name(),
-                limits.max_misalignment.to_degrees()
-            ),
-        );
+    if let Err(reason) = limits.check_scale(&gyro.e, &triad, gyro.slot) {
+        faults.push(pointer, reason);
     }
+    let norm = gyro.e.norm();
     let drift = gyro.g.amax() / norm;
-    if drift > limits.max_drift {
+    if norm > 0.0 && drift > limits.max_drift {
         faults.push(
             format!("/gyros/{i}/g_pulse_per_s_g0"),
             format!("|G/E| = {drift} deg/(h g0) is beyond the accepted {}", limits.max_drift),

@@ -35,6 +35,11 @@ pub struct StatedAxes {
     pub g2: Option<AxesBody>,
     #[serde(rename = "G3", default, skip_serializing_if = "Option::is_none")]
     pub g3: Option<AxesBody>,
+    /// Of a fixture that carries one gyro: axes that need no slot, together with `spin`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spin: Option<Triple>,
 }
 
 /// Nominal axes of one gyro: unit vectors in body axes, perpendicular to one another.
@@ -62,7 +67,7 @@ impl GeometryBody {
             Geometry::Custom(triads) => {
                 let [g1, g2, g3] =
                     triads.map(|triad| triad.map(|t| AxesBody { input: t.input().into(), spin: t.spin().into() }));
-                Self::Stated(StatedAxes { g1, g2, g3 })
+                Self::Stated(StatedAxes { g1, g2, g3, input: None, spin: None })
             }
         }
     }
@@ -79,7 +84,33 @@ impl StatedAxes {
                 Err(part) => faults.absorb(&format!("/{}", slot.name()), part),
             }
         }
+        if let Some(triad) = self.fixture(&mut faults) {
+            triads = triads.map(|stated| stated.or(Some(triad)));
+        }
         faults.or(Geometry::Custom(triads))
+    }
+}
+
+impl StatedAxes {
+    fn fixture(&self, faults: &mut Faults) -> Option<Triad> {
+        match (self.input, self.spin) {
+            (None, None) => None,
+            (Some(input), Some(spin)) if self.g1.is_none() && self.g2.is_none() && self.g3.is_none() => {
+                Triad::from_stated_axes(input.vector(), spin.vector()).map_err(|part| faults.absorb("", part)).ok()
+            }
+            (Some(_), Some(_)) => {
+                faults.push("/input", "axes are given by slot or once for a fixture, not both");
+                None
+            }
+            (Some(_), None) => {
+                faults.push("/spin", "is missing beside `input`");
+                None
+            }
+            (None, Some(_)) => {
+                faults.push("/input", "is missing beside `spin`");
+                None
+            }
+        }
     }
 }
 

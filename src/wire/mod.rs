@@ -5,8 +5,10 @@
 //! type then collects every fault of content. Both name places by JSON pointers with the names on the wire.
 
 pub mod bench;
+pub mod campaign;
 pub mod geometry;
 pub mod json;
+pub mod numbers;
 pub mod problem;
 pub mod record;
 pub mod text;

@@ -272,9 +272,10 @@ mod tests {
         document["gyros"][0]["serial"] = json!("");
         document["gyros"][1]["serial"] = json!("");
         document["gyros"][2]["slot"] = json!("G1");
+        document["gyros"][0]["e_pulse_per_arcsec"] = json!([0, 0, 0]);
         assert_eq!(
             pointers(&document),
-            ["/imu", "/gyros/0/serial", "/gyros/1/serial", "/gyros/2/slot", "/gyros/2/e_pulse_per_arcsec"]
+            ["/imu", "/gyros/0/serial", "/gyros/1/serial", "/gyros/0/e_pulse_per_arcsec", "/gyros/2/slot"]
         );
     }
 

@@ -1,0 +1,217 @@
+//! What a campaign's dwells must satisfy beyond their shape, and which checks a missing column made impossible.
+//!
+//! Places are JSON pointers with the wire names; a CSV reader maps them to lines and columns.
+
+use nalgebra::Vector3;
+
+use super::{Campaign, CampaignGyro, Dwell, Phase, Site};
+use crate::core::fault::Faults;
+use crate::core::frames::Vector;
+use crate::core::mounting::Geometry;
+use crate::core::record::Plausibility;
+
+/// What is refused as impossible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// By how much a dwell may begin before its predecessor ends, s: rounding of printed times.
+    pub overlap_s: f64,
+    /// Largest | |a| - gravity | in a static dwell, as a share of gravity. Measured (not commanded) specific
+    /// force is accepted, so this is wider than a table needs.
+    pub gravity_share: f64,
+    /// Largest angle between the commanded specific force and the vertical of the commanded attitude, rad.
+    pub attitude: f64,
+    /// Largest rate in a static dwell, arcsec/s; the Earth alone makes 15.04.
+    pub static_rate_arcsec_s: f64,
+    /// For `known_e_pulse_per_arcsec`.
+    pub plausibility: Plausibility,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            overlap_s: 1e-3,
+            gravity_share: 0.02,
+            attitude: 0.1_f64.to_radians(),
+            static_rate_arcsec_s: 20.0,
+            plausibility: Plausibility::default(),
+        }
+    }
+}
+
+/// Smallest standard error, pulse/s. Far below any pulse counter, and its inverse square still is a number.
+const SMALLEST_SEM: f64 = 1e-12;
+
+impl Campaign {
+    /// Every check of this module.
+    ///
+    /// # Errors
+    /// All faults, by JSON pointer.
+    pub fn check(&self, limits: &Limits) -> Result<(), Faults> {
+        let mut faults = Faults::default();
+        if self.gyros.is_empty() || self.gyros.len() > 3 {
+            faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
+        }
+        check_gyros(&self.gyros, &self.geometry, limits, &mut faults);
+        if self.dwells.is_empty() {
+            faults.push("/dwells", "must hold at least one dwell");
+        }
+        check_dwells(self.dwells.iter().enumerate(), self.site.as_ref(), limits, &mut faults);
+        faults.or(())
+    }
+}
+
+fn check_gyros(gyros: &[CampaignGyro], geometry: &Geometry, limits: &Limits, faults: &mut Faults) {
+    for (i, gyro) in gyros.iter().enumerate() {
+        if let Some(twin) = gyros[..i].iter().position(|g| g.serial == gyro.serial) {
+            faults.push(format!("/gyros/{i}/serial"), format!("{} is already named by /gyros/{twin}", gyro.serial));
+        }
+        if let Some(twin) = gyros[..i].iter().position(|g| g.slot == gyro.slot) {
+            faults.push(format!("/gyros/{i}/slot"), format!("{} is already taken by /gyros/{twin}", gyro.slot.name()));
+            continue;
+        }
+        let Some(triad) = geometry.triad(gyro.slot) else {
+            faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
+            continue;
+        };
+        if let Some(e) = gyro.known_e
+            && let Err(reason) = limits.plausibility.check_scale(&e, &triad, gyro.slot)
+        {
+            faults.push(format!("/gyros/{i}/known_e_pulse_per_arcsec"), reason);
+        }
+    }
+}
+
+/// Checks dwells given with their index in the document (a reader leaves out those that it could not read).
+pub fn check_dwells<'a>(
+    dwells: impl Iterator<Item = (usize, &'a Dwell)>,
+    site: Option<&Site>,
+    limits: &Limits,
+    faults: &mut Faults,
+) {
+    let mut first: Option<(usize, &Dwell)> = None;
+    let mut before: Option<(usize, &Dwell)> = None;
+    for (i, dwell) in dwells {
+        check_time(i, dwell, before, limits, faults);
+        check_force(i, dwell, site, limits, faults);
+        check_sem(i, dwell, faults);
+        if let Some(first) = first {
+            check_columns(i, dwell, first, faults);
+        }
+        first = first.or(Some((i, dwell)));
+        before = Some((i, dwell));
+    }
+}
+
+fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: &Limits, faults: &mut Faults) {
+    if dwell.duration_s <= 0.0 {
+        faults.push(format!("/dwells/{i}/duration_s"), format!("must be positive, is {}", dwell.duration_s));
+    }
+    if dwell.start_s < 0.0 {
+        faults.push(
+            format!("/dwells/{i}/start_s"),
+            format!("must not be negative (it counts from the first dwell), is {}", dwell.start_s),
+        );
+    }
+    let Some((j, before)) = before else { return };
+    let place = format!("/dwells/{i}/start_s");
+    let end = before.start_s + before.duration_s.max(0.0);
+    if dwell.start_s < before.start_s {
+        faults.push(
+            place,
+            format!("out of time order: starts at {} s, /dwells/{j} at {} s", dwell.start_s, before.start_s),
+        );
+    } else if dwell.start_s < end - limits.overlap_s {
+        faults.push(place, format!("overlaps /dwells/{j}: starts at {} s, that ends at {end} s", dwell.start_s));
+    }
+}
+
+fn check_force(i: usize, dwell: &Dwell, site: Option<&Site>, limits: &Limits, faults: &mut Faults) {
+    let force = dwell.specific_force_g0.norm();
+    let place = || format!("/dwells/{i}/specific_force_g0");
+    if dwell.phase == Phase::Static {
+        let gravity = site.map_or(1.0, |s| s.gravity_g0);
+        if (force - gravity).abs() > limits.gravity_share * gravity {
+            faults.push(
+                place(),
+                format!(
+                    "its length is {force:.5} g0 in a static dwell; the {} is {gravity} g0 and {} % off is accepted",
+                    if site.is_some() { "site's gravity" } else { "standard gravity (no site given)" },
+                    limits.gravity_share * 100.0
+                ),
+            );
+        }
+        let rate = dwell.rate_arcsec_s.norm();
+        if rate > limits.static_rate_arcsec_s {
+            faults.push(
+                format!("/dwells/{i}/rate_arcsec_s"),
+                format!(
+                    "{rate:.3} arcsec/s is too fast for a static dwell (the Earth turns at 15.04); is the phase rate?"
+                ),
+            );
+        }
+    }
+    if let Some(attitude) = dwell.attitude
+        && force > 0.0
+    {
+        let up = (attitude * Vector::new(Vector3::z())).0;
+        let angle = up.cross(&dwell.specific_force_g0).norm().atan2(up.dot(&dwell.specific_force_g0));
+        if angle > limits.attitude {
+            faults.push(
+                format!("/dwells/{i}/attitude"),
+                format!(
+                    "contradicts the specific force: the vertical that it gives is {:.3} deg from specific_force_g0 (v_body = C(q) v_nav, nav = East-North-Up)",
+                    angle.to_degrees()
+                ),
+            );
+        }
+    }
+}
+
+fn check_sem(i: usize, dwell: &Dwell, faults: &mut Faults) {
+    for (j, &sem) in dwell.output_sem_pulse_s.iter().flatten().enumerate() {
+        if sem < SMALLEST_SEM {
+            faults.push(
+                format!("/dwells/{i}/output_sem_pulse_s/{j}"),
+                format!("a standard error must be positive (at least {SMALLEST_SEM:e} pulse/s), is {sem}"),
+            );
+        }
+    }
+}
+
+/// A column is there in all dwells or in none.
+fn check_columns(i: usize, dwell: &Dwell, (first, reference): (usize, &Dwell), faults: &mut Faults) {
+    let columns = [
+        ("attitude", dwell.attitude.is_some(), reference.attitude.is_some()),
+        ("temperature_c", dwell.temperature_c.is_some(), reference.temperature_c.is_some()),
+        ("output_sem_pulse_s", dwell.output_sem_pulse_s.is_some(), reference.output_sem_pulse_s.is_some()),
+    ];
+    for (column, here, there) in columns {
+        let state = |given| if given { "given" } else { "missing" };
+        if here != there {
+            faults.push(
+                format!("/dwells/{i}/{column}"),
+                format!(
+                    "{} here but {} in /dwells/{first}; a column is in every dwell or in none",
+                    state(here),
+                    state(there)
+                ),
+            );
+        }
+    }
+}
+
+/// The checks that this campaign's missing columns made impossible, in words for its answer.
+pub fn unchecked(campaign: &Campaign) -> Vec<String> {
+    let mut notes = Vec::new();
+    let has = |column: fn(&Dwell) -> bool| campaign.dwells.first().is_some_and(column);
+    if !has(|d| d.attitude.is_some()) {
+        notes.push("no attitude column: specific force and rate were not checked against the attitude".to_owned());
+    }
+    if campaign.site.is_none() {
+        notes.push("no site: the specific force of static dwells was checked against standard gravity".to_owned());
+    }
+    if !has(|d| d.temperature_c.is_some()) {
+        notes.push("no temperature column: effects of temperature cannot be seen".to_owned());
+    }
+    notes
+}

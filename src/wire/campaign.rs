@@ -1,0 +1,366 @@
+//! The campaign document: raw dwells as a station writes them.
+
+use serde::{Deserialize, Serialize};
+
+use super::geometry::GeometryBody;
+use super::numbers::{Numbers, in_range};
+use super::{json, text, time};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind, check_dwells};
+use crate::core::fault::Faults;
+use crate::core::frames::{Body, Nav, Rotation};
+use crate::core::model::{Term, Terms};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::units::{degrees, radians};
+
+/// Largest | |q| - 1 | of an attitude: four printed digits still pass.
+const MAX_QUATERNION_EXCESS: f64 = 1e-4;
+
+/// Site of the station.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SiteBody {
+    /// Geodetic latitude, degrees, north positive.
+    pub latitude_deg: f64,
+    /// Local gravity, g0 (9.80665 m/s^2).
+    pub gravity_g0: f64,
+    /// Direction of the magnetic field [East, North, Up], any unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<[f64; 3]>)]
+    pub magnetic_field_nav: Option<Numbers>,
+}
+
+/// One gyro of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignGyroBody {
+    /// G1, G2 or G3. A single-gyro bench test may leave it out (G1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slot: Option<String>,
+    pub serial: String,
+    /// E that is held and not fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<[f64; 3]>)]
+    pub known_e_pulse_per_arcsec: Option<Numbers>,
+}
+
+/// One averaging interval.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DwellBody {
+    /// `static` or `rate`.
+    pub phase: String,
+    pub start_s: f64,
+    pub duration_s: f64,
+    /// Commanded unit quaternion [w, x, y, z] with v_body = C(q) v_nav, nav = East-North-Up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<[f64; 4]>)]
+    pub attitude: Option<Numbers>,
+    /// Commanded mean specific force, body axes, g0.
+    #[schema(value_type = [f64; 3])]
+    pub specific_force_g0: Numbers,
+    /// Commanded mean inertial rate, Earth rate included, body axes, arcsec/s.
+    #[schema(value_type = [f64; 3])]
+    pub rate_arcsec_s: Numbers,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
+    /// Mean output of each gyro, in the order of `gyros`.
+    #[schema(value_type = Vec<f64>)]
+    pub output_pulse_s: Numbers,
+    /// Standard errors of those means.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Vec<f64>>)]
+    pub output_sem_pulse_s: Option<Numbers>,
+}
+
+/// A campaign of raw dwells, or a raw single-gyro bench test.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CampaignBody {
+    pub imu: String,
+    pub station: String,
+    /// RFC 3339, with offset.
+    pub measured_at: String,
+    pub geometry: GeometryBody,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub site: Option<SiteBody>,
+    pub gyros: Vec<CampaignGyroBody>,
+    pub dwells: Vec<DwellBody>,
+    /// `imu` (default), `torque_feedback` or `turntable_servo`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub test: Option<String>,
+    /// Terms to fit: any of `bias`, `g_linear`, `g_squared`, `scale`. All four by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<Vec<String>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub operator: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// Reads and checks a campaign in JSON.
+///
+/// # Errors
+/// Of a document with the wrong shape, the first fault; otherwise all, by JSON pointer.
+pub fn parse_json(bytes: &[u8]) -> Result<Campaign, Faults> {
+    json::parse::<CampaignBody>(bytes)?.to_core()
+}
+
+/// The campaign as one JSON document, ready to be read by [`parse_json`].
+pub fn to_json(campaign: &Campaign) -> String {
+    serde_json::to_string(&CampaignBody::from(campaign)).expect("strings and finite numbers always serialise")
+}
+
+/// Terms by name, faults by position.
+pub fn terms_from_names<S: AsRef<str>>(names: &[S]) -> Result<Terms, Faults> {
+    let mut faults = Faults::default();
+    let mut terms = Vec::new();
+    for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
+        match Term::from_name(name) {
+            Some(term) if terms.contains(&term) => faults.push(format!("/{i}"), format!("{name} is named twice")),
+            Some(term) => terms.push(term),
+            None => faults.push(
+                format!("/{i}"),
+                format!("unknown term {name:?}; the terms are bias, g_linear, g_squared and scale"),
+            ),
+        }
+    }
+    if names.is_empty() {
+        faults.push("", "must name at least one term");
+    }
+    faults.or(Terms::of(&terms))
+}
+
+impl CampaignBody {
+    /// Converts and checks.
+    ///
+    /// # Errors
+    /// All faults, by JSON pointer.
+    pub fn to_core(&self) -> Result<Campaign, Faults> {
+        let faults = &mut Faults::default();
+        let head = self.head(faults);
+        let site = self.site.as_ref().and_then(|s| s.to_core(faults));
+        let dwells: Vec<Option<Dwell>> =
+            self.dwells.iter().enumerate().map(|(i, d)| d.to_core(i, self.gyros.len(), faults)).collect();
+        let limits = Limits::default();
+        if faults.is_empty() {
+            let campaign = Campaign { site, dwells: dwells.into_iter().flatten().collect(), ..head };
+            return campaign.check(&limits).map(|()| campaign);
+        }
+        // What could be read is still checked, so that a station hears of everything at once.
+        let read = dwells.iter().enumerate().filter_map(|(i, d)| d.as_ref().map(|d| (i, d)));
+        check_dwells(read, site.as_ref(), &limits, faults);
+        Err(std::mem::take(faults))
+    }
+
+    /// Everything but site and dwells. A refused member has a stand-in.
+    fn head(&self, faults: &mut Faults) -> Campaign {
+        let imu = text::name("/imu", &self.imu, faults);
+        let station = text::name("/station", &self.station, faults);
+        let measured_at = text::instant("/measured_at", &self.measured_at, faults);
+        let test = self.test(faults);
+        let gyros = self.gyros(test != TestKind::Imu, faults);
+        let geometry = self.geometry.to_core().unwrap_or_else(|part| {
+            faults.absorb("/geometry", part);
+            Geometry::Skewed
+        });
+        Campaign {
+            imu,
+            station,
+            measured_at,
+            geometry,
+            site: None,
+            gyros,
+            dwells: Vec::new(),
+            test,
+            model: self.model(faults),
+            temperature_c: text::temperature("/temperature_c", self.temperature_c, faults),
+            operator: text::short("/operator", &self.operator, faults),
+            note: text::note("/note", &self.note, faults),
+        }
+    }
+
+    fn test(&self, faults: &mut Faults) -> TestKind {
+        let name = self.test.as_deref().unwrap_or(TestKind::Imu.name());
+        let Some(test) = TestKind::from_name(name) else {
+            let tests = "imu, torque_feedback and turntable_servo";
+            faults.push("/test", format!("unknown test {name:?}; the tests are {tests}"));
+            return TestKind::Imu;
+        };
+        if test != TestKind::Imu && self.gyros.len() != 1 {
+            faults.push("/gyros", format!("a {name} test has one gyro, here are {}", self.gyros.len()));
+        }
+        test
+    }
+
+    fn gyros(&self, bench: bool, faults: &mut Faults) -> Vec<CampaignGyro> {
+        if self.gyros.is_empty() || self.gyros.len() > 3 {
+            faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
+            return Vec::new();
+        }
+        self.gyros.iter().enumerate().map(|(i, gyro)| gyro.to_core(i, bench, faults)).collect()
+    }
+
+    fn model(&self, faults: &mut Faults) -> Option<Terms> {
+        match terms_from_names(self.model.as_ref()?) {
+            Ok(terms) => Some(terms),
+            Err(part) => {
+                faults.absorb("/model", part);
+                None
+            }
+        }
+    }
+}
+
+impl CampaignGyroBody {
+    fn to_core(&self, i: usize, bench: bool, faults: &mut Faults) -> CampaignGyro {
+        let place = format!("/gyros/{i}/slot");
+        let slot = match self.slot.as_deref() {
+            None if bench => Slot::G1,
+            None => {
+                faults.push(place, "`slot` is missing");
+                Slot::ALL[i]
+            }
+            Some(text) => Slot::from_name(text).unwrap_or_else(|| {
+                faults.push(place, format!("must be G1, G2 or G3, is {text:?}"));
+                Slot::ALL[i]
+            }),
+        };
+        let serial = text::name(&format!("/gyros/{i}/serial"), &self.serial, faults);
+        let place = format_args!("/gyros/{i}/known_e_pulse_per_arcsec");
+        let known_e = self.known_e_pulse_per_arcsec.as_ref().and_then(|e| e.vector(place, faults));
+        CampaignGyro { slot, serial, known_e }
+    }
+}
+
+impl SiteBody {
+    fn to_core(&self, faults: &mut Faults) -> Option<Site> {
+        let before = faults.0.len();
+        if !(-90.0..=90.0).contains(&self.latitude_deg) {
+            faults.push("/site/latitude_deg", format!("must be from -90 to 90, is {}", self.latitude_deg));
+        }
+        if !(0.9..=1.1).contains(&self.gravity_g0) {
+            faults.push(
+                "/site/gravity_g0",
+                format!("must be local gravity in g0 (9.80665 m/s^2), 0.9 to 1.1, is {}", self.gravity_g0),
+            );
+        }
+        let place = "/site/magnetic_field_nav";
+        let magnetic_field_nav = self.magnetic_field_nav.as_ref().and_then(|b| b.vector(place, faults));
+        if magnetic_field_nav.is_some_and(|b| b.norm() == 0.0) {
+            faults.push(place, "must have a direction");
+        }
+        (faults.0.len() == before).then_some(Site {
+            latitude: radians(self.latitude_deg),
+            gravity_g0: self.gravity_g0,
+            magnetic_field_nav,
+        })
+    }
+}
+
+impl DwellBody {
+    fn to_core(&self, i: usize, gyros: usize, faults: &mut Faults) -> Option<Dwell> {
+        let before = faults.0.len();
+        let phase = Phase::from_name(&self.phase);
+        if phase.is_none() {
+            faults.push(format!("/dwells/{i}/phase"), format!("must be static or rate, is {:?}", self.phase));
+        }
+        in_range(self.start_s, format_args!("/dwells/{i}/start_s"), faults);
+        in_range(self.duration_s, format_args!("/dwells/{i}/duration_s"), faults);
+        let specific_force_g0 = self.specific_force_g0.vector(format_args!("/dwells/{i}/specific_force_g0"), faults);
+        let rate_arcsec_s = self.rate_arcsec_s.vector(format_args!("/dwells/{i}/rate_arcsec_s"), faults);
+        let attitude = self.attitude.as_ref().and_then(|q| attitude(q, i, faults));
+        let temperature_c = text::temperature(&format!("/dwells/{i}/temperature_c"), self.temperature_c, faults);
+        let outputs = |list: &Numbers, field: &str, faults: &mut Faults| {
+            list.slice(gyros, format_args!("/dwells/{i}/{field}"), faults).map(<[f64]>::to_vec)
+        };
+        let output_pulse_s = outputs(&self.output_pulse_s, "output_pulse_s", faults);
+        let output_sem_pulse_s =
+            self.output_sem_pulse_s.as_ref().and_then(|list| outputs(list, "output_sem_pulse_s", faults));
+        if faults.0.len() > before {
+            return None;
+        }
+        Some(Dwell {
+            phase: phase?,
+            start_s: self.start_s,
+            duration_s: self.duration_s,
+            attitude,
+            specific_force_g0: specific_force_g0?,
+            rate_arcsec_s: rate_arcsec_s?,
+            temperature_c,
+            output_pulse_s: output_pulse_s?,
+            output_sem_pulse_s,
+        })
+    }
+}
+
+fn attitude(q: &Numbers, i: usize, faults: &mut Faults) -> Option<Rotation<Nav, Body>> {
+    let q = q.exactly::<4>(format_args!("/dwells/{i}/attitude"), faults)?;
+    let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if (length - 1.0).abs() > MAX_QUATERNION_EXCESS {
+        faults.push(
+            format!("/dwells/{i}/attitude"),
+            format!("must be a unit quaternion [w, x, y, z], its length is {length:.6}"),
+        );
+        return None;
+    }
+    Some(Rotation::from_attitude(q))
+}
+
+impl From<&Campaign> for CampaignBody {
+    fn from(c: &Campaign) -> Self {
+        Self {
+            imu: c.imu.to_string(),
+            station: c.station.to_string(),
+            measured_at: time::format(c.measured_at),
+            geometry: GeometryBody::of(&c.geometry),
+            site: c.site.as_ref().map(|s| SiteBody {
+                latitude_deg: tidy(degrees(s.latitude)),
+                gravity_g0: s.gravity_g0,
+                magnetic_field_nav: s.magnetic_field_nav.as_ref().map(Numbers::from),
+            }),
+            gyros: c.gyros.iter().map(CampaignGyroBody::from).collect(),
+            dwells: c.dwells.iter().map(DwellBody::from).collect(),
+            test: (c.test != TestKind::Imu).then(|| c.test.name().to_owned()),
+            model: c.model.map(|terms| terms.iter().map(|t| t.name().to_owned()).collect()),
+            temperature_c: c.temperature_c,
+            operator: c.operator.clone(),
+            note: c.note.clone(),
+        }
+    }
+}
+
+impl From<&CampaignGyro> for CampaignGyroBody {
+    fn from(g: &CampaignGyro) -> Self {
+        Self {
+            slot: Some(g.slot.name().to_owned()),
+            serial: g.serial.to_string(),
+            known_e_pulse_per_arcsec: g.known_e.as_ref().map(Numbers::from),
+        }
+    }
+}
+
+impl From<&Dwell> for DwellBody {
+    fn from(d: &Dwell) -> Self {
+        Self {
+            phase: d.phase.name().to_owned(),
+            start_s: d.start_s,
+            duration_s: d.duration_s,
+            attitude: d.attitude.map(|c| c.to_attitude().as_slice().into()),
+            specific_force_g0: (&d.specific_force_g0).into(),
+            rate_arcsec_s: (&d.rate_arcsec_s).into(),
+            temperature_c: d.temperature_c,
+            output_pulse_s: d.output_pulse_s.as_slice().into(),
+            output_sem_pulse_s: d.output_sem_pulse_s.as_deref().map(Numbers::from),
+        }
+    }
+}
+
+/// Takes off the last bit that degrees to radians and back leaves.
+fn tidy(degrees: f64) -> f64 {
+    (degrees * 1e12).round() / 1e12
+}
+
+#[cfg(test)]
+mod tests;

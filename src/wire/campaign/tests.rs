@@ -1,0 +1,177 @@
+use serde_json::{Value, json};
+
+use super::*;
+
+/// Two dwells (Z up, Z down) and a rate dwell at latitude 0: exact by eye.
+fn document() -> Value {
+    let earth = 15.041_067;
+    json!({
+        "imu": "IMU-07", "station": "ST-2", "measured_at": "2026-03-01T08:00:00Z", "geometry": "skewed",
+        "site": {"latitude_deg": 0.0, "gravity_g0": 1.0},
+        "gyros": [{"slot": "G1", "serial": "A"}, {"slot": "G3", "serial": "B"}],
+        "dwells": [
+            {"phase": "static", "start_s": 0.0, "duration_s": 180.0, "attitude": [1.0, 0.0, 0.0, 0.0],
+             "specific_force_g0": [0.0, 0.0, 1.0], "rate_arcsec_s": [0.0, earth, 0.0], "temperature_c": 45.0,
+             "output_pulse_s": [1.0, 2.0], "output_sem_pulse_s": [0.1, 0.2]},
+            {"phase": "static", "start_s": 240.0, "duration_s": 180.0, "attitude": [0.0, 1.0, 0.0, 0.0],
+             "specific_force_g0": [0.0, 0.0, -1.0], "rate_arcsec_s": [0.0, -earth, 0.0], "temperature_c": 45.1,
+             "output_pulse_s": [1.5, 2.5], "output_sem_pulse_s": [0.1, 0.2]},
+            {"phase": "rate", "start_s": 480.0, "duration_s": 180.0, "attitude": [1.0, 0.0, 0.0, 0.0],
+             "specific_force_g0": [0.0, 0.0, 1.0], "rate_arcsec_s": [0.0, 0.0, 7200.0], "temperature_c": 45.0,
+             "output_pulse_s": [1.5, 2.5], "output_sem_pulse_s": [0.1, 0.2]}
+        ]
+    })
+}
+
+fn with(pointer: &str, value: Value) -> Value {
+    let mut document = document();
+    let (parent, field) = pointer.rsplit_once('/').expect("a pointer");
+    match document.pointer_mut(parent).expect("the parent is there") {
+        Value::Object(map) => {
+            map.insert(field.to_owned(), value);
+        }
+        Value::Array(list) => list[field.parse::<usize>().expect("an index")] = value,
+        other => panic!("{other} has no children"),
+    }
+    document
+}
+
+fn without(pointer: &str) -> Value {
+    let mut document = document();
+    let (parent, field) = pointer.rsplit_once('/').expect("a pointer");
+    document.pointer_mut(parent).and_then(Value::as_object_mut).and_then(|m| m.remove(field)).expect("was there");
+    document
+}
+
+fn places(document: &Value) -> Vec<String> {
+    match parse_json(document.to_string().as_bytes()) {
+        Ok(_) => Vec::new(),
+        Err(faults) => faults.0.into_iter().map(|f| f.pointer).collect(),
+    }
+}
+
+#[test]
+fn a_sound_campaign_is_read_and_written_back() {
+    let campaign = parse_json(document().to_string().as_bytes()).expect("sound");
+    assert_eq!(campaign.dwells.len(), 3);
+    assert_eq!(campaign.gyros[1].slot, Slot::G3);
+    let again = parse_json(to_json(&campaign).as_bytes()).expect("what is written can be read");
+    assert_eq!(again, campaign);
+    let written: Value = serde_json::from_str(&to_json(&campaign)).expect("JSON");
+    assert_eq!(written, document());
+}
+
+#[test]
+fn every_fault_is_named_by_its_pointer() {
+    for (pointer, value) in [
+        ("/dwells/1/colour", json!("red")),
+        ("/dwells/1/start_s", json!("240")),
+        ("/dwells/1/rate_arcsec_s/2", Value::Null),
+        ("/dwells/1/rate_arcsec_s", json!([0.0, 1.0])),
+        ("/dwells/1/specific_force_g0", json!([0.0, 0.0, -1.0, 0.0])),
+        ("/dwells/1/specific_force_g0", json!([0.0, 0.0, -1.0, 0.0, 1.0, 2.0])),
+        ("/dwells/1/output_pulse_s", json!([1.0, 2.0, 3.0])),
+        ("/dwells/1/output_sem_pulse_s", json!([1.0])),
+        ("/dwells/1/output_pulse_s/1", json!(1e300)),
+        ("/dwells/1/output_sem_pulse_s/1", json!(0.0)),
+        ("/dwells/1/output_sem_pulse_s/0", json!(-0.1)),
+        ("/dwells/1/duration_s", json!(0.0)),
+        ("/dwells/1/duration_s", json!(-180.0)),
+        ("/dwells/1/start_s", json!(100.0)),
+        ("/dwells/1/phase", json!("still")),
+        ("/dwells/1/attitude", json!([0.0, 1.01, 0.0, 0.0])),
+        ("/dwells/1/attitude", json!([1.0, 0.0, 0.0, 0.0])),
+        ("/dwells/1/specific_force_g0", json!([0.0, 0.0, -0.95])),
+        ("/dwells/1/rate_arcsec_s", json!([0.0, 0.0, 3600.0])),
+        ("/dwells/1/temperature_c", json!(-300.0)),
+        ("/site/latitude_deg", json!(91.0)),
+        ("/site/gravity_g0", json!(9.797)),
+        ("/gyros/1/slot", json!("G4")),
+        ("/gyros/1/slot", json!("G1")),
+        ("/gyros/1/serial", json!("A")),
+        ("/gyros/1/serial", json!("")),
+        ("/gyros/1/known_e_pulse_per_arcsec", json!([1.0, 0.0, 0.0])),
+        ("/measured_at", json!("2026-03-01T08:00:00")),
+        ("/geometry", json!("tilted")),
+        ("/test", json!("spin")),
+        ("/model", json!(["jerk"])),
+        ("/model", json!(["bias", "bias"])),
+        ("/model", json!([])),
+        ("/operator", json!("a\u{7}")),
+    ] {
+        let found = places(&with(pointer, value.clone()));
+        assert!(found.len() == 1 && found[0].starts_with(pointer), "{pointer} = {value}: {found:?}");
+    }
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    for pointer in [
+        "/imu",
+        "/dwells/2/output_pulse_s",
+        "/gyros/0/slot",
+        "/site/gravity_g0",
+        "/dwells/2/temperature_c",
+        "/dwells/2/attitude",
+        "/dwells/2/output_sem_pulse_s",
+    ] {
+        assert_eq!(places(&without(pointer)), [pointer]);
+    }
+}
+
+#[test]
+fn dwells_out_of_time_order_are_named() {
+    let mut document = document();
+    document["dwells"].as_array_mut().expect("a list").swap(1, 2);
+    assert_eq!(places(&document), ["/dwells/2/start_s"]);
+}
+
+#[test]
+fn all_faults_are_told_at_once() {
+    let mut document = with("/dwells/0/duration_s", json!(-1.0));
+    document["dwells"][1]["rate_arcsec_s"] = json!([1.0]);
+    document["dwells"][2]["output_sem_pulse_s"] = json!([0.0, 0.1]);
+    document["station"] = json!("");
+    assert_eq!(
+        places(&document),
+        ["/station", "/dwells/1/rate_arcsec_s", "/dwells/0/duration_s", "/dwells/2/output_sem_pulse_s/0"]
+    );
+}
+
+#[test]
+fn a_bench_test_has_one_gyro_and_needs_no_slot() {
+    let mut document = with("/test", json!("torque_feedback"));
+    assert_eq!(places(&document), ["/gyros"]);
+    document["gyros"] = json!([{"serial": "A"}]);
+    document["geometry"] = json!({"input": [1, 0, 0], "spin": [0, 0, 1]});
+    for dwell in document["dwells"].as_array_mut().expect("a list") {
+        dwell["output_pulse_s"] = json!([1.0]);
+        dwell["output_sem_pulse_s"] = json!([0.1]);
+    }
+    assert_eq!(places(&document), Vec::<String>::new());
+    document["geometry"] = json!({"input": [1, 0, 0], "spin": [1, 0, 0]});
+    assert_eq!(places(&document), ["/geometry/spin"]);
+    document["geometry"] = json!({"input": [1, 0, 0]});
+    assert_eq!(places(&document), ["/geometry/spin"]);
+}
+
+#[test]
+fn a_missing_column_is_fine_and_its_check_is_said_to_be_skipped() {
+    let mut document = document();
+    for dwell in document["dwells"].as_array_mut().expect("a list") {
+        let dwell = dwell.as_object_mut().expect("an object");
+        for column in ["attitude", "temperature_c", "output_sem_pulse_s"] {
+            dwell.remove(column);
+        }
+    }
+    let campaign = parse_json(document.to_string().as_bytes()).expect("all three are optional");
+    let notes = crate::core::campaign::unchecked(&campaign);
+    assert!(notes.iter().any(|n| n.contains("no attitude column")), "{notes:?}");
+}
+
+#[test]
+fn numbers_beyond_a_double_are_refused_at_their_place() {
+    let text = document().to_string().replacen("180.0", "1e999", 1);
+    let faults = parse_json(text.as_bytes()).unwrap_err();
+    assert_eq!(faults.0[0].pointer, "/dwells/0/duration_s");
+}

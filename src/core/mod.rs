@@ -4,8 +4,10 @@
 //! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
 
 pub mod bench;
+pub mod calibrate;
 pub mod campaign;
 pub mod fault;
+pub mod fit;
 pub mod frames;
 pub mod judge;
 pub mod model;

@@ -1,0 +1,268 @@
+//! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
+//!
+//! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
+//! [`noise`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O).
+
+pub mod design;
+pub mod drift;
+pub mod noise;
+pub mod repeats;
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::campaign::{Campaign, CampaignGyro, Dwell};
+use super::fit::{Factor, Fit};
+use super::model::{Term, Terms};
+use super::mounting::Slot;
+use super::record::Name;
+use design::Design;
+use noise::{Evidence, Noise};
+use repeats::PureError;
+
+/// Where a gyro's E comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScaleSource {
+    /// Fitted: the model has the scale term.
+    Fitted,
+    /// Held at `known_e_pulse_per_arcsec`.
+    Held,
+    /// Neither. The outputs stay in pulse/s.
+    Missing,
+}
+
+/// One fitted number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// D0, G_x .. G_z, P_x .. P_z, E_x .. E_z.
+    pub name: &'static str,
+    pub term: Term,
+    pub value: f64,
+    /// None where the campaign does not determine the parameter, or nothing gives the noise.
+    pub sd: Option<f64>,
+    /// Whether the dwells (with the gauge) leave one value.
+    pub determined: bool,
+}
+
+/// A direction of the parameters along which no dwell changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NullDirection {
+    /// Unit vector in the order of the parameters.
+    pub direction: DVector<f64>,
+    /// The condition that fixes it; none where it is merely cut off at the shortest solution.
+    pub gauge: Option<&'static str>,
+}
+
+/// The condition that makes D0 and P unique at constant |a|.
+pub const GAUGE: &str = "P_x + P_y + P_z = 0";
+
+/// One gyro's fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroCalibration {
+    pub slot: Slot,
+    pub serial: Name,
+    /// The terms that were fitted (without `scale` where E is held).
+    pub terms: Terms,
+    pub scale_source: ScaleSource,
+    pub parameters: Vec<Parameter>,
+    /// Covariance of the parameters, p x p, with the noise scale and its t inflation; none without a noise scale.
+    pub covariance: Option<DMatrix<f64>>,
+    pub rank: usize,
+    pub null_directions: Vec<NullDirection>,
+    /// Sum of squared residuals over the standard errors as given (over 1 pulse/s without any).
+    pub chi2: f64,
+    pub dof: usize,
+    pub noise: Noise,
+    /// Measured less fitted, pulse/s, by dwell.
+    pub residuals: DVector<f64>,
+    /// The same over its own standard deviation, sd f sqrt(1 - leverage); none without a noise scale. Zero where
+    /// the dwell is fitted exactly because nothing else speaks of it (leverage 1).
+    pub standardised: Option<DVector<f64>>,
+    /// By dwell, 0 to 1.
+    pub leverage: DVector<f64>,
+    known_e: Option<Vector3<f64>>,
+}
+
+/// The fit of a whole campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// What was asked for.
+    pub terms: Terms,
+    pub has_sem: bool,
+    /// Groups of repeated dwells.
+    pub repeats: Vec<Vec<usize>>,
+    pub gyros: Vec<GyroCalibration>,
+}
+
+/// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
+///
+/// y_k = D0 + G.A_k + P.A_k^2 + E.w_k + noise, weights 1/sem^2 (equal without standard errors). A gyro with a known
+/// E has E.w_k taken off first and no scale term fitted.
+pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
+    let dwells = &campaign.dwells;
+    let has_sem = dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
+    let repeats = repeats::repeats(dwells);
+    let mut shared = SharedFactors::default();
+    let fits: Vec<GyroFit> =
+        (0..campaign.gyros.len()).map(|j| fit_gyro(campaign, j, terms, &repeats, &mut shared)).collect();
+    let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
+    let gyros = fits
+        .into_iter()
+        .zip(noise::noise(&evidence, has_sem))
+        .zip(&campaign.gyros)
+        .map(|((fit, noise), gyro)| fit.finish(gyro, noise))
+        .collect();
+    Calibration { terms, has_sem, repeats, gyros }
+}
+
+/// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
+pub fn weights_sd(dwells: &[Dwell], j: usize) -> Vec<f64> {
+    dwells.iter().map(|d| d.output_sem_pulse_s.as_ref().map_or(1.0, |sem| sem[j])).collect()
+}
+
+/// Gyros with the same terms and the same standard errors share one factorisation.
+#[derive(Default)]
+struct SharedFactors(Vec<(Design, Vec<f64>, Factor)>);
+
+impl SharedFactors {
+    fn get(&mut self, dwells: &[Dwell], terms: Terms, sd: Vec<f64>) -> (&Design, &Factor) {
+        let found = self.0.iter().position(|(design, used, _)| design.terms == terms && *used == sd);
+        let index = found.unwrap_or_else(|| {
+            let design = match self.0.iter().find(|(design, ..)| design.terms == terms) {
+                Some((design, ..)) => design.clone(),
+                None => Design::new(dwells, terms),
+            };
+            let factor = Factor::new(design.reduced.clone(), &sd);
+            self.0.push((design, sd, factor));
+            self.0.len() - 1
+        });
+        let (design, _, factor) = &self.0[index];
+        (design, factor)
+    }
+}
+
+struct GyroFit {
+    design: Design,
+    scale_source: ScaleSource,
+    sd: Vec<f64>,
+    fit: Fit,
+    determined: Vec<bool>,
+    evidence: Evidence,
+}
+
+fn fit_gyro(c: &Campaign, j: usize, terms: Terms, repeats: &[Vec<usize>], shared: &mut SharedFactors) -> GyroFit {
+    let known_e = c.gyros[j].known_e;
+    let fitted =
+        if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
+    let y = DVector::from_iterator(
+        c.dwells.len(),
+        c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
+    );
+    let sd = weights_sd(&c.dwells, j);
+    let pure_error = PureError::of(repeats, |k| y[k], |k| sd[k]);
+    let (design, factor) = shared.get(&c.dwells, fitted, sd.clone());
+    let fit = factor.fit(&y);
+    let determined = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
+    let evidence = Evidence { chi2: fit.chi2, dof: fit.dof, pure_error };
+    let scale_source = match (known_e, terms.contains(Term::Scale)) {
+        (Some(_), _) => ScaleSource::Held,
+        (None, true) => ScaleSource::Fitted,
+        (None, false) => ScaleSource::Missing,
+    };
+    GyroFit { design: design.clone(), scale_source, sd, fit, determined, evidence }
+}
+
+impl GyroFit {
+    fn finish(self, gyro: &CampaignGyro, noise: Noise) -> GyroCalibration {
+        let Self { design, scale_source, sd, fit, determined, .. } = self;
+        let values = &design.expand * &fit.estimate;
+        let covariance =
+            noise.covariance_scale().map(|scale| &design.expand * &fit.covariance * design.expand.transpose() * scale);
+        let terms_by_column = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));
+        let parameters = design::parameter_names(design.terms)
+            .into_iter()
+            .zip(terms_by_column)
+            .enumerate()
+            .map(|(i, (name, term))| Parameter {
+                name,
+                term,
+                value: values[i],
+                sd: covariance.as_ref().filter(|_| determined[i]).map(|c| c[(i, i)].max(0.0).sqrt()),
+                determined: determined[i],
+            })
+            .collect();
+        let gauge = design.gauge.iter().map(|d| NullDirection { direction: d.clone(), gauge: Some(GAUGE) });
+        let cut = fit
+            .null_directions
+            .column_iter()
+            .map(|d| NullDirection { direction: (&design.expand * d).normalize(), gauge: None });
+        let standardised = noise.factor.map(|f| {
+            let own_sd = |k: usize| sd[k] * f * (1.0 - fit.leverage[k]).max(0.0).sqrt();
+            DVector::from_fn(sd.len(), |k, _| if own_sd(k) > 0.0 { fit.residuals[k] / own_sd(k) } else { 0.0 })
+        });
+        GyroCalibration {
+            slot: gyro.slot,
+            serial: gyro.serial.clone(),
+            terms: design.terms,
+            scale_source,
+            parameters,
+            covariance,
+            rank: fit.rank,
+            null_directions: gauge.chain(cut).collect(),
+            chi2: fit.chi2,
+            dof: fit.dof,
+            noise,
+            residuals: fit.residuals,
+            standardised,
+            leverage: fit.leverage,
+            known_e: gyro.known_e,
+        }
+    }
+}
+
+impl GyroCalibration {
+    /// D0, pulse/s, where it was fitted.
+    pub fn bias(&self) -> Option<f64> {
+        self.of(Term::Bias).map(|p| p[0].value)
+    }
+
+    /// G, pulse/(s g0), body axes, where it was fitted.
+    pub fn g(&self) -> Option<Vector3<f64>> {
+        self.of(Term::GLinear).map(vector)
+    }
+
+    /// P, pulse/(s g0^2), body axes, where it was fitted.
+    pub fn p(&self) -> Option<Vector3<f64>> {
+        self.of(Term::GSquared).map(vector)
+    }
+
+    /// E, pulse/arcsec, body axes: fitted or held.
+    pub fn e(&self) -> Option<Vector3<f64>> {
+        self.known_e.or_else(|| self.of(Term::Scale).map(vector))
+    }
+
+    /// The parameters of one term, where it was fitted.
+    pub fn of(&self, term: Term) -> Option<&[Parameter]> {
+        let first = design::first_column(self.terms, term);
+        self.terms.contains(term).then(|| &self.parameters[first..first + term.columns()])
+    }
+
+    /// Names of the parameters that the dwells do not determine.
+    pub fn undetermined(&self) -> impl Iterator<Item = &'static str> {
+        self.parameters.iter().filter(|p| !p.determined).map(|p| p.name)
+    }
+
+    /// Reduced chi-square against the standard errors as given; none where nothing is left over.
+    pub fn reduced_chi2(&self) -> Option<f64> {
+        (self.dof > 0).then(|| self.chi2 / self.dof as f64)
+    }
+
+    /// |E|, pulse/arcsec, where E is held or determined.
+    pub fn scale_factor(&self) -> Option<f64> {
+        let known = self.known_e.is_some() || self.of(Term::Scale).is_some_and(|e| e.iter().all(|p| p.determined));
+        self.e().filter(|_| known).map(|e| e.norm()).filter(|&norm| norm > 0.0)
+    }
+}
+
+fn vector(parameters: &[Parameter]) -> Vector3<f64> {
+    Vector3::new(parameters[0].value, parameters[1].value, parameters[2].value)
+}

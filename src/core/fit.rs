@@ -1,0 +1,159 @@
+//! Weighted least squares that returns its own evidence.
+//!
+//! The design is whitened (each row divided by its standard deviation), its columns are scaled to unit length, and
+//! the result is taken apart as Q R by Householder reflections and R = U S V^T by singular values. Normal equations
+//! are never formed: they square the condition number. The singular values say what the design determines; what it
+//! does not comes back as null directions, and the estimate is then the shortest of the equally good ones.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values below this share of the largest count as zero.
+///
+/// Not machine precision: the design is commanded, and a station knows its own positions to some 20 arcsec
+/// (1e-4 rad) at best. A direction that the design excites less than that is fed by the station's errors.
+pub const RANK_TOLERANCE: f64 = 1e-4;
+
+/// A design matrix taken apart, ready to fit any number of measurements that share it and its weights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Factor {
+    design: DMatrix<f64>,
+    /// 1/sd of each row.
+    weights: DVector<f64>,
+    /// Orthonormal columns that span what the whitened design can produce, n x rank.
+    basis: DMatrix<f64>,
+    /// Turns coordinates on `basis` into parameters, p x rank.
+    back: DMatrix<f64>,
+    covariance: DMatrix<f64>,
+    null: DMatrix<f64>,
+    scaled_null: DMatrix<f64>,
+    column_scale: DVector<f64>,
+    leverage: DVector<f64>,
+}
+
+/// The estimate and all that speaks for or against it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// Parameters, p.
+    pub estimate: DVector<f64>,
+    /// Covariance for the standard deviations as given, p x p. Meaningless along `null_directions`.
+    pub covariance: DMatrix<f64>,
+    pub rank: usize,
+    /// Directions of parameter space (columns, unit length, p x (p - rank)) along which nothing changes.
+    pub null_directions: DMatrix<f64>,
+    /// y - X b, in the unit of y, n.
+    pub residuals: DVector<f64>,
+    /// Share of its own measurement in each fitted value, 0 to 1, n; their sum is the rank.
+    pub leverage: DVector<f64>,
+    /// Sum of squared whitened residuals.
+    pub chi2: f64,
+    /// n - rank.
+    pub dof: usize,
+}
+
+impl Factor {
+    /// Takes the design (n x p) apart for rows with standard deviations `sd` (n, positive).
+    ///
+    /// # Panics
+    /// Where `sd` has another length than the design has rows, or the design has no rows or no columns.
+    pub fn new(design: DMatrix<f64>, sd: &[f64]) -> Self {
+        let (n, p) = design.shape();
+        assert!(n > 0 && p > 0, "a design has rows and columns");
+        assert_eq!(sd.len(), n, "one standard deviation a row");
+        let weights = DVector::from_iterator(n, sd.iter().map(|s| 1.0 / s));
+        // Rows of zeros make the matrix tall, so that all p right singular vectors come out; they change nothing.
+        let mut whitened = design.clone().resize_vertically(n.max(p), 0.0);
+        for (mut row, w) in whitened.row_iter_mut().zip(weights.iter()) {
+            row *= *w;
+        }
+        let column_scale = DVector::from_iterator(p, whitened.column_iter().map(|c| positive(c.norm())));
+        for (mut column, scale) in whitened.column_iter_mut().zip(column_scale.iter()) {
+            column /= *scale;
+        }
+        let qr = whitened.qr();
+        let svd = qr.r().svd(true, true);
+        let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
+        let threshold = RANK_TOLERANCE * svd.singular_values.max();
+        let (kept, dropped): (Vec<usize>, Vec<usize>) = (0..p).partition(|&i| svd.singular_values[i] > threshold);
+
+        let basis = (qr.q() * u.select_columns(&kept)).rows(0, n).into_owned();
+        let mut back = v_t.select_rows(&kept).transpose();
+        for (k, &i) in kept.iter().enumerate() {
+            back.column_mut(k).unscale_mut(svd.singular_values[i]);
+        }
+        let scaled_null = v_t.select_rows(&dropped).transpose();
+        let mut null = scaled_null.clone();
+        for (i, scale) in column_scale.iter().enumerate() {
+            back.row_mut(i).unscale_mut(*scale);
+            null.row_mut(i).unscale_mut(*scale);
+        }
+        for mut direction in null.column_iter_mut() {
+            let length = positive(direction.norm());
+            direction.unscale_mut(length);
+        }
+        let covariance = &back * back.transpose();
+        let leverage = DVector::from_iterator(n, basis.row_iter().map(|row| row.norm_squared()));
+        Self { design, weights, basis, back, covariance, null, scaled_null, column_scale, leverage }
+    }
+
+    pub fn rank(&self) -> usize {
+        self.basis.ncols()
+    }
+
+    /// Orthonormal columns that span what the whitened design can produce, n x rank. A candidate regressor r
+    /// that the design cannot absorb has (I - B B^T) W r left over.
+    pub fn basis(&self) -> &DMatrix<f64> {
+        &self.basis
+    }
+
+    /// 1/sd of each row.
+    pub fn weights(&self) -> &DVector<f64> {
+        &self.weights
+    }
+
+    pub fn covariance(&self) -> &DMatrix<f64> {
+        &self.covariance
+    }
+
+    pub fn leverage(&self) -> &DVector<f64> {
+        &self.leverage
+    }
+
+    /// Whether `functional . parameters` (p coefficients) is the same for all equally good parameters.
+    ///
+    /// Judged in the units of the scaled columns, with the tolerance of the rank.
+    pub fn determines(&self, functional: &DVector<f64>) -> bool {
+        let scaled = functional.component_div(&self.column_scale);
+        (self.scaled_null.transpose() * &scaled).norm() <= RANK_TOLERANCE * scaled.norm()
+    }
+
+    /// Fits the measurements y (n).
+    ///
+    /// # Panics
+    /// Where `y` has another length than the design has rows.
+    pub fn fit(&self, y: &DVector<f64>) -> Fit {
+        assert_eq!(y.len(), self.design.nrows(), "one measurement a row");
+        let whitened = y.component_mul(&self.weights);
+        let coordinates = self.basis.tr_mul(&whitened);
+        let estimate = &self.back * &coordinates;
+        // From the basis, not from y - X b: exact to rounding also where X b cancels large terms.
+        let left = whitened - &self.basis * coordinates;
+        Fit {
+            estimate,
+            covariance: self.covariance.clone(),
+            rank: self.rank(),
+            null_directions: self.null.clone(),
+            residuals: left.component_div(&self.weights),
+            leverage: self.leverage.clone(),
+            chi2: left.norm_squared(),
+            dof: y.len() - self.rank(),
+        }
+    }
+}
+
+/// A length to divide by: that of a vector of zeros counts as one.
+fn positive(length: f64) -> f64 {
+    if length > 0.0 { length } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,9 @@
 //! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
 mod client;
+mod document;
 mod import;
+mod separate;
 
 use std::io;
 use std::process::ExitCode;
@@ -24,12 +26,14 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Separate(separate::Separate),
     Import(import::Import),
 }
 
 impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
+            Self::Separate(separate) => separate.run(),
             Self::Import(import) => import.run(),
         }
     }

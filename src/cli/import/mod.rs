@@ -12,6 +12,7 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::client::Service;
+use super::document;
 use gist::Gist;
 use send::{Courier, Event, PATIENCE, Tally};
 
@@ -25,6 +26,10 @@ pub struct Import {
     /// Instead of files: send what appears in DIR, move it to DIR/sent, or to DIR/refused with the reason beside it
     #[arg(long, value_name = "DIR")]
     watch: Option<PathBuf>,
+
+    /// Give up at once where the service is down or busy, instead of asking again for half a minute
+    #[arg(long, conflicts_with = "watch")]
+    no_retry: bool,
 
     /// With --watch: seconds for which a file must not change before it is sent
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = seconds)]
@@ -44,7 +49,7 @@ impl Import {
         let service = Service::at(&self.url, self.token)?;
         match self.watch {
             Some(dir) => super::block_on(watch::watch(&dir, Duration::from_secs_f64(self.settle), &service)),
-            None => super::block_on(import(&self.files, &service)),
+            None => super::block_on(import(&self.files, &service, if self.no_retry { &[] } else { &PATIENCE })),
         }
     }
 }
@@ -54,20 +59,21 @@ fn seconds(text: &str) -> Result<f64, String> {
     if (0.0..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must lie between 0 and 3600".into()) }
 }
 
-async fn import(files: &[PathBuf], service: &Service) -> anyhow::Result<()> {
+async fn import(files: &[PathBuf], service: &Service, pauses: &[Duration]) -> anyhow::Result<()> {
     let bar = progress_bar(files);
     let mut total = Tally::default();
     for path in files {
         let name = path.display();
         bar.set_message(name.to_string());
+        let mut gist = String::new();
         let tally = match source::open(path)? {
             Ok(content) => {
                 let mut tell = |event: Event<'_>| match event {
                     Event::Carried { bytes } => bar.inc(bytes),
                     Event::Refused(refusal) => bar.suspend(|| eprintln!("{name}:{refusal}")),
-                    Event::Answered(answer) => bar.suspend(|| print!("{}", Gist(answer))),
+                    Event::Answered(answer) => gist = Gist(answer).to_string(),
                 };
-                let carried = Courier::new(service, &PATIENCE, &mut tell).carry(content).await;
+                let carried = Courier::new(service, pauses, &mut tell).carry(content).await;
                 carried.with_context(|| format!("{name}: stopped; import it again to go on"))?
             }
             Err(unreadable) => {
@@ -75,12 +81,12 @@ async fn import(files: &[PathBuf], service: &Service) -> anyhow::Result<()> {
                 Tally { refused: 1, ..Tally::default() }
             }
         };
-        bar.suspend(|| println!("{name}: {tally}"));
+        bar.suspend(|| document::print(&format!("{name}: {tally}\n{gist}").trim_end()))?;
         total += tally;
     }
     bar.finish_and_clear();
     if files.len() > 1 {
-        println!("together: {total}");
+        document::print(&format!("together: {total}"))?;
     }
     if total.refused > 0 {
         bail!("{} refused", total.refused);

@@ -1,0 +1,120 @@
+//! `separate`: one record in, its drift coefficients out. Nothing is stored, and nothing judged: that takes a history.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, anyhow};
+use comfy_table::Table;
+
+use super::document::{self, Format, table};
+use crate::core::record::{GyroParameters, Plausibility, Record};
+use crate::core::separate::{NotPublished, Published, Separation, diagonal_covariance, separate};
+use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody};
+use crate::wire::record::parse_record;
+use crate::wire::time;
+
+/// Separate D_I and D_S of the gyros of one calibration record
+#[derive(Debug, clap::Args)]
+pub struct Separate {
+    /// The record, in JSON; `-` is standard input
+    record: PathBuf,
+
+    /// In the JSON: the method of d_i and d_s; the other is always reported beside it
+    #[arg(long, value_enum, default_value_t)]
+    method: Method,
+
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// The nominal triad carried along to the measured input axis
+    #[default]
+    Rigid,
+    /// Equations (7) to (13) of the paper, its errata applied
+    Published,
+}
+
+impl Separate {
+    pub fn run(self) -> anyhow::Result<()> {
+        let bytes = document::read(&self.record)?;
+        let file = || document::name(&self.record);
+        let record = parse_record(&bytes, &Plausibility::default()).with_context(file)?;
+        let separations = separate_all(&record).with_context(file)?;
+        match self.format {
+            Format::Table => document::print(&tables(&record, &separations)),
+            Format::Json => document::print_json(&answer(&record, &separations, self.method)),
+        }
+    }
+}
+
+fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
+    let one = |(i, gyro): (usize, &GyroParameters)| {
+        let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+        separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref())
+            .map_err(|why| anyhow!("/gyros/{i}: {why}"))
+    };
+    record.gyros.iter().enumerate().map(one).collect()
+}
+
+fn answer(record: &Record, separations: &[Separation], method: Method) -> RecordAnswer {
+    let method = match method {
+        Method::Rigid => MethodBody::Rigid,
+        Method::Published => MethodBody::Published,
+    };
+    let body = |(gyro, s): (&GyroParameters, _)| SeparationBody::of(gyro.serial.as_str(), s, method);
+    let separations = record.gyros.iter().zip(separations).map(body).collect();
+    RecordAnswer { id: None, separations, verdicts: Vec::new() }
+}
+
+fn tables(record: &Record, separations: &[Separation]) -> String {
+    let mut drift = table(["gyro", "serial", "method", "D_I", "D_S", "closure", ""], 3..6);
+    let mut mounting = table(["gyro", "|E|", "alpha x", "alpha y", "alpha z", "off nominal", "clocking"], 1..7);
+    for (gyro, s) in record.gyros.iter().zip(separations) {
+        add_drift_rows(&mut drift, gyro, s);
+        let alpha = s.alpha.map(|a| format!("{:.6}", a.to_degrees()));
+        let [x, y, z] = alpha;
+        let (off, clocking) = (s.misalignment.to_degrees() * 60.0, s.rigid.clocking().to_degrees());
+        let scale = format!("{:.6}", s.scale_factor);
+        mounting.add_row([gyro.slot.name().into(), scale, x, y, z, format!("{off:.3}'"), format!("{clocking:+.4}")]);
+    }
+    let (imu, station, at) = (&record.imu, &record.station, time::format(record.calibrated_at));
+    format!(
+        "{imu}, calibrated by {station} at {at}\n\n\
+         Drift coefficients, deg/(h g0)\n{drift}\n\n\
+         Mounting: |E| in pulse/arcsec, angles of the input axis in deg, clocking of S about I if D_O = 0 in truth\n{mounting}"
+    )
+}
+
+fn add_drift_rows(table: &mut Table, gyro: &GyroParameters, s: &Separation) {
+    let (slot, serial) = (gyro.slot.name().to_owned(), gyro.serial.to_string());
+    let [i_sd, s_sd, o_sd] = s.rigid.sd().map_or([None; 3], |sd| sd.map(Some));
+    let r = &s.rigid;
+    let figures = [figure(r.d_i, i_sd), figure(r.d_s, s_sd), figure(r.d_o, o_sd)];
+    let [d_i, d_s, d_o] = figures;
+    table.add_row([slot, serial, "rigid".into(), d_i, d_s, d_o, "D_O".into()]);
+    for (name, published) in [("published", &s.published), ("as printed", &s.as_printed)] {
+        table.add_row(published_row(name, published));
+    }
+}
+
+fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [String; 7] {
+    let blank = String::new;
+    match published {
+        Ok(p) => {
+            let [i_sd, s_sd] = p.sd().map_or([None; 2], |sd| sd.map(Some));
+            let method = format!("{name} ({})", p.branch.number());
+            let closure = format!("{:.6}", p.closure_rms);
+            [blank(), blank(), method, figure(p.d_i, i_sd), figure(p.d_s, s_sd), closure, "rms".into()]
+        }
+        Err(why) => [blank(), blank(), name.into(), "-".into(), "-".into(), "-".into(), why.to_string()],
+    }
+}
+
+/// The value, and its standard deviation to two digits where it is known.
+fn figure(value: f64, sd: Option<f64>) -> String {
+    match sd {
+        Some(sd) => format!("{value:+.6} ± {sd:.6}"),
+        None => format!("{value:+.6}"),
+    }
+}

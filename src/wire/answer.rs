@@ -1,0 +1,178 @@
+//! What the service answers to a record, and the command line prints: separations and verdicts.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::record::SlotBody;
+use super::triple::Triple;
+use crate::core::judge::Verdict;
+use crate::core::separate::{self, Separation};
+
+/// The answer to one record or campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RecordAnswer {
+    /// Identifier of the stored item; none where nothing is stored (the command line's `separate`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    pub separations: Vec<SeparationBody>,
+    pub verdicts: Vec<VerdictBody>,
+}
+
+/// Which method's D_I and D_S are judged and shown first; both are always computed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodBody {
+    /// The nominal triad carried along by the smallest rotation to the measured input axis.
+    #[default]
+    Rigid,
+    /// Equations (7) to (13) of the paper, its errata applied.
+    Published,
+}
+
+/// A figure in deg/(h g0), and its standard deviation where the station's are known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct FigureBody {
+    pub value: f64,
+    pub sd: Option<f64>,
+}
+
+/// One gyro of a record, separated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SeparationBody {
+    pub slot: SlotBody,
+    pub serial: String,
+    /// The method of `d_i` and `d_s`.
+    pub method: MethodBody,
+    pub d_i: FigureBody,
+    pub d_s: FigureBody,
+    /// The closure of the rigid method: zero but for the clocking of S about I, or a true output-axis term.
+    pub d_o: FigureBody,
+    /// atan2(D_O, D_S): how far S is turned about I if D_O is zero in truth, degrees.
+    pub clocking_deg: FigureBody,
+    /// |E|, pulse/arcsec.
+    pub scale_factor: FigureBody,
+    /// Angles of the input axis to X_b, Y_b, Z_b, eq. (7), degrees.
+    pub alpha_deg: Triple,
+    /// Angle from the nominal to the measured input axis, arc minutes.
+    pub misalignment_arcmin: f64,
+    /// The rigid method's figures, where `method` is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rigid: Option<RigidBody>,
+    /// None for a geometry that equations (8) to (13) do not cover.
+    pub published: Option<PublishedBody>,
+    /// Equations (8) to (13) letter by letter, misprints included: for comparison only.
+    pub as_printed: Option<PublishedBody>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RigidBody {
+    pub d_i: f64,
+    pub d_s: f64,
+    pub d_o: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PublishedBody {
+    /// Number of the equation that resolved the gyro, `8` to `13`.
+    pub branch: Cow<'static, str>,
+    pub d_i: f64,
+    pub d_s: f64,
+    pub d_i_sd: Option<f64>,
+    pub d_s_sd: Option<f64>,
+    /// Root mean square of the residuals of the equation's three rows.
+    pub closure_rms: f64,
+}
+
+/// One gyro judged by one rule.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct VerdictBody {
+    pub serial: String,
+    pub coefficient: Cow<'static, str>,
+    pub rule: Cow<'static, str>,
+    /// `within`, `exceeded`, or `indeterminate`.
+    pub state: Cow<'static, str>,
+    /// The magnitude that is compared with the limit; none where there are too few points.
+    pub value: Option<f64>,
+    pub limit: f64,
+    pub sd: Option<f64>,
+    /// Probability that the true value exceeds the limit, where `sd` is known.
+    pub probability: Option<f64>,
+    /// Whether a second campaign says the same.
+    pub confirmed: bool,
+    pub reason: String,
+}
+
+impl SeparationBody {
+    /// With the published method asked for and not defined, the figures are the rigid ones, and `method` says so.
+    pub fn of(serial: &str, separation: &Separation, asked: MethodBody) -> Self {
+        let rigid = &separation.rigid;
+        let [i_sd, s_sd, o_sd] = split(rigid.sd());
+        let published = separation.published.as_ref().ok();
+        let method = if published.is_some() { asked } else { MethodBody::Rigid };
+        let ([d_i, d_s], rigid_beside) = match (method, published) {
+            (MethodBody::Published, Some(p)) => {
+                let [i_sd, s_sd] = split(p.sd());
+                let beside = RigidBody { d_i: rigid.d_i, d_s: rigid.d_s, d_o: rigid.d_o };
+                ([figure(p.d_i, i_sd), figure(p.d_s, s_sd)], Some(beside))
+            }
+            _ => ([figure(rigid.d_i, i_sd), figure(rigid.d_s, s_sd)], None),
+        };
+        Self {
+            slot: separation.slot.into(),
+            serial: serial.to_owned(),
+            method,
+            d_i,
+            d_s,
+            d_o: figure(rigid.d_o, o_sd),
+            clocking_deg: figure(rigid.clocking().to_degrees(), rigid.clocking_sd().map(f64::to_degrees)),
+            scale_factor: figure(separation.scale_factor, separation.scale_factor_sd),
+            alpha_deg: Triple(separation.alpha.map(f64::to_degrees)),
+            misalignment_arcmin: separation.misalignment.to_degrees() * 60.0,
+            rigid: rigid_beside,
+            published: published.map(PublishedBody::of),
+            as_printed: separation.as_printed.as_ref().ok().map(PublishedBody::of),
+        }
+    }
+}
+
+impl PublishedBody {
+    fn of(published: &separate::Published) -> Self {
+        let [d_i_sd, d_s_sd] = split(published.sd());
+        Self {
+            branch: published.branch.number().into(),
+            d_i: published.d_i,
+            d_s: published.d_s,
+            d_i_sd,
+            d_s_sd,
+            closure_rms: published.closure_rms,
+        }
+    }
+}
+
+impl VerdictBody {
+    pub fn of(serial: &str, verdict: &Verdict) -> Self {
+        Self {
+            serial: serial.to_owned(),
+            coefficient: verdict.coefficient.name().into(),
+            rule: verdict.rule.name().into(),
+            state: verdict.state.name().into(),
+            value: verdict.value,
+            limit: verdict.limit,
+            sd: verdict.sd,
+            probability: verdict.probability,
+            confirmed: verdict.confirmed,
+            reason: verdict.reason(),
+        }
+    }
+}
+
+fn figure(value: f64, sd: Option<f64>) -> FigureBody {
+    FigureBody { value, sd }
+}
+
+/// Standard deviations one by one, all unknown where the station gave none.
+fn split<const N: usize>(sd: Option<[f64; N]>) -> [Option<f64>; N] {
+    sd.map_or([None; N], |sd| sd.map(Some))
+}

@@ -16,11 +16,13 @@
 //! # In reading order
 //!
 //! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
-//! [`core::model`] what model (6) predicts, [`simulate`] what a station would measure.
+//! [`core::model`] what model (6) predicts, [`simulate`] what a station would measure,
+//! [`blindcheck`] how well a hidden cause is found.
 
 // What ships never unwraps in silence: `expect` says why it cannot fail.
 #![warn(clippy::unwrap_used)]
 
+pub mod blindcheck;
 pub mod cli;
 pub mod core;
 pub mod simulate;

@@ -4,11 +4,12 @@ use gyrowatch::core::campaign::{Campaign, Phase};
 use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::cause::{CATALOGUE, COMMON};
 use gyrowatch::simulate::outside::FAMILIES;
-use gyrowatch::simulate::presets::preset;
+use gyrowatch::simulate::presets::{PRESETS, preset};
 use gyrowatch::simulate::programme::{Order, Positions, Programme};
 use gyrowatch::simulate::scenario::{EffectChoice, Noise, Scenario, StandardErrors};
 use gyrowatch::simulate::truth::KeyEntry;
 use gyrowatch::simulate::{Simulated, simulate};
+use gyrowatch::wire::campaign::{parse_json, to_json};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rstest::rstest;
 
@@ -337,4 +338,19 @@ fn an_impossible_scenario_is_refused_by_the_name_of_the_field(#[case] pointer: &
     spoil(&mut scenario);
     let faults = simulate(&scenario).unwrap_err();
     assert_eq!(faults.0[0].pointer, pointer, "{faults}");
+}
+
+#[test]
+fn every_preset_is_a_file_that_a_station_could_send() {
+    for (name, _) in PRESETS {
+        let campaign = station_runs(&preset(name).unwrap()).campaign;
+        let read = parse_json(to_json(&campaign).as_bytes()).unwrap_or_else(|faults| panic!("{name}: {faults}"));
+        assert_eq!((read.imu, read.dwells.len()), (campaign.imu, campaign.dwells.len()));
+        for (read, sent) in read.dwells.iter().zip(&campaign.dwells) {
+            let pairs = read.output_pulse_s.iter().zip(&sent.output_pulse_s);
+            assert!(pairs.clone().all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs()));
+            let turned = read.attitude.unwrap().matrix() - sent.attitude.unwrap().matrix();
+            assert!(turned.amax() < 1e-9, "{name}: {turned}");
+        }
+    }
 }

@@ -8,6 +8,7 @@ mod client;
 mod document;
 mod import;
 mod separate;
+mod simulate;
 
 use std::io;
 use std::process::ExitCode;
@@ -28,6 +29,7 @@ pub struct Cli {
 enum Command {
     Separate(separate::Separate),
     Import(import::Import),
+    Simulate(simulate::Simulate),
 }
 
 impl Command {
@@ -35,6 +37,7 @@ impl Command {
         match self {
             Self::Separate(separate) => separate.run(),
             Self::Import(import) => import.run(),
+            Self::Simulate(simulate) => simulate.run(),
         }
     }
 }

@@ -22,20 +22,19 @@ impl Sight {
         let columns = rows.first().map_or(0, Vec::len);
         let mut basis: Vec<Vec<f64>> = Vec::new();
         for c in 0..columns {
-            let column: Vec<f64> = rows.iter().zip(sd).map(|(row, s)| row[c] / s).collect();
-            let length = norm(&column);
-            let rest = without(&basis, column);
-            if norm(&rest) > DEPENDENT * length {
-                let unit = 1.0 / norm(&rest);
-                basis.push(rest.into_iter().map(|x| x * unit).collect());
-            }
+            extend(&mut basis, rows.iter().zip(sd).map(|(row, s)| row[c] / s).collect());
         }
         Self { sd: sd.to_vec(), basis }
     }
 
     /// d of a response in pulse/s: length of the whitened response off the model's columns.
     pub fn detectability(&self, response: &[f64]) -> f64 {
-        norm(&without(&self.basis, self.whitened(response)))
+        norm(&self.left_over(response))
+    }
+
+    /// The whitened response itself, off the model's columns.
+    pub fn left_over(&self, response: &[f64]) -> Vec<f64> {
+        without(&self.basis, self.whitened(response))
     }
 
     /// Length of the whitened response itself.
@@ -60,8 +59,18 @@ fn terms_of(terms: Terms, a: &Vector3<f64>, w: &Vector3<f64>) -> Vec<f64> {
     groups.into_iter().filter(|(term, _)| terms.contains(*term)).flat_map(|(_, columns)| columns).collect()
 }
 
+/// Adds the direction of `column` off the span of `basis`, where it has one.
+pub fn extend(basis: &mut Vec<Vec<f64>>, column: Vec<f64>) {
+    let length = norm(&column);
+    let rest = without(basis, column);
+    if norm(&rest) > DEPENDENT * length {
+        let unit = 1.0 / norm(&rest);
+        basis.push(rest.into_iter().map(|x| x * unit).collect());
+    }
+}
+
 /// `v` less its part in the span of `basis`; twice, because once leaves rounding along the basis.
-fn without(basis: &[Vec<f64>], mut v: Vec<f64>) -> Vec<f64> {
+pub fn without(basis: &[Vec<f64>], mut v: Vec<f64>) -> Vec<f64> {
     for _ in 0..2 {
         for b in basis {
             let along: f64 = b.iter().zip(&v).map(|(x, y)| x * y).sum();
@@ -71,7 +80,8 @@ fn without(basis: &[Vec<f64>], mut v: Vec<f64>) -> Vec<f64> {
     v
 }
 
-fn norm(v: &[f64]) -> f64 {
+/// Root of the sum of squares.
+pub fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 

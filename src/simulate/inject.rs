@@ -7,9 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use crate::core::fault::Faults;
 
 use super::cause::{CATALOGUE, COMMON, Cause, Effect, Kind, Particulars};
+use super::detectability::norm;
 use super::outside::Outside;
 use super::scenario::{EffectChoice, fault, slot_named};
-use super::world::{World, length};
+use super::world::World;
 
 /// A response of which less than this share is left over by the model cannot be seen.
 const UNSEEN: f64 = 1e-5;
@@ -83,7 +84,7 @@ impl World {
     fn sized(&self, mut cause: Cause, d: f64, pointer: &str) -> Result<Cause, Faults> {
         for _ in 0..3 {
             let (seen, power) = self.detectability(std::slice::from_ref(&cause));
-            let (seen, power) = (length(&seen), length(&power));
+            let (seen, power) = (norm(&seen), norm(&power));
             if !is_visible(seen, power) {
                 let detail = format!("this design cannot see {}: give it a size instead", cause.label);
                 return Err(fault(&format!("{pointer}/detectability"), detail));

@@ -183,7 +183,7 @@ mod tests {
     fn a_counter_steps_by_its_quantum_and_is_right_on_average() {
         let noise = Noise { pulse_quantum: 1.0, angle_random_walk_deg_per_sqrt_h: 0.0, ..Default::default() };
         let mut rng = random(4, Stream::Noise);
-        let true_rate = 3.141_59;
+        let true_rate = 3.217_4;
         let counted: Vec<f64> = (0..20_000).map(|_| noise.counted(true_rate, 180.0, &mut rng) * 180.0).collect();
         assert!(counted.iter().all(|c| (c - c.round()).abs() < 1e-9 && (c - true_rate * 180.0).abs() < 1.0));
         let mean = counted.iter().sum::<f64>() / counted.len() as f64;

@@ -12,7 +12,7 @@ use super::cause::{Action, Felt, Situation};
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outside {
     /// A smooth random function of the whole attitude (up and north in the body): waves of a few radians.
-    Orientation([[Wave; 4]; 3]),
+    Orientation(Box<[[Wave; 4]; 3]>),
     /// A number per dwell and gyro, whatever its origin.
     Series(Vec<[f64; 3]>),
     /// T^2.
@@ -74,7 +74,7 @@ impl Outside {
         let dwells = mid_h.len();
         let span_h = mid_h.last().copied().unwrap_or(0.0).max(1e-3);
         Some(match family {
-            "orientation" => Self::Orientation([0; 3].map(|_| [0; 4].map(|_| Wave::draw(rng)))),
+            "orientation" => Self::Orientation(Box::new([0; 3].map(|_| [0; 4].map(|_| Wave::draw(rng))))),
             "coloured_noise" => Self::Series(coloured(dwells, rng)),
             "several_outliers" => Self::Series(outliers(dwells, rng)),
             "temperature_squared" => Self::TemperatureSquared,

@@ -301,7 +301,7 @@ fn duration(programme: &Programme, turn_arcsec_s: f64) -> f64 {
 }
 
 /// A random unit vector.
-pub(crate) fn any_direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
+pub fn any_direction(rng: &mut ChaCha8Rng) -> Vector3<f64> {
     loop {
         let v = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
         if (0.01..=1.0).contains(&v.norm_squared()) {

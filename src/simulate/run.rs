@@ -13,12 +13,13 @@ use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 
 use super::cause::Cause;
+use super::detectability::norm;
 use super::gyro::TrueGyro;
 use super::inject::is_visible;
 use super::noise::{bias_wander, white};
 use super::scenario::{Columns, Scenario, StandardErrors, fault};
 use super::truth::{GyroKey, KeyEntry, OUTSIDE};
-use super::world::{World, clocked, length};
+use super::world::{World, clocked};
 use super::{Stream, random};
 
 /// Relative standard deviation of noisy standard errors.
@@ -73,7 +74,7 @@ impl World {
             sizes: causes.iter().map(|cause| cause.size).collect(),
             design: scenario.programme.positions.name().into(),
             sem: scenario.columns.standard_errors.name().into(),
-            seen: if causes.is_empty() { 0.0 } else { length(&self.detectability(causes).0) },
+            seen: if causes.is_empty() { 0.0 } else { norm(&self.detectability(causes).0) },
             gyros,
             truth: self.gyros.iter().map(|gyro| gyro_key(gyro, &clocked(gyro, causes))).collect(),
             seed: Some(scenario.seed),

@@ -152,8 +152,3 @@ fn mean_output(gyro: &TrueGyro, axes: &Matrix3<f64>, causes: &[Cause], moments: 
     };
     moments.iter().map(one).sum::<f64>() / moments.len() as f64
 }
-
-/// Root of the sum of squares.
-pub(super) fn length(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}

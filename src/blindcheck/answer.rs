@@ -1,0 +1,64 @@
+//! What is read of a diagnosis: its JSON as users get it, and of that only what the score needs.
+
+use serde::Deserialize;
+
+/// The diagnosis of one campaign.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Answer {
+    pub verdict: String,
+    #[serde(default)]
+    pub effects: Vec<Named>,
+    #[serde(default)]
+    pub not_identifiable: Vec<Unseen>,
+    #[serde(default)]
+    pub impact: Vec<Shift>,
+}
+
+/// An adopted effect.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Named {
+    pub effect: String,
+    #[serde(default)]
+    pub class: Vec<String>,
+    #[serde(default)]
+    pub gyros: Vec<String>,
+    #[serde(default)]
+    pub held_out: Option<HeldOut>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct HeldOut {
+    pub closure: Option<f64>,
+    pub interval: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Unseen {
+    pub effect: String,
+}
+
+/// By how much a coefficient moves when the adopted effects are in the model: augmented less plain.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Shift {
+    pub slot: String,
+    pub coefficient: String,
+    pub shift: f64,
+    /// The coefficient without the adopted effects.
+    #[serde(default)]
+    pub plain: Option<f64>,
+    #[serde(default)]
+    pub augmented_sd: Option<f64>,
+}
+
+impl Named {
+    /// Whether this entry means `id`: by name, or as a member of the class that cannot be told apart.
+    pub fn means(&self, id: &str) -> bool {
+        self.effect == id || self.class.iter().any(|member| member == id)
+    }
+}
+
+impl Answer {
+    pub fn lists_as_unseen(&self, id: &str) -> bool {
+        self.not_identifiable.iter().any(|entry| entry.effect == id)
+    }
+}

@@ -1,0 +1,295 @@
+//! Which campaigns a blind run draws: cases, designs, gyros, noise and columns, all from one seed.
+
+use rand::RngExt;
+use rand::SeedableRng;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+use crate::simulate::cause::COMMON;
+use crate::simulate::outside::FAMILIES;
+use crate::simulate::programme::{Order, Positions, Programme, any_direction};
+use crate::simulate::scenario::{
+    AxesChoice, EffectChoice, GeometryChoice, GyroChoice, Noise, Profile, Scenario, StandardErrors, Temperature,
+};
+use crate::simulate::{Simulated, simulate};
+
+/// What a campaign of a blind run is to try.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Case {
+    /// One effect of the catalogue, d of 8 or more.
+    One,
+    /// One effect at d = 5.
+    Faint,
+    /// Nothing but noise.
+    Clean,
+    /// Two effects, d = 12 each.
+    Pair,
+    /// A cause in no catalogue, d of 15 or more.
+    Outside,
+    /// An effect that leaves nothing in this design.
+    Unseen,
+    /// A term of model (6) that the model in use leaves out.
+    Withheld,
+}
+
+impl Case {
+    pub const ALL: [Case; 7] =
+        [Case::One, Case::Faint, Case::Clean, Case::Pair, Case::Outside, Case::Unseen, Case::Withheld];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Case::One => "one",
+            Case::Faint => "faint",
+            Case::Clean => "clean",
+            Case::Pair => "pair",
+            Case::Outside => "outside",
+            Case::Unseen => "unseen",
+            Case::Withheld => "withheld",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|case| case.name() == name)
+    }
+
+    /// Share of a mixed run, per cent.
+    fn share(self) -> u32 {
+        match self {
+            Case::One => 38,
+            Case::Clean => 22,
+            Case::Pair | Case::Outside => 12,
+            Case::Faint => 8,
+            Case::Unseen | Case::Withheld => 4,
+        }
+    }
+}
+
+/// Which cases and how visible.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draw {
+    pub seed: u64,
+    /// Only these; all in their usual shares where empty.
+    pub cases: Vec<Case>,
+    /// Only these effects (where the case has a choice); all where empty.
+    pub effects: Vec<String>,
+    /// Detectabilities of the case `one`.
+    pub detectability: Vec<f64>,
+}
+
+/// One campaign of a blind run, before it is sealed.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    pub number: usize,
+    pub case: Case,
+    pub simulated: Simulated,
+}
+
+/// An effect whose response keeps less than this share after the model's fit would have to be absurdly large.
+const LEAST_VISIBLE: f64 = 0.02;
+/// Attempts at a design that can see what was drawn; the plain default design follows.
+const ATTEMPTS: usize = 40;
+
+const STATIC_ONLY_IDS: [&str; 7] =
+    ["temperature_bias", "temperature_g", "warmup", "time_ramp", "bias_step", "outlier_dwell", "periodic"];
+const ROTATION_IDS: [&str; 6] =
+    ["temperature_scale", "scale_asymmetry", "scale_quadratic", "scale_cubic", "anisoinertia", "g_rate_coupling"];
+const OFF_AXIS_IDS: [&str; 2] = ["cross_compliance", "cubic_g"];
+
+impl Draw {
+    /// Trial `number` of this run. The same run and number give the same campaign.
+    pub fn trial(&self, number: usize) -> Trial {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(number as u64 + 1);
+        let case = self.case(&mut rng);
+        for _ in 0..ATTEMPTS {
+            if let Some(simulated) = self.attempt(case, number, &mut rng) {
+                return Trial { number, case, simulated };
+            }
+        }
+        let simulated = simulate(&Scenario { seed: rng.random(), imu: imu(number), ..Scenario::default() });
+        Trial { number, case: Case::Clean, simulated: simulated.expect("the default scenario is sound") }
+    }
+
+    fn case(&self, rng: &mut ChaCha8Rng) -> Case {
+        if let Some(case) = self.cases.choose(rng) {
+            return *case;
+        }
+        let mut ticket = rng.random_range(0..100);
+        for case in Case::ALL {
+            if ticket < case.share() {
+                return case;
+            }
+            ticket -= case.share();
+        }
+        Case::Clean
+    }
+
+    fn attempt(&self, case: Case, number: usize, rng: &mut ChaCha8Rng) -> Option<Simulated> {
+        let mut scenario = style(rng);
+        scenario.imu = imu(number);
+        match case {
+            Case::Clean => {}
+            Case::One => {
+                let d = *self.detectability.choose(rng)?;
+                scenario.effects.push(self.effect(&seen_by(&scenario), d, &scenario, rng)?);
+            }
+            Case::Faint => scenario.effects.push(self.effect(&seen_by(&scenario), 5.0, &scenario, rng)?),
+            Case::Pair => {
+                let ids = seen_by(&scenario);
+                let first = self.effect(&ids, 12.0, &scenario, rng)?;
+                let second = self.effect(&ids, 12.0, &scenario, rng)?;
+                if first.effect == second.effect {
+                    return None;
+                }
+                scenario.effects.extend([first, second]);
+            }
+            Case::Outside => {
+                let family = format!("outside:{}", FAMILIES.choose(rng)?);
+                let d = *[15.0, 20.0, 30.0].choose(rng)?;
+                scenario.effects.push(in_some_gyros(EffectChoice::detectable(&family, d), &scenario, rng));
+            }
+            Case::Unseen => {
+                scenario.programme.positions = Positions::TwentyFour;
+                let id = *["cross_compliance", "cubic_g", "output_axis_g", "mount_clocking"].choose(rng)?;
+                scenario.effects.push(EffectChoice { size: None, detectability: None, ..EffectChoice::sized(id, 0.0) });
+            }
+            Case::Withheld => withhold(&mut scenario, rng),
+        }
+        let simulated = simulate(&scenario).ok()?;
+        (case == Case::Unseen || visible_enough(&simulated)).then_some(simulated)
+    }
+
+    fn effect(&self, ids: &[&str], d: f64, scenario: &Scenario, rng: &mut ChaCha8Rng) -> Option<EffectChoice> {
+        let wanted: Vec<&&str> =
+            ids.iter().filter(|id| self.effects.is_empty() || self.effects.iter().any(|e| e == **id)).collect();
+        Some(in_some_gyros(EffectChoice::detectable(wanted.choose(rng)?, d), scenario, rng))
+    }
+}
+
+fn imu(number: usize) -> String {
+    format!("IMU-{number:05}")
+}
+
+fn visible_enough(simulated: &Simulated) -> bool {
+    simulated.causes.iter().all(|cause| {
+        let (seen, power) = simulated.world.detectability(std::slice::from_ref(cause));
+        seen.iter().sum::<f64>() > LEAST_VISIBLE * power.iter().sum::<f64>()
+    })
+}
+
+/// Ids that a campaign of this scenario can show.
+fn seen_by(scenario: &Scenario) -> Vec<&'static str> {
+    let mut ids: Vec<&str> = STATIC_ONLY_IDS.to_vec();
+    ids.push("hysteresis");
+    if !scenario.programme.rates_arcsec_s.is_empty() {
+        ids.extend(ROTATION_IDS);
+        if scenario.columns.attitude {
+            ids.extend(COMMON);
+            ids.push("magnetic");
+        }
+    }
+    if scenario.programme.positions != Positions::TwentyFour {
+        ids.extend(OFF_AXIS_IDS);
+    }
+    if !scenario.columns.temperature {
+        ids.retain(|id| !id.starts_with("temperature"));
+    }
+    ids
+}
+
+fn in_some_gyros(effect: EffectChoice, scenario: &Scenario, rng: &mut ChaCha8Rng) -> EffectChoice {
+    let slots: Vec<String> = scenario.gyros.iter().map(|gyro| gyro.slot.clone()).collect();
+    let mut chosen: Vec<String> = slots.iter().filter(|_| rng.random_bool(0.6)).cloned().collect();
+    if chosen.is_empty() {
+        chosen.extend(slots.choose(rng).cloned());
+    }
+    EffectChoice { gyros: Some(chosen), ..effect }
+}
+
+fn withhold(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    let term = *["g_linear", "g_squared", "scale"].choose(rng).expect("three terms");
+    let kept = ["bias", "g_linear", "g_squared", "scale"].into_iter().filter(|name| *name != term);
+    scenario.model = Some(kept.map(str::to_owned).collect());
+    if term == "g_linear" {
+        scenario.population.d_i_sd = 0.0;
+        scenario.population.d_s_sd = 0.0;
+    }
+    if term != "scale" {
+        let d = *[8.0, 15.0, 30.0].choose(rng).expect("three sizes");
+        let effect = in_some_gyros(EffectChoice::detectable(term, d), scenario, rng);
+        scenario.effects.push(effect);
+    }
+}
+
+/// A station, its programme and its gyros.
+fn style(rng: &mut ChaCha8Rng) -> Scenario {
+    let mut scenario = Scenario { seed: rng.random(), ..Scenario::default() };
+    scenario.programme = programme(rng);
+    scenario.temperature = temperature(rng);
+    scenario.geometry = geometry(rng);
+    scenario.site.latitude_deg = rng.random_range(-65.0..65.0);
+    scenario.noise = Noise {
+        angle_random_walk_deg_per_sqrt_h: rng.random_range(1.5e-4..5e-4),
+        rate_noise_ppm: rng.random_range(0.0..0.4),
+        ..Noise::default()
+    };
+    let count = *[3, 3, 3, 3, 3, 3, 2, 1].choose(rng).expect("a count");
+    scenario.gyros =
+        ["G1", "G2", "G3"].iter().take(count).map(|s| GyroChoice { slot: (*s).into(), ..Default::default() }).collect();
+    use StandardErrors::{Absent, Exact, Noisy};
+    scenario.columns.standard_errors = *[Exact, Exact, Noisy, Noisy, Noisy, Absent].choose(rng).expect("a kind");
+    scenario.columns.temperature = rng.random_bool(0.95);
+    scenario.columns.attitude = rng.random_bool(0.95);
+    scenario
+}
+
+fn programme(rng: &mut ChaCha8Rng) -> Programme {
+    use Positions::{TwentyFour, WithEdges, WithTilts};
+    let rates: [&[f64]; 4] = [
+        &[360.0, 1800.0, 3600.0, 7200.0],
+        &[360.0, 1800.0, 3600.0, 7200.0],
+        &[900.0, 3600.0, 7200.0],
+        &[600.0, 1800.0, 5400.0, 10_800.0],
+    ];
+    Programme {
+        positions: *[TwentyFour, TwentyFour, WithEdges, WithTilts, WithTilts].choose(rng).expect("a set"),
+        repeats: *[0, 3, 6, 6, 12].choose(rng).expect("a count"),
+        rates_arcsec_s: rates.choose(rng).expect("a list").to_vec(),
+        order: *[Order::Random, Order::Random, Order::Random, Order::Mixed, Order::Fixed]
+            .choose(rng)
+            .expect("an order"),
+        dwell_s: *[120.0, 180.0, 300.0].choose(rng).expect("a time"),
+        ..Programme::default()
+    }
+}
+
+fn temperature(rng: &mut ChaCha8Rng) -> Temperature {
+    let profile = *[Profile::Wander, Profile::Wander, Profile::Wander, Profile::Ramp, Profile::Cycle]
+        .choose(rng)
+        .expect("a profile");
+    let size_k = match profile {
+        Profile::Ramp => rng.random_range(0.8..2.5),
+        _ => rng.random_range(0.3..1.0),
+    };
+    Temperature { profile, size_k, time_h: rng.random_range(0.7..3.0), reading_sd_k: 0.002, ..Temperature::default() }
+}
+
+fn geometry(rng: &mut ChaCha8Rng) -> GeometryChoice {
+    match rng.random_range(0..10) {
+        0..7 => GeometryChoice::Named("skewed".into()),
+        7 | 8 => GeometryChoice::Named("orthogonal".into()),
+        _ => {
+            let mut axes = || {
+                let input = any_direction(rng);
+                let spin = input.cross(&any_direction(rng)).normalize();
+                AxesChoice { input: input.into(), spin: spin.into() }
+            };
+            GeometryChoice::Axes(
+                ["G1", "G2", "G3"].map(|slot| (slot.to_owned(), axes())).into_iter().collect::<BTreeMap<_, _>>(),
+            )
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! One diagnosis against the truth of its campaign.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::simulate::Simulated;
+use crate::simulate::truth::{GyroKey, KeyEntry, OUTSIDE};
+
+use super::answer::{Answer, Named};
+use super::draw::Case;
+use super::reach::Structure;
+
+/// A gyro has to be listed from this own detectability on.
+pub const OWN_DETECTABILITY: f64 = 4.5;
+/// A member of a class that leaves this much of the true effect unexplained could have been told from it: at 7 the
+/// likelihood ratio of the two names is right 9,998 times in 10,000.
+const TELLABLE: f64 = 7.0;
+/// A shift counts as material beyond so many of its standard deviations.
+const MATERIAL: f64 = 3.0;
+
+/// How one campaign was answered.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Score {
+    pub campaign: String,
+    pub case: Case,
+    pub design: String,
+    pub sem: String,
+    /// What was hidden: ids, or the family of an outside cause.
+    pub hidden: Vec<String>,
+    pub detectability: f64,
+    pub verdict: String,
+    pub named: Vec<String>,
+    /// For each hidden effect, whether an adopted one means it.
+    pub found: Vec<bool>,
+    /// Adopted effects that mean nothing of what was hidden.
+    pub wrong: usize,
+    /// For each hidden effect that was found: its gyros are right.
+    pub gyros: Vec<bool>,
+    /// For each hidden effect that was found: its class holds nothing that the design could tell from it.
+    pub classes: Vec<bool>,
+    /// Effects that leave nothing in this design: listed as such.
+    pub listed_as_unseen: Option<bool>,
+    pub closures: Vec<Closure>,
+    pub shift: Option<ShiftScore>,
+    pub milliseconds: f64,
+    /// Why there is no answer.
+    pub error: Option<String>,
+}
+
+/// The closure that was claimed, and that of the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Closure {
+    pub claimed: f64,
+    pub interval: [f64; 2],
+    /// Share of the hidden structure's power that the named effect can reproduce.
+    pub truth: f64,
+}
+
+impl Closure {
+    pub fn covered(&self) -> bool {
+        (self.interval[0]..=self.interval[1]).contains(&self.truth)
+    }
+}
+
+/// Errors of D_I and D_S against the truth with the plain and with the augmented model, deg/(h g0).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ShiftScore {
+    pub plain_rms: f64,
+    pub augmented_rms: f64,
+    /// Whether any of these coefficients moved beyond its uncertainty.
+    pub material: bool,
+}
+
+impl ShiftScore {
+    pub fn nearer(&self) -> bool {
+        self.augmented_rms < self.plain_rms
+    }
+}
+
+/// What is known about a campaign besides its file.
+pub struct Known<'a> {
+    pub campaign: &'a str,
+    pub case: Case,
+    pub key: &'a KeyEntry,
+    /// Slots in the order of the campaign's gyros.
+    pub slots: &'a [String],
+    /// Where the campaign is of this program's making, everything about it.
+    pub simulated: Option<&'a Simulated>,
+}
+
+impl Known<'_> {
+    /// Scores `answer`, which took `milliseconds`.
+    pub fn score(&self, answer: &Result<Answer, String>, milliseconds: f64) -> Score {
+        let mut score = self.blank(milliseconds);
+        let answer = match answer {
+            Ok(answer) => answer,
+            Err(error) => {
+                score.error = Some(error.clone());
+                return score;
+            }
+        };
+        score.verdict.clone_from(&answer.verdict);
+        score.named = answer.effects.iter().map(|named| named.effect.clone()).collect();
+        let hidden = self.nameable();
+        score.wrong = answer.effects.iter().filter(|named| !hidden.iter().any(|(_, id)| named.means(id))).count();
+        for &(i, id) in &hidden {
+            let by = answer.effects.iter().find(|n| n.effect == id).or(answer.effects.iter().find(|n| n.means(id)));
+            score.found.push(by.is_some());
+            if let Some(named) = by {
+                score.gyros.push(self.gyros_right(i, named));
+                score.classes.extend(self.class_is_forced(i, id, named));
+            }
+        }
+        if self.case == Case::Unseen {
+            score.listed_as_unseen = Some(self.key.effects.iter().all(|id| answer.lists_as_unseen(id)));
+        }
+        score.closures = self.closures(answer);
+        score.shift = self.shift(answer);
+        score
+    }
+
+    fn blank(&self, milliseconds: f64) -> Score {
+        let outside = |id: &String| if id == OUTSIDE { self.key.family.clone() } else { None };
+        Score {
+            campaign: self.campaign.to_owned(),
+            case: self.case,
+            design: self.key.design.clone(),
+            sem: self.key.sem.clone(),
+            hidden: self.hidden().iter().map(|id| outside(id).unwrap_or_else(|| id.clone())).collect(),
+            detectability: self.key.seen,
+            verdict: String::new(),
+            named: Vec::new(),
+            found: Vec::new(),
+            wrong: 0,
+            gyros: Vec::new(),
+            classes: Vec::new(),
+            listed_as_unseen: None,
+            closures: Vec::new(),
+            shift: None,
+            milliseconds,
+            error: None,
+        }
+    }
+
+    fn hidden(&self) -> Vec<String> {
+        match self.case {
+            Case::Withheld => self.withheld_term().into_iter().collect(),
+            _ => self.key.effects.clone(),
+        }
+    }
+
+    /// The term that the model leaves out; it need not be an injected effect, the gyros have it anyway.
+    fn withheld_term(&self) -> Option<String> {
+        let terms = self.simulated?.world.terms;
+        crate::core::model::Term::ALL.into_iter().find(|t| !terms.contains(*t)).map(|t| t.name().to_owned())
+    }
+
+    /// Hidden effects that ought to be named, with their place in the key.
+    fn nameable(&self) -> Vec<(usize, &str)> {
+        match self.case {
+            Case::Unseen => Vec::new(),
+            Case::Withheld => {
+                let term = self.withheld_term();
+                let known = ["g_linear", "g_squared", "scale"].into_iter().find(|id| Some(*id) == term.as_deref());
+                known.into_iter().map(|id| (0, id)).collect()
+            }
+            _ => {
+                let ids = self.key.effects.iter().enumerate();
+                ids.filter(|(_, id)| *id != OUTSIDE).map(|(i, id)| (i, id.as_str())).collect()
+            }
+        }
+    }
+
+    /// Every gyro with a detectability of its own of 4.5 or more is listed, and none that has nothing of the effect.
+    fn gyros_right(&self, effect: usize, named: &Named) -> bool {
+        let own = self.own_detectability(effect);
+        own.iter().all(|(slot, d)| {
+            let listed = named.gyros.contains(slot);
+            (listed || *d < OWN_DETECTABILITY) && (!listed || *d > 0.0)
+        })
+    }
+
+    /// Slot by slot; a key that does not say is taken to mean equal shares.
+    fn own_detectability(&self, effect: usize) -> BTreeMap<String, f64> {
+        if let Some(own) = self.key.seen_by.get(effect) {
+            return own.clone();
+        }
+        if self.case == Case::Withheld {
+            return self.slots.iter().map(|slot| (slot.clone(), f64::INFINITY)).collect();
+        }
+        let share = self.key.seen / (self.key.gyros.len() as f64).sqrt();
+        let d = |slot: &String| if self.key.gyros.contains(slot) { share } else { 0.0 };
+        self.slots.iter().map(|slot| (slot.clone(), d(slot))).collect()
+    }
+
+    fn class_is_forced(&self, effect: usize, id: &str, named: &Named) -> Option<bool> {
+        let simulated = self.simulated?;
+        let cause = simulated.causes.get(effect)?;
+        let structure = Structure::of_causes(&simulated.world, std::slice::from_ref(cause));
+        let tellable = |member: &String| {
+            member != id && structure.left_with(member, self.slots).is_some_and(|left| left > TELLABLE)
+        };
+        Some(!named.class.iter().chain([&named.effect]).any(tellable))
+    }
+
+    fn closures(&self, answer: &Answer) -> Vec<Closure> {
+        let mut structure = self.simulated.filter(|s| !s.causes.is_empty()).map(Structure::of);
+        let foreign_truth = (self.case == Case::One && answer.effects.len() == 1)
+            .then(|| answer.effects[0].effect == self.key.effects[0])
+            .and_then(|right| right.then_some(1.0));
+        let mut closures = Vec::new();
+        for named in &answer.effects {
+            let truth = match &mut structure {
+                Some(structure) => {
+                    let before = structure.left();
+                    structure.name(&named.effect, &named.gyros);
+                    (before > 1.0).then(|| 1.0 - (structure.left() / before).powi(2))
+                }
+                None => foreign_truth,
+            };
+            let claim = named.held_out.and_then(|held| held.closure.zip(held.interval));
+            if let (Some(truth), Some((claimed, interval))) = (truth, claim) {
+                closures.push(Closure { claimed, interval, truth });
+            }
+        }
+        closures
+    }
+
+    fn shift(&self, answer: &Answer) -> Option<ShiftScore> {
+        let gyros: Vec<&String> = answer.effects.iter().flat_map(|named| &named.gyros).collect();
+        let (mut plain, mut augmented, mut count, mut material) = (0.0, 0.0, 0, false);
+        for entry in answer.impact.iter().filter(|entry| gyros.contains(&&entry.slot)) {
+            let (Some(truth), Some(before)) = (self.true_coefficient(&entry.slot, &entry.coefficient), entry.plain)
+            else {
+                continue;
+            };
+            plain += (before - truth).powi(2);
+            augmented += (before + entry.shift - truth).powi(2);
+            material |= entry.augmented_sd.is_some_and(|sd| entry.shift.abs() > MATERIAL * sd);
+            count += 1;
+        }
+        let rms = |sum: f64| (sum / f64::from(count)).sqrt();
+        (count > 0).then(|| ShiftScore { plain_rms: rms(plain), augmented_rms: rms(augmented), material })
+    }
+
+    fn true_coefficient(&self, slot: &str, coefficient: &str) -> Option<f64> {
+        let place = self.slots.iter().position(|s| s == slot)?;
+        let truth: &GyroKey = self.key.truth.get(place)?;
+        match coefficient {
+            "D_I" => Some(truth.d_i),
+            "D_S" => Some(truth.d_s),
+            _ => None,
+        }
+    }
+}
+
+impl Score {
+    /// Something was named in a campaign where nothing ought to be.
+    pub fn false_alarm(&self) -> bool {
+        !self.named.is_empty()
+    }
+
+    /// The answer admits that something is there which it cannot name.
+    pub fn honest_about_outside(&self) -> bool {
+        ["partly_explained", "unexplained"].contains(&self.verdict.as_str())
+    }
+
+    pub fn all_found(&self) -> bool {
+        self.error.is_none() && self.found.iter().all(|found| *found) && !self.found.is_empty()
+    }
+}

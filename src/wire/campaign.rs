@@ -107,6 +107,18 @@ pub fn parse_json(bytes: &[u8]) -> Result<Campaign, Faults> {
     json::parse::<CampaignBody>(bytes)?.to_core()
 }
 
+/// Reads and checks a campaign in JSON or CSV, told apart by the first character: JSON begins with a brace.
+///
+/// # Errors
+/// As [`parse_json`] and [`parse_csv`](super::campaign_csv::parse_csv).
+pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match text.iter().find(|b| !b.is_ascii_whitespace()) {
+        Some(b'{' | b'[') | None => parse_json(bytes),
+        Some(_) => super::campaign_csv::parse_csv(bytes),
+    }
+}
+
 /// The campaign as one JSON document, ready to be read by [`parse_json`].
 pub fn to_json(campaign: &Campaign) -> String {
     serde_json::to_string(&CampaignBody::from(campaign)).expect("strings and finite numbers always serialise")

@@ -7,6 +7,7 @@
 pub mod answer;
 pub mod bench;
 pub mod campaign;
+pub mod campaign_csv;
 pub mod geometry;
 pub mod json;
 pub mod numbers;

@@ -30,6 +30,11 @@ impl Numbers {
         Some(std::array::from_fn(|i| values[i]))
     }
 
+    /// The numbers that are kept: all of a legal list.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.length.min(KEPT)]
+    }
+
     pub fn vector(&self, pointer: impl Display, faults: &mut Faults) -> Option<Vector3<f64>> {
         self.exactly::<3>(pointer, faults).map(Vector3::from)
     }
@@ -72,7 +77,7 @@ impl From<&Vector3<f64>> for Numbers {
 
 impl Serialize for Numbers {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.values[..self.length.min(KEPT)].serialize(serializer)
+        self.values().serialize(serializer)
     }
 }
 

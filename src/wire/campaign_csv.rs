@@ -1,0 +1,102 @@
+//! The campaign as a station's table program writes it: head matter in `# key: value` lines, then one row a dwell.
+//!
+//! ```text
+//! # imu: IMU-07
+//! # measured_at: 2026-03-01T08:00:00Z
+//! # geometry: skewed
+//! # site.latitude_deg: 34.25
+//! # gyros: G1 LFG-0101, G2 LFG-0102
+//! phase,start_s,duration_s,specific_force_g0_x,...,output_pulse_s_1,output_pulse_s_2
+//! static,0,180,0,0,0.99905,...
+//! ```
+//!
+//! Columns are the JSON's names with `_x _y _z`, for the attitude `_w _x _y _z`, for outputs `_1 _2 _3`. They may
+//! come in any order, and commas, semicolons or tabs may part them. A byte-order mark and CRLF are fine. Every
+//! fault names line and column besides the JSON pointer of the same place.
+
+mod cells;
+mod head;
+mod write;
+
+pub use write::to_csv;
+
+use cells::{Columns, Row};
+use head::Head;
+
+use super::campaign::CampaignBody;
+use super::json;
+use crate::core::campaign::Campaign;
+use crate::core::fault::{Fault, Faults};
+
+/// Reads and checks a campaign in CSV.
+///
+/// # Errors
+/// All faults that could be found, with line and column.
+pub fn parse_csv(bytes: &[u8]) -> Result<Campaign, Faults> {
+    let text = text_of(bytes)?;
+    let mut faults = Faults::default();
+    let (head, table_line) = Head::read(text, &mut faults);
+    let Some((columns, rows)) = cells::read(text, table_line, &mut faults) else { return Err(faults) };
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let mut body = match json::parse::<CampaignBody>(head.document.to_string().as_bytes()) {
+        Ok(body) => body,
+        Err(part) => {
+            located(part, &head, &columns, &rows, &mut faults);
+            return Err(faults);
+        }
+    };
+    columns.check_outputs(body.gyros.len(), &mut faults);
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    body.dwells = rows.iter().map(|row| row.dwell(&columns)).collect();
+    body.to_core().map_err(|part| {
+        located(part, &head, &columns, &rows, &mut faults);
+        faults
+    })
+}
+
+fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err(fault("", "the file is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in a spreadsheet)".into()));
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes).map_err(|e| {
+        let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
+        fault("", format!("line {line}: not UTF-8 text"))
+    })
+}
+
+fn fault(pointer: &str, detail: String) -> Faults {
+    Fault { pointer: pointer.to_owned(), detail }.into()
+}
+
+/// Adds the line and column to faults that only know their JSON pointer.
+fn located(part: Faults, head: &Head, columns: &Columns, rows: &[Row], faults: &mut Faults) {
+    for fault in part.0 {
+        let place = place(&fault.pointer, head, columns, rows);
+        faults.push(fault.pointer, format!("{place}{}", fault.detail));
+    }
+}
+
+fn place(pointer: &str, head: &Head, columns: &Columns, rows: &[Row]) -> String {
+    let mut tokens = pointer.split('/').skip(1);
+    let first = tokens.next().unwrap_or_default();
+    if first != "dwells" {
+        return match head.line_of(pointer) {
+            Some(line) => format!("line {line} ({first}): "),
+            None => format!("head line \"# {first}: ...\": "),
+        };
+    }
+    let row = tokens.next().and_then(|i| i.parse::<usize>().ok()).and_then(|i| rows.get(i));
+    let (Some(row), Some(field)) = (row, tokens.next()) else { return String::new() };
+    match columns.place(field, tokens.next().and_then(|k| k.parse().ok())) {
+        Some((number, name)) => format!("line {}, column {number} ({name}): ", row.line),
+        None => format!("line {} ({field}): ", row.line),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,283 @@
+//! The table: a header that names columns, and rows whose cells are read by it.
+
+use crate::core::fault::Faults;
+use crate::wire::campaign::DwellBody;
+use crate::wire::numbers::Numbers;
+
+/// Fields of a dwell, the suffixes of their columns, and whether every table has them.
+const FIELDS: &[(&str, &[&str], bool)] = &[
+    ("phase", &[""], true),
+    ("start_s", &[""], true),
+    ("duration_s", &[""], true),
+    ("attitude", &["_w", "_x", "_y", "_z"], false),
+    ("specific_force_g0", &["_x", "_y", "_z"], true),
+    ("rate_arcsec_s", &["_x", "_y", "_z"], true),
+    ("temperature_c", &[""], false),
+    ("output_pulse_s", &["_1", "_2", "_3"], true),
+    ("output_sem_pulse_s", &["_1", "_2", "_3"], false),
+];
+
+/// Which column holds which part of which field.
+pub(super) struct Columns {
+    names: Vec<String>,
+    /// By field of [`FIELDS`] and part, the column's index.
+    places: Vec<Vec<Option<usize>>>,
+    /// Line of the header, counted from 1.
+    line: usize,
+}
+
+/// One dwell's cells; none where a cell is empty.
+pub(super) struct Row {
+    pub line: usize,
+    phase: String,
+    numbers: Vec<Option<f64>>,
+}
+
+/// Reads header and rows from `first_line` (counted from 0) on; none without a usable header.
+pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option<(Columns, Vec<Row>)> {
+    let Some(header) = text.lines().nth(first_line) else {
+        faults.push(
+            "/dwells",
+            "no table: below the \"# key: value\" lines a header row and one row a dwell are expected",
+        );
+        return None;
+    };
+    let delimiter = delimiter_of(header);
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(delimiter)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(rest_from(text, first_line));
+    let mut records = reader.records();
+    let header = records.next()?.ok()?;
+    let columns = Columns::read(&header, first_line + 1, faults);
+    let mut rows = Vec::new();
+    let mut dwell = 0;
+    for record in records {
+        match record {
+            Ok(record) if record.iter().all(str::is_empty) => {}
+            Ok(record) => {
+                let line = first_line + record.position().map_or(0, |p| p.line() as usize);
+                rows.extend(columns.row(&record, dwell, line, faults));
+                dwell += 1;
+            }
+            Err(error) => faults.push("/dwells", format!("the table cannot be read: {error}")),
+        }
+    }
+    Some((columns, rows))
+}
+
+/// The bytes from a line on; lines end in LF or CRLF.
+fn rest_from(text: &str, line: usize) -> &[u8] {
+    let start = text.split_inclusive('\n').take(line).map(str::len).sum::<usize>();
+    &text.as_bytes()[start..]
+}
+
+fn delimiter_of(header: &str) -> u8 {
+    let count = |d: &u8| header.bytes().filter(|b| b == d).count();
+    // The last of equals wins: a header without any is taken for comma-separated.
+    [b'\t', b';', b','].into_iter().max_by_key(count).unwrap_or(b',')
+}
+
+impl Columns {
+    fn read(header: &csv::StringRecord, line: usize, faults: &mut Faults) -> Self {
+        let names: Vec<String> = header.iter().map(str::to_owned).collect();
+        let mut places: Vec<Vec<Option<usize>>> = FIELDS.iter().map(|(_, parts, _)| vec![None; parts.len()]).collect();
+        for (index, name) in names.iter().enumerate() {
+            let at = |what: &str| format!("line {line}, column {}: {what} {name:?}", index + 1);
+            match field_and_part(name) {
+                None if name.is_empty() => {}
+                None => faults.push("/dwells", format!("{}{}", at("unknown column"), suggestion(name))),
+                Some((field, part)) if places[field][part].is_some() => {
+                    faults.push(format!("/dwells/0/{}", FIELDS[field].0), at("a second column"));
+                }
+                Some((field, part)) => places[field][part] = Some(index),
+            }
+        }
+        let columns = Self { names, places, line };
+        columns.check_complete(faults);
+        columns
+    }
+
+    /// A vector has all its columns or none, and some fields must be there.
+    fn check_complete(&self, faults: &mut Faults) {
+        for ((field, parts, required), places) in FIELDS.iter().zip(&self.places) {
+            let given = places.iter().flatten().count();
+            let is_output = field.starts_with("output");
+            if given == 0 && !required || given == parts.len() {
+                continue;
+            }
+            // How many outputs there must be only the head knows: see `check_outputs`.
+            let missing: Vec<String> = parts
+                .iter()
+                .zip(places)
+                .take(if is_output { last_given(places).max(1) } else { parts.len() })
+                .filter(|(_, place)| place.is_none())
+                .map(|(part, _)| format!("{field}{part}"))
+                .collect();
+            if !missing.is_empty() {
+                let line = self.line;
+                faults.push(format!("/dwells/0/{field}"), format!("line {line}: no column {}", missing.join(", ")));
+            }
+        }
+    }
+
+    /// Outputs, and standard errors where there are any, have one column a gyro.
+    pub fn check_outputs(&self, gyros: usize, faults: &mut Faults) {
+        for ((field, ..), places) in FIELDS.iter().zip(&self.places).filter(|((f, ..), _)| f.starts_with("output")) {
+            let given = last_given(places);
+            if given != gyros && (given > 0 || *field == "output_pulse_s") {
+                faults.push(
+                    format!("/dwells/0/{field}"),
+                    format!("line {}: {given} columns of {field}, but {gyros} gyros in the head", self.line),
+                );
+            }
+        }
+    }
+
+    /// Number (from 1) and name of the column of a field's part.
+    pub fn place(&self, field: &str, part: Option<usize>) -> Option<(usize, &str)> {
+        let index = FIELDS.iter().position(|(name, ..)| *name == field)?;
+        let column = (*self.places[index].get(part.unwrap_or(0))?)?;
+        Some((column + 1, &self.names[column]))
+    }
+
+    fn row(&self, record: &csv::StringRecord, dwell: usize, line: usize, faults: &mut Faults) -> Option<Row> {
+        if record.len() > self.names.len() && record.iter().skip(self.names.len()).any(|cell| !cell.is_empty()) {
+            faults.push(format!("/dwells/{dwell}"), self.too_many(record, line));
+            return None;
+        }
+        let mut numbers = vec![None; self.names.len()];
+        let before = faults.0.len();
+        for (field, (name, ..)) in FIELDS.iter().enumerate().filter(|(_, (name, ..))| *name != "phase") {
+            for column in self.places[field].iter().flatten() {
+                match record.get(*column).filter(|cell| !cell.is_empty()).map(number).transpose() {
+                    Ok(value) => numbers[*column] = value,
+                    Err(detail) => faults.push(
+                        format!("/dwells/{dwell}/{name}"),
+                        format!("line {line}, column {} ({}): {detail}", column + 1, self.names[*column]),
+                    ),
+                }
+            }
+        }
+        let phase = self.places[0][0].and_then(|c| record.get(c)).unwrap_or_default().to_owned();
+        if faults.0.len() == before {
+            self.check_filled(&numbers, dwell, line, faults);
+        }
+        (faults.0.len() == before).then_some(Row { line, phase, numbers })
+    }
+
+    /// Empty cells: a vector has all its cells or none, and a required field all.
+    fn check_filled(&self, numbers: &[Option<f64>], dwell: usize, line: usize, faults: &mut Faults) {
+        for ((field, _, required), places) in FIELDS.iter().zip(&self.places).skip(1) {
+            let given: Vec<usize> = places.iter().flatten().copied().collect();
+            let empty = || given.iter().filter(|&&column| numbers[column].is_none());
+            if !*required && empty().count() == given.len() {
+                continue;
+            }
+            for column in empty() {
+                faults.push(
+                    format!("/dwells/{dwell}/{field}"),
+                    format!("line {line}, column {} ({}): empty", column + 1, self.names[*column]),
+                );
+            }
+        }
+    }
+
+    /// More cells than columns: most often decimal commas. Names the first cell that looks like half a number.
+    fn too_many(&self, record: &csv::StringRecord, line: usize) -> String {
+        let digits = |cell: &str| !cell.is_empty() && cell.bytes().all(|b| b.is_ascii_digit());
+        let half = |i: usize| {
+            let whole = record.get(i).unwrap_or_default();
+            digits(whole.trim_start_matches(['-', '+'])) && record.get(i + 1).is_some_and(digits)
+        };
+        let suspect = (0..self.names.len()).find(|&i| self.names[i] != "phase" && half(i));
+        let count = format!("{} cells under {} columns", record.len(), self.names.len());
+        match suspect {
+            Some(i) => format!(
+                "line {line}, column {} ({}): {count}; is {},{} a number with a decimal comma? Write decimals with a point",
+                i + 1,
+                self.names[i],
+                &record[i],
+                &record[i + 1]
+            ),
+            None => format!("line {line}, column {}: {count}", self.names.len() + 1),
+        }
+    }
+}
+
+fn last_given(places: &[Option<usize>]) -> usize {
+    places.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+}
+
+impl Row {
+    /// The dwell as the JSON would have it. All cells that must be filled are.
+    pub fn dwell(&self, columns: &Columns) -> DwellBody {
+        let list = |field: &str| {
+            let places = FIELDS.iter().zip(&columns.places).find(|((name, ..), _)| *name == field)?.1;
+            let values: Vec<f64> = places.iter().flatten().filter_map(|&column| self.numbers[column]).collect();
+            (!values.is_empty()).then(|| Numbers::from(values.as_slice()))
+        };
+        let one = |field: &str| columns.place(field, None).and_then(|(number, _)| self.numbers[number - 1]);
+        let none = || Numbers::from([].as_slice());
+        DwellBody {
+            phase: self.phase.clone(),
+            start_s: one("start_s").unwrap_or(f64::NAN),
+            duration_s: one("duration_s").unwrap_or(f64::NAN),
+            attitude: list("attitude"),
+            specific_force_g0: list("specific_force_g0").unwrap_or_else(none),
+            rate_arcsec_s: list("rate_arcsec_s").unwrap_or_else(none),
+            temperature_c: one("temperature_c"),
+            output_pulse_s: list("output_pulse_s").unwrap_or_else(none),
+            output_sem_pulse_s: list("output_sem_pulse_s"),
+        }
+    }
+}
+
+fn field_and_part(column: &str) -> Option<(usize, usize)> {
+    FIELDS.iter().enumerate().find_map(|(field, (name, parts, _))| {
+        let suffix = column.strip_prefix(name)?;
+        parts.iter().position(|part| *part == suffix).map(|part| (field, part))
+    })
+}
+
+/// The known column that an unknown one most resembles, in words; nothing where none is near.
+fn suggestion(name: &str) -> String {
+    let known = FIELDS.iter().flat_map(|(field, parts, _)| parts.iter().map(move |part| format!("{field}{part}")));
+    let nearest = known.map(|k| (edits(&name.to_lowercase(), &k), k)).min();
+    match nearest {
+        Some((distance, known)) if distance <= 1 + known.len() / 3 => format!("; did you mean {known:?}?"),
+        _ => String::new(),
+    }
+}
+
+/// Levenshtein distance: insertions, deletions and replacements that turn one word into the other.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(80).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().take(80).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// A number with a decimal point.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    let parsed = text.parse::<f64>().ok();
+    match parsed {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(format!("must be a finite number, is {text:?}")),
+        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => {
+            Err(format!("{text:?} has a decimal comma; write decimals with a point"))
+        }
+        None => Err(format!("{text:?} is no number")),
+    }
+}

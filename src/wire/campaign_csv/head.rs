@@ -1,0 +1,174 @@
+//! Head matter: `# key: value` lines, gathered into the JSON document that they stand for.
+
+use serde_json::{Map, Value, json};
+
+use crate::core::fault::Faults;
+
+/// What stands above the table.
+pub(super) struct Head {
+    /// The campaign without its dwells.
+    pub document: Value,
+    /// Pointer of each key that was given, and its line.
+    lines: Vec<(String, usize)>,
+}
+
+/// What a key's bare (not JSON) value is.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Text,
+    Number,
+    Numbers,
+    Names,
+    Gyros,
+}
+
+/// Keys as they may be written, the JSON pointer that each stands for, and how its value reads.
+const KEYS: &[(&str, &str, Kind)] = &[
+    ("imu", "/imu", Kind::Text),
+    ("station", "/station", Kind::Text),
+    ("measured_at", "/measured_at", Kind::Text),
+    ("geometry", "/geometry", Kind::Text),
+    ("test", "/test", Kind::Text),
+    ("operator", "/operator", Kind::Text),
+    ("note", "/note", Kind::Text),
+    ("temperature_c", "/temperature_c", Kind::Number),
+    ("model", "/model", Kind::Names),
+    ("site", "/site", Kind::Text),
+    ("latitude_deg", "/site/latitude_deg", Kind::Number),
+    ("gravity_g0", "/site/gravity_g0", Kind::Number),
+    ("magnetic_field_nav", "/site/magnetic_field_nav", Kind::Numbers),
+    ("gyros", "/gyros", Kind::Gyros),
+];
+const GYRO_KEYS: &[(&str, Kind)] =
+    &[("slot", Kind::Text), ("serial", Kind::Text), ("known_e_pulse_per_arcsec", Kind::Numbers)];
+
+impl Head {
+    /// Reads the lines above the table; the second value is the table's first line (counted from 0).
+    pub fn read(text: &str, faults: &mut Faults) -> (Self, usize) {
+        let mut head = Self { document: json!({"dwells": []}), lines: Vec::new() };
+        let mut table = 0;
+        for (i, line) in text.lines().enumerate() {
+            table = i;
+            match comment(line) {
+                Some(comment) => head.line(i + 1, &comment, faults),
+                None if line.trim().is_empty() => {}
+                None => return (head, table),
+            }
+        }
+        (head, table + 1)
+    }
+
+    /// Line at which what `pointer` points to was given.
+    pub fn line_of(&self, pointer: &str) -> Option<usize> {
+        let holds = |given: &str| pointer == given || pointer.strip_prefix(given).is_some_and(|r| r.starts_with('/'));
+        self.lines.iter().filter(|(given, _)| holds(given)).max_by_key(|(given, _)| given.len()).map(|&(_, line)| line)
+    }
+
+    /// One comment. Without a colon, or with blanks before it, it is a remark and no key.
+    fn line(&mut self, number: usize, comment: &str, faults: &mut Faults) {
+        let Some((key, value)) = comment.split_once(':') else { return };
+        let (key, value) = (key.trim(), value.trim());
+        if key.is_empty() || key.contains(char::is_whitespace) {
+            return;
+        }
+        let Some((pointer, kind)) = meaning(key) else {
+            let known: Vec<&str> = KEYS.iter().map(|(key, ..)| *key).collect();
+            faults.push(
+                format!("/{key}"),
+                format!(
+                    "line {number}: unknown key {key:?}; the keys are {}, slot_1, serial_1, known_e_pulse_per_arcsec_1",
+                    known.join(", ")
+                ),
+            );
+            return;
+        };
+        if self.lines.iter().any(|(given, _)| *given == pointer) {
+            faults.push(&pointer, format!("line {number}: {key} is given twice"));
+            return;
+        }
+        match read_value(value, kind) {
+            Ok(value) => place(&mut self.document, &pointer, value),
+            Err(detail) => faults.push(&pointer, format!("line {number} ({key}): {detail}")),
+        }
+        self.lines.push((pointer, number));
+    }
+}
+
+/// The text of a `#` line, also where a spreadsheet has put it in quotes or padded it with delimiters.
+fn comment(line: &str) -> Option<String> {
+    let line = line.trim_end_matches([',', ';', '\t', ' ', '\r']);
+    if let Some(comment) = line.strip_prefix('#') {
+        return Some(comment.to_owned());
+    }
+    let quoted = line.strip_prefix("\"#")?.strip_suffix('"')?;
+    Some(quoted.replace("\"\"", "\""))
+}
+
+/// Pointer and kind of a key. `site.latitude_deg`, `site_latitude_deg` and `latitude_deg` are the same; a gyro's
+/// keys end in `_1 _2 _3`, or stand as `gyros.0.serial`.
+fn meaning(key: &str) -> Option<(String, Kind)> {
+    let plain = key.strip_prefix("site.").or(key.strip_prefix("site_")).unwrap_or(key);
+    if let Some((_, pointer, kind)) = KEYS.iter().find(|(name, ..)| *name == plain) {
+        return Some(((*pointer).to_owned(), *kind));
+    }
+    GYRO_KEYS.iter().find_map(|(name, kind)| {
+        let numbered = (1..=3).find(|i| key == format!("{name}_{i}"));
+        let indexed = (0..3).find(|i| key == format!("gyros.{i}.{name}"));
+        let index = numbered.map(|i| i - 1).or(indexed)?;
+        Some((format!("/gyros/{index}/{name}"), *kind))
+    })
+}
+
+fn read_value(text: &str, kind: Kind) -> Result<Value, String> {
+    if text.starts_with(['{', '[', '"']) {
+        return serde_json::from_str(text).map_err(|e| format!("is not JSON: {e}"));
+    }
+    match kind {
+        Kind::Text => Ok(Value::from(text)),
+        Kind::Number => super::cells::number(text).map(Value::from),
+        Kind::Numbers => text
+            .split([' ', ';', '\t', ','])
+            .filter(|part| !part.is_empty())
+            .map(|part| super::cells::number(part).map(Value::from))
+            .collect(),
+        Kind::Names => {
+            Ok(text.split([',', ' ', ';']).map(str::trim).filter(|name| !name.is_empty()).map(Value::from).collect())
+        }
+        Kind::Gyros => text.split([',', ';']).map(gyro).collect(),
+    }
+}
+
+/// `G1 LFG-0101`, `G1=LFG-0101` or `G1:LFG-0101`.
+fn gyro(text: &str) -> Result<Value, String> {
+    let text = text.trim();
+    let (slot, serial) = text
+        .split_once([' ', '=', ':'])
+        .ok_or_else(|| format!("{text:?} is not a slot and a serial, such as G1 LFG-0101"))?;
+    Ok(json!({"slot": slot.trim(), "serial": serial.trim_start_matches(['=', ':', ' ']).trim()}))
+}
+
+/// Puts a value where its pointer (of object members, and indices below /gyros) says, making what is not yet there.
+fn place(document: &mut Value, pointer: &str, value: Value) {
+    let mut at = document;
+    for token in pointer.split('/').skip(1) {
+        at = match token.parse::<usize>() {
+            Ok(index) => {
+                if !at.is_array() {
+                    *at = json!([]);
+                }
+                let list = at.as_array_mut().expect("made a list above");
+                while list.len() <= index {
+                    list.push(json!({}));
+                }
+                &mut list[index]
+            }
+            Err(_) => {
+                if !at.is_object() {
+                    *at = Value::Object(Map::new());
+                }
+                at.as_object_mut().expect("made an object above").entry(token).or_insert(Value::Null)
+            }
+        };
+    }
+    *at = value;
+}

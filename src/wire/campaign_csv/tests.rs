@@ -1,0 +1,150 @@
+use super::*;
+use crate::wire::campaign::{parse, parse_json, to_json};
+
+const TABLE: &str = "\
+# imu: IMU-07
+# station: ST-2
+# measured_at: 2026-03-01T08:00:00Z
+# geometry: skewed
+# started by hand at 08:02
+# site.latitude_deg: 0
+# site.gravity_g0: 1.0
+# gyros: G1 A, G3 B
+phase,start_s,duration_s,attitude_w,attitude_x,attitude_y,attitude_z,specific_force_g0_x,specific_force_g0_y,specific_force_g0_z,rate_arcsec_s_x,rate_arcsec_s_y,rate_arcsec_s_z,temperature_c,output_pulse_s_1,output_pulse_s_2,output_sem_pulse_s_1,output_sem_pulse_s_2
+static,0,180,1,0,0,0,0,0,1,0,15.041067,0,45.0,1.0,2.0,0.1,0.2
+static,240,180,0,1,0,0,0,0,-1,0,-15.041067,0,45.1,1.5,2.5,0.1,0.2
+rate,480,180,1,0,0,0,0,0,1,0,0,7200,45.0,1.5,2.5,0.1,0.2
+";
+
+const JSON: &str = r#"{"imu": "IMU-07", "station": "ST-2", "measured_at": "2026-03-01T08:00:00Z", "geometry": "skewed",
+ "site": {"latitude_deg": 0, "gravity_g0": 1.0}, "gyros": [{"slot": "G1", "serial": "A"}, {"slot": "G3", "serial": "B"}],
+ "dwells": [
+ {"phase": "static", "start_s": 0, "duration_s": 180, "attitude": [1, 0, 0, 0], "specific_force_g0": [0, 0, 1],
+  "rate_arcsec_s": [0, 15.041067, 0], "temperature_c": 45.0, "output_pulse_s": [1, 2], "output_sem_pulse_s": [0.1, 0.2]},
+ {"phase": "static", "start_s": 240, "duration_s": 180, "attitude": [0, 1, 0, 0], "specific_force_g0": [0, 0, -1],
+  "rate_arcsec_s": [0, -15.041067, 0], "temperature_c": 45.1, "output_pulse_s": [1.5, 2.5], "output_sem_pulse_s": [0.1, 0.2]},
+ {"phase": "rate", "start_s": 480, "duration_s": 180, "attitude": [1, 0, 0, 0], "specific_force_g0": [0, 0, 1],
+  "rate_arcsec_s": [0, 0, 7200], "temperature_c": 45.0, "output_pulse_s": [1.5, 2.5], "output_sem_pulse_s": [0.1, 0.2]}]}"#;
+
+fn faults(text: &str) -> Vec<String> {
+    match parse(text.as_bytes()) {
+        Ok(_) => Vec::new(),
+        Err(faults) => faults.0.into_iter().map(|f| f.detail).collect(),
+    }
+}
+
+/// The one fault of the table after a replacement.
+fn fault_after(from: &str, to: &str) -> String {
+    assert!(TABLE.contains(from), "{from} is not in the table");
+    let mut found = faults(&TABLE.replacen(from, to, 1));
+    assert_eq!(found.len(), 1, "{from} -> {to}: {found:?}");
+    found.remove(0)
+}
+
+#[test]
+fn the_table_says_what_the_json_says() {
+    assert_eq!(parse(TABLE.as_bytes()), parse(JSON.as_bytes()));
+    assert!(parse(TABLE.as_bytes()).is_ok());
+}
+
+#[test]
+fn what_is_written_as_csv_reads_back() {
+    let mut campaign = parse_json(JSON.as_bytes()).expect("sound");
+    campaign.note = Some("two\nlines, \"quoted\",".into());
+    campaign.gyros[0].known_e = Some(nalgebra::Vector3::new(0.8473, -0.6011, 1.0367));
+    assert_eq!(parse(to_csv(&campaign).as_bytes()), Ok(campaign.clone()));
+    assert_eq!(parse(to_json(&campaign).as_bytes()), Ok(campaign));
+}
+
+#[test]
+fn marks_line_ends_delimiters_and_spreadsheet_habits_are_fine() {
+    let plain = parse(TABLE.as_bytes()).expect("sound");
+    let semicolons: String =
+        TABLE.lines().map(|l| if l.starts_with('#') { l.into() } else { l.replace(',', ";") } + "\n").collect();
+    let quoted: String =
+        TABLE.lines().map(|l| if l.starts_with("# g") { format!("\"{l}\",,,\n") } else { format!("{l}\n") }).collect();
+    for text in [
+        format!("\u{feff}{TABLE}"),
+        TABLE.replace('\n', "\r\n"),
+        semicolons.clone(),
+        semicolons.replace(';', "\t"),
+        quoted,
+        TABLE.replace(" G1 A, G3 B", r#" [{"slot": "G1", "serial": "A"}, {"slot": "G3", "serial": "B"}]"#),
+        TABLE.replace("# gyros: G1 A, G3 B", "# slot_1: G1\n# serial_1: A\n# slot_2: G3\n# serial_2: B"),
+        TABLE.replace("site.latitude_deg", "latitude_deg").replace("phase,", "\n\nphase,"),
+        format!("{TABLE}\n\n,,,,\n# the end\n"),
+    ] {
+        assert_eq!(parse(text.as_bytes()).as_ref(), Ok(&plain), "{text}");
+    }
+}
+
+#[test]
+fn a_wrong_header_is_named_by_line_and_column() {
+    assert_eq!(
+        fault_after("temperature_c,", "Temperature,"),
+        "line 9, column 14: unknown column \"Temperature\"; did you mean \"temperature_c\"?"
+    );
+    assert!(
+        faults(&TABLE.replacen("rate_arcsec_s_y", "rate_deg_s_y", 1)).iter().any(|f| f.contains("line 9, column 12"))
+    );
+    let doubled = faults(&TABLE.replacen("rate_arcsec_s_y", "rate_arcsec_s_x", 1));
+    assert_eq!(
+        doubled,
+        ["line 9, column 12: a second column \"rate_arcsec_s_x\"", "line 9: no column rate_arcsec_s_y"]
+    );
+    assert_eq!(fault_after("output_sem_pulse_s_1,", ","), "line 9: no column output_sem_pulse_s_1");
+    let one_gyro = faults(&TABLE.replacen("gyros: G1 A, G3 B", "gyros: G1 A", 1));
+    assert_eq!(one_gyro[0], "line 9: 2 columns of output_pulse_s, but 1 gyros in the head");
+    assert!(faults("# imu: X\n")[0].contains("no table"));
+}
+
+#[test]
+fn bad_cells_are_named_by_line_and_column() {
+    assert_eq!(fault_after("-1,0,-15.041067", "-1,0,x"), "line 11, column 12 (rate_arcsec_s_y): \"x\" is no number");
+    assert!(fault_after("45.1", "NaN").starts_with("line 11, column 14 (temperature_c): must be a finite number"));
+    assert!(fault_after("45.1", "").starts_with("line 11, column 14 (temperature_c): missing here"));
+    assert!(fault_after("240,180", "240,").starts_with("line 11, column 3 (duration_s): empty"));
+    assert!(fault_after("240,180", "100,180").starts_with("line 11, column 2 (start_s): overlaps"));
+    assert!(
+        fault_after("1.5,2.5,0.1,0.2\nrate", "1.5,2.5,0.1,0\nrate")
+            .starts_with("line 11, column 18 (output_sem_pulse_s_2)")
+    );
+    assert!(fault_after("rate,480", "turn,480").starts_with("line 12, column 1 (phase): must be static or rate"));
+    assert!(
+        fault_after("0,1,0,0,0,0,-1", "0,0.9,0,0,0,0,-1").starts_with("line 11, column 4 (attitude_w): must be a unit")
+    );
+}
+
+#[test]
+fn a_decimal_comma_is_named_by_line_and_column() {
+    let unquoted = fault_after("45.1", "45,1");
+    assert!(unquoted.starts_with("line 11, column"), "{unquoted}");
+    assert!(unquoted.contains("decimal comma"), "{unquoted}");
+    let quoted = fault_after("45.1", "\"45,1\"");
+    assert!(quoted.starts_with("line 11, column 14 (temperature_c): \"45,1\" has a decimal comma"), "{quoted}");
+    let semicolons: String = TABLE
+        .lines()
+        .map(|l| if l.starts_with('#') { l.into() } else { l.replace(',', ";").replace('.', ",") } + "\n")
+        .collect();
+    assert!(
+        faults(&semicolons)[0].starts_with("line 10, column 12 (rate_arcsec_s_y): \"15,041067\" has a decimal comma")
+    );
+}
+
+#[test]
+fn the_head_is_checked_by_line() {
+    assert!(fault_after("# imu: IMU-07", "# imu: ").starts_with("line 1 (imu): must not be empty"));
+    assert!(fault_after("# imu: IMU-07\n", "").contains("`imu` is missing"));
+    assert!(fault_after("# imu", "# operater: x\n# imu").starts_with("line 1: unknown key \"operater\""));
+    assert!(fault_after("# imu", "# imu: IMU-07\n# imu").starts_with("line 2: imu is given twice"));
+    assert!(fault_after(" G1 A, G3 B", " [{").starts_with("line 8 (gyros): is not JSON"));
+    assert!(fault_after("latitude_deg: 0", "latitude_deg: 34,25").contains("decimal comma"));
+    assert!(fault_after("G3 B", "G4 B").starts_with("line 8 (gyros): must be G1, G2 or G3"));
+    assert!(fault_after("gravity_g0: 1.0", "gravity_g0: 9.8").starts_with("line 7 (site)"));
+}
+
+#[test]
+fn what_is_not_utf_8_says_so() {
+    assert!(parse(b"\xff\xfe#\0").unwrap_err().0[0].detail.contains("UTF-16"));
+    assert!(parse(b"# imu: X\n# note: \xe9\n").unwrap_err().0[0].detail.contains("line 2: not UTF-8"));
+}

@@ -1,0 +1,54 @@
+//! Writing a campaign as CSV.
+
+use std::fmt::Write;
+
+use crate::core::campaign::Campaign;
+use crate::wire::campaign::{CampaignBody, DwellBody};
+use crate::wire::numbers::Numbers;
+
+/// The campaign as CSV that [`super::parse_csv`] reads back: head matter in JSON values, then one row a dwell.
+pub fn to_csv(campaign: &Campaign) -> String {
+    let body = CampaignBody::from(campaign);
+    let mut text = String::new();
+    let head = serde_json::to_value(&body).expect("strings and finite numbers always serialise");
+    for (key, value) in head.as_object().into_iter().flatten().filter(|(key, _)| *key != "dwells") {
+        let value = value.as_str().filter(|s| is_plain(s)).map_or_else(|| value.to_string(), str::to_owned);
+        writeln!(text, "# {key}: {value}").expect("a string takes everything");
+    }
+    if let Some(first) = body.dwells.first() {
+        let names: Vec<String> = columns(first).into_iter().map(|(name, _)| name).collect();
+        text.push_str(&names.join(","));
+        text.push('\n');
+    }
+    for dwell in &body.dwells {
+        let cells: Vec<String> = columns(dwell).into_iter().map(|(_, cell)| cell).collect();
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// Whether a head value can stand without quotes: one line that is not taken for JSON or padding.
+fn is_plain(text: &str) -> bool {
+    !text.starts_with(['{', '[', '"']) && !text.ends_with([',', ';']) && !text.contains(['\n', '\r', '\t'])
+}
+
+fn columns(dwell: &DwellBody) -> Vec<(String, String)> {
+    const XYZ: &[&str] = &["_x", "_y", "_z"];
+    let mut columns = vec![
+        ("phase".to_owned(), dwell.phase.clone()),
+        ("start_s".to_owned(), dwell.start_s.to_string()),
+        ("duration_s".to_owned(), dwell.duration_s.to_string()),
+    ];
+    let mut list = |name: &str, suffixes: &[&str], numbers: Option<&Numbers>| {
+        let values = numbers.into_iter().flat_map(Numbers::values);
+        columns.extend(suffixes.iter().zip(values).map(|(s, v)| (format!("{name}{s}"), v.to_string())));
+    };
+    list("attitude", &["_w", "_x", "_y", "_z"], dwell.attitude.as_ref());
+    list("specific_force_g0", XYZ, Some(&dwell.specific_force_g0));
+    list("rate_arcsec_s", XYZ, Some(&dwell.rate_arcsec_s));
+    list("temperature_c", &[""], dwell.temperature_c.map(|t| Numbers::from([t].as_slice())).as_ref());
+    list("output_pulse_s", &["_1", "_2", "_3"], Some(&dwell.output_pulse_s));
+    list("output_sem_pulse_s", &["_1", "_2", "_3"], dwell.output_sem_pulse_s.as_ref());
+    columns
+}

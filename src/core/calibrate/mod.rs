@@ -1,8 +1,10 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
 //! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
-//! [`noise`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O).
+//! [`noise`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`bench`] (one gyro on a
+//! fixture).
 
+pub mod bench;
 pub mod design;
 pub mod drift;
 pub mod noise;
@@ -266,3 +268,6 @@ impl GyroCalibration {
 fn vector(parameters: &[Parameter]) -> Vector3<f64> {
     Vector3::new(parameters[0].value, parameters[1].value, parameters[2].value)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,364 @@
+//! A raw single-gyro test: eq. (5) fitted along the gyro's own axes.
+//!
+//! y_k = E.w_k + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2), K = |E|, a on the gyro's axes. The torque
+//! feedback test counts pulses; in the servo test the table's rate in arcsec/s is itself the answer, so there E is
+//! the input axis with K = 1. The table may be driven so that its rate cancels the gyro's; the sign shows in the
+//! Earth's rate.
+//!
+//! Where a_I^2 + a_S^2 is the same in all dwells (a tumble about the output axis), D_F, D_II and D_SS are one rank
+//! short: D_II + D_SS = 0 is then imposed.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use super::noise::{Evidence, Noise, noise};
+use super::repeats::{PureError, repeats};
+use super::{ScaleSource, weights_sd};
+use crate::core::bench::{BenchMethod, BenchResult};
+use crate::core::campaign::{Campaign, TestKind};
+use crate::core::fit::{Factor, Fit};
+use crate::core::model::Term;
+use crate::core::mounting::Triad;
+
+/// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
+pub const GAUGE: &str = "D_II + D_SS = 0";
+
+/// Spread of a_I^2 + a_S^2 (standard deviation over mean) below which it counts as constant.
+const CONSTANT_FORCE_SPREAD: f64 = 0.02;
+/// Largest departure of a servo test's fitted scale from 1 (in its sd, and absolutely) that passes for 1.
+const SERVO_SCALE: (f64, f64) = (5.0, 0.02);
+/// Smallest |E|/sd of a fitted scale that may divide.
+const LEAST_SCALE_TO_NOISE: f64 = 10.0;
+
+/// One coefficient of eq. (5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficient {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub value: f64,
+    pub sd: Option<f64>,
+}
+
+/// A bench test, fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchCalibration {
+    pub method: BenchMethod,
+    /// E, pulse/arcsec (arcsec per arcsec in the servo test), fixture axes.
+    pub e: Vector3<f64>,
+    pub scale_source: ScaleSource,
+    /// Axes on which drift was resolved: the stated ones, carried along with the measured input axis.
+    pub axes: Matrix3<f64>,
+    /// D_F, D_I, D_S and, where the positions allow, D_II and D_SS.
+    pub coefficients: Vec<Coefficient>,
+    pub gauge: Option<&'static str>,
+    pub chi2: f64,
+    pub dof: usize,
+    pub rank: usize,
+    pub noise: Noise,
+    /// Pulse/s (arcsec/s in the servo test), by dwell.
+    pub residuals: DVector<f64>,
+    pub leverage: DVector<f64>,
+    pub repeats: Vec<Vec<usize>>,
+}
+
+/// Why a bench test yields no D_I and D_S.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotFitted {
+    #[error("not a single-gyro bench test")]
+    NotABench,
+    #[error("the fixture's axes are not stated for {0}")]
+    NoAxes(&'static str),
+    #[error("the dwells do not determine {}: the specific force must take several directions about the input and spin axes", .0.join(", "))]
+    Undetermined(Vec<&'static str>),
+    #[error(
+        "the scale factor is neither stated (known_e_pulse_per_arcsec) nor seen: the Earth's rate along the input axis hardly changes between dwells"
+    )]
+    NoScale,
+    #[error(
+        "the output answers the Earth's rate with {found:.4} where a table rate in arcsec/s answers with 1 or -1; state known_e_pulse_per_arcsec if the output is in other units"
+    )]
+    NotATableRate { found: f64 },
+}
+
+/// What is fitted besides the drift, and the axes that follow from it.
+struct Scale {
+    source: ScaleSource,
+    /// Held E, or none where columns of w are fitted.
+    held: Option<Vector3<f64>>,
+    /// Directions on which the rate is fitted: the body axes, the input axis alone, or none.
+    fitted: Vec<Vector3<f64>>,
+}
+
+struct Problem<'a> {
+    campaign: &'a Campaign,
+    triad: Triad,
+    sd: Vec<f64>,
+    squares: bool,
+}
+
+/// Fits a campaign of one gyro with `test` other than `imu`.
+///
+/// # Errors
+/// [`NotFitted`] with the reason.
+pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitted> {
+    let method = match campaign.test {
+        TestKind::Imu => return Err(NotFitted::NotABench),
+        TestKind::TorqueFeedback => BenchMethod::TorqueFeedback,
+        TestKind::TurntableServo => BenchMethod::TurntableServo,
+    };
+    let gyro = campaign.gyros.first().ok_or(NotFitted::NotABench)?;
+    let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
+    let squares = campaign.terms().contains(Term::GSquared);
+    let problem = Problem { campaign, triad, sd: weights_sd(&campaign.dwells, 0), squares };
+    let scale = problem.scale(method, gyro.known_e)?;
+    problem.fit(method, &scale)
+}
+
+impl Problem<'_> {
+    fn scale(&self, method: BenchMethod, known_e: Option<Vector3<f64>>) -> Result<Scale, NotFitted> {
+        let held = |e| Scale { source: ScaleSource::Held, held: Some(e), fitted: Vec::new() };
+        if let Some(e) = known_e {
+            return Ok(held(e));
+        }
+        let input = self.triad.input();
+        let fit_along = |fitted: Vec<Vector3<f64>>| Scale { source: ScaleSource::Fitted, held: None, fitted };
+        if method == BenchMethod::TorqueFeedback {
+            let whole = fit_along(vec![Vector3::x(), Vector3::y(), Vector3::z()]);
+            let single = fit_along(vec![input]);
+            return [whole, single].into_iter().find(|scale| self.determines_scale(scale)).ok_or(NotFitted::NoScale);
+        }
+        let along_input = fit_along(vec![input]);
+        if !self.determines_scale(&along_input) {
+            return Ok(held(input));
+        }
+        let found = self.fit(method, &along_input)?;
+        let answer = found.e.dot(&input);
+        let sd = found.noise.covariance_scale().map_or(f64::INFINITY, f64::sqrt) * self.scale_sd(&along_input);
+        let off = answer.abs() - 1.0;
+        if off.abs() > SERVO_SCALE.1 && off.abs() > SERVO_SCALE.0 * sd {
+            return Err(NotFitted::NotATableRate { found: answer });
+        }
+        Ok(held(input * if answer < -SERVO_SCALE.0 * sd { -1.0 } else { 1.0 }))
+    }
+
+    fn determines_scale(&self, scale: &Scale) -> bool {
+        let (design, _) = self.design(scale, &self.axes(self.triad.input()));
+        let (columns, q) = (scale.fitted.len(), design.ncols());
+        let rows = design.nrows();
+        let factor = Factor::new(design, &self.sd);
+        rows > factor.rank()
+            && (0..columns).all(|i| factor.determines(&DVector::from_fn(q, |j, _| f64::from(u8::from(i == j)))))
+    }
+
+    /// Standard deviation of the first column's parameter for the weights as given.
+    fn scale_sd(&self, scale: &Scale) -> f64 {
+        let (design, _) = self.design(scale, &self.axes(self.triad.input()));
+        Factor::new(design, &self.sd).covariance()[(0, 0)].max(0.0).sqrt()
+    }
+
+    /// Rows I^, S^, O^: the stated triad carried along by the smallest rotation of its input axis to `input`.
+    fn axes(&self, input: Vector3<f64>) -> Matrix3<f64> {
+        let half = (self.triad.input() + input) / (1.0 + self.triad.input().dot(&input));
+        let carried = |axis: Vector3<f64>| axis - half * input.dot(&axis);
+        Matrix3::from_rows(&[
+            input.transpose(),
+            carried(self.triad.spin()).transpose(),
+            carried(self.triad.output()).transpose(),
+        ])
+    }
+
+    /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their
+    /// difference in the gauge). The second value says whether the gauge was needed.
+    fn design(&self, scale: &Scale, axes: &Matrix3<f64>) -> (DMatrix<f64>, Squares) {
+        let dwells = &self.campaign.dwells;
+        let forces: Vec<Vector3<f64>> = dwells.iter().map(|d| axes * d.specific_force_g0).collect();
+        let squares = if self.squares { Squares::seen_in(&forces) } else { Squares::Left };
+        let with = |squares: Squares| {
+            let rows: Vec<f64> = dwells
+                .iter()
+                .zip(&forces)
+                .flat_map(|(dwell, a)| {
+                    let rates = scale.fitted.iter().map(|axis| axis.dot(&dwell.rate_arcsec_s));
+                    rates.chain([1.0, a.x, a.y]).chain(squares.columns(a)).collect::<Vec<f64>>()
+                })
+                .collect();
+            DMatrix::from_row_iterator(dwells.len(), rows.len() / dwells.len(), rows)
+        };
+        let full = with(squares);
+        let factor = Factor::new(full.clone(), &self.sd);
+        if factor.rank() == full.ncols() && full.nrows() > full.ncols() {
+            return (full, squares);
+        }
+        (with(Squares::Left), Squares::Left)
+    }
+
+    fn fit(&self, method: BenchMethod, scale: &Scale) -> Result<BenchCalibration, NotFitted> {
+        // With E fitted, its direction carries the axes; one more pass suffices, as the axes move by arc-minutes.
+        let mut e = scale.held.unwrap_or_else(|| self.triad.input());
+        let passes = if scale.fitted.len() == 3 { 2 } else { 1 };
+        let mut solved = self.solve(scale, &e)?;
+        for _ in 1..passes {
+            e = solved.e;
+            solved = self.solve(scale, &e)?;
+        }
+        self.finish(method, scale, solved)
+    }
+
+    fn solve(&self, scale: &Scale, direction: &Vector3<f64>) -> Result<Solved, NotFitted> {
+        let along = direction.normalize();
+        // A table that cancels the gyro has E against the input axis; the gyro's axes do not turn round with it.
+        let axes = self.axes(if along.dot(&self.triad.input()) < 0.0 { -along } else { along });
+        let (design, squares) = self.design(scale, &axes);
+        let first = scale.fitted.len();
+        let factor = Factor::new(design, &self.sd);
+        let q = first + 3 + squares.count();
+        let undetermined: Vec<&'static str> = ["D_F", "D_I", "D_S"]
+            .into_iter()
+            .enumerate()
+            .filter(|(i, _)| !factor.determines(&DVector::from_fn(q, |j, _| f64::from(u8::from(j == first + i)))))
+            .map(|(_, name)| name)
+            .collect();
+        if !undetermined.is_empty() {
+            return Err(NotFitted::Undetermined(undetermined));
+        }
+        let held = scale.held.unwrap_or_default();
+        let dwells = &self.campaign.dwells;
+        let y = DVector::from_iterator(
+            dwells.len(),
+            dwells.iter().map(|d| d.output_pulse_s[0] - held.dot(&d.rate_arcsec_s)),
+        );
+        let fit = factor.fit(&y);
+        let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
+        Ok(Solved { e: held + fitted, axes, squares, fit, y })
+    }
+
+    fn finish(&self, method: BenchMethod, scale: &Scale, solved: Solved) -> Result<BenchCalibration, NotFitted> {
+        let Solved { e, axes, squares, fit, y } = solved;
+        let groups = repeats(&self.campaign.dwells);
+        let has_sem = self.campaign.dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
+        let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
+        let noise = noise(&[Evidence { chi2: fit.chi2, dof: fit.dof, pure_error }], has_sem)[0];
+        let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
+        let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
+        let first = scale.fitted.len();
+        if let Some(c) = covariance.as_ref().filter(|_| first > 0)
+            && method == BenchMethod::TorqueFeedback
+            && k.abs() < LEAST_SCALE_TO_NOISE * c.view((0, 0), (first, first)).trace().max(0.0).sqrt()
+        {
+            return Err(NotFitted::NoScale);
+        }
+        // dK along each fitted direction: the direction's share in E's own.
+        let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
+        let coefficients = squares
+            .names()
+            .map(|(name, unit, column, sign)| {
+                let value = sign * fit.estimate[first + column] / k;
+                let mut gradient = DVector::zeros(fit.estimate.len());
+                gradient[first + column] = sign / k;
+                for (i, share) in by_scale.iter().enumerate() {
+                    gradient[i] = -value * share / k;
+                }
+                let sd = covariance.as_ref().map(|c| gradient.dot(&(c * &gradient)).max(0.0).sqrt());
+                Coefficient { name, unit, value, sd }
+            })
+            .collect();
+        Ok(BenchCalibration {
+            method,
+            e,
+            scale_source: scale.source,
+            axes,
+            coefficients,
+            gauge: (squares == Squares::Difference).then_some(GAUGE),
+            chi2: fit.chi2,
+            dof: fit.dof,
+            rank: fit.rank,
+            noise,
+            residuals: fit.residuals,
+            leverage: fit.leverage,
+            repeats: groups,
+        })
+    }
+}
+
+struct Solved {
+    e: Vector3<f64>,
+    axes: Matrix3<f64>,
+    squares: Squares,
+    fit: Fit,
+    y: DVector<f64>,
+}
+
+/// How the squares a_I^2, a_S^2 stand in the design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Squares {
+    Both,
+    /// Their difference, in the gauge D_II + D_SS = 0.
+    Difference,
+    Left,
+}
+
+impl Squares {
+    fn seen_in(forces: &[Vector3<f64>]) -> Self {
+        let n = forces.len() as f64;
+        let sums = || forces.iter().map(|a| a.x * a.x + a.y * a.y);
+        let mean = sums().sum::<f64>() / n;
+        let variance = sums().map(|s| (s - mean).powi(2)).sum::<f64>() / n;
+        if variance.sqrt() <= CONSTANT_FORCE_SPREAD * mean { Self::Difference } else { Self::Both }
+    }
+
+    fn count(self) -> usize {
+        match self {
+            Self::Both => 2,
+            Self::Difference => 1,
+            Self::Left => 0,
+        }
+    }
+
+    fn columns(self, a: &Vector3<f64>) -> Vec<f64> {
+        let (i, s) = (a.x * a.x, a.y * a.y);
+        match self {
+            Self::Both => vec![i, s],
+            Self::Difference => vec![i - s],
+            Self::Left => vec![],
+        }
+    }
+
+    /// Name, unit, column (after the rates) and sign of every coefficient.
+    fn names(self) -> impl Iterator<Item = (&'static str, &'static str, usize, f64)> {
+        const LINEAR: &str = "deg/(h*g0)";
+        const SQUARE: &str = "deg/(h*g0^2)";
+        let squares: &[_] = match self {
+            Self::Both => &[("D_II", SQUARE, 3, 1.0), ("D_SS", SQUARE, 4, 1.0)],
+            Self::Difference => &[("D_II", SQUARE, 3, 1.0), ("D_SS", SQUARE, 3, -1.0)],
+            Self::Left => &[],
+        };
+        [("D_F", "deg/h", 0, 1.0), ("D_I", LINEAR, 1, 1.0), ("D_S", LINEAR, 2, 1.0)]
+            .into_iter()
+            .chain(squares.iter().copied())
+    }
+}
+
+impl BenchCalibration {
+    /// The coefficient of that name, where it was fitted.
+    pub fn coefficient(&self, name: &str) -> Option<&Coefficient> {
+        self.coefficients.iter().find(|c| c.name == name)
+    }
+
+    /// What is stored and compared with other methods.
+    pub fn result(&self, campaign: &Campaign) -> BenchResult {
+        let of = |name| self.coefficient(name).expect("D_I and D_S are always fitted");
+        let (d_i, d_s) = (of("D_I"), of("D_S"));
+        BenchResult {
+            serial: campaign.gyros[0].serial.clone(),
+            station: campaign.station.clone(),
+            measured_at: campaign.measured_at,
+            method: self.method,
+            d_i: d_i.value,
+            d_s: d_s.value,
+            d_i_sd: d_i.sd,
+            d_s_sd: d_s.sd,
+            temperature_c: campaign.temperature_c,
+            operator: campaign.operator.clone(),
+            note: campaign.note.clone(),
+        }
+    }
+}

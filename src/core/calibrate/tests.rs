@@ -1,0 +1,200 @@
+use super::*;
+use crate::core::campaign::{Phase, TestKind};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::record::Plausibility;
+use crate::core::time::UtcMicros;
+
+/// Commanded specific force, rate, output, standard error.
+type Row = ([f64; 3], [f64; 3], f64, Option<f64>);
+
+fn campaign(rows: &[Row], known_e: Option<[f64; 3]>) -> Campaign {
+    let dwell = |(k, (a, w, y, sem)): (usize, &Row)| Dwell {
+        phase: if Vector3::from(*w).norm() > 20.0 { Phase::Rate } else { Phase::Static },
+        start_s: 240.0 * k as f64,
+        duration_s: 180.0,
+        attitude: None,
+        specific_force_g0: Vector3::from(*a),
+        rate_arcsec_s: Vector3::from(*w),
+        temperature_c: None,
+        output_pulse_s: vec![*y],
+        output_sem_pulse_s: sem.map(|s| vec![s]),
+    };
+    Campaign {
+        imu: Name::parse("IMU").expect("a name"),
+        station: Name::parse("ST").expect("a name"),
+        measured_at: UtcMicros(0),
+        geometry: Geometry::Orthogonal,
+        site: None,
+        gyros: vec![CampaignGyro {
+            slot: Slot::G1,
+            serial: Name::parse("A").expect("a name"),
+            known_e: known_e.map(Vector3::from),
+        }],
+        dwells: rows.iter().enumerate().map(dwell).collect(),
+        test: TestKind::Imu,
+        model: None,
+        temperature_c: None,
+        operator: None,
+        note: None,
+    }
+}
+
+const FACES: [[f64; 3]; 6] =
+    [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+
+fn value(fit: &GyroCalibration, name: &str) -> (f64, f64) {
+    let p = fit.parameters.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("{name} was fitted"));
+    (p.value, p.sd.unwrap_or(f64::NAN))
+}
+
+fn assert_close(a: f64, b: f64) {
+    assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{a} is not {b}");
+}
+
+/// Six faces, E held at (2, 0, 0), no rates, outputs 7, 1, 5, 3, 9, 11 +- 0.3. By hand: G is half the difference
+/// of a pair, (3, 1, -1), var sigma^2/2. Half the sums are (4, 4, 10) = D0 + P; with P_x + P_y + P_z = 0,
+/// D0 = 6, var sigma^2/6, and P = (-2, -2, 4), var sigma^2/2 - sigma^2/6 = sigma^2/3.
+/// D_I = G_x/2, D_S = G_y/2 on the orthogonal mounting of G1, sd sigma/sqrt 2/2.
+#[test]
+fn six_faces_are_fitted_as_by_hand() {
+    let outputs = [7.0, 1.0, 5.0, 3.0, 9.0, 11.0];
+    let rows: Vec<Row> = FACES.iter().zip(outputs).map(|(a, y)| (*a, [0.0; 3], y, Some(0.3))).collect();
+    let campaign = campaign(&rows, Some([2.0, 0.0, 0.0]));
+    let calibration = calibrate(&campaign, Terms::MODEL_6);
+    let fit = &calibration.gyros[0];
+    let sigma = |share: f64| 0.3 * share.sqrt();
+    for (name, by_hand, sd) in [
+        ("D0", 6.0, sigma(1.0 / 6.0)),
+        ("G_x", 3.0, sigma(0.5)),
+        ("G_y", 1.0, sigma(0.5)),
+        ("G_z", -1.0, sigma(0.5)),
+        ("P_x", -2.0, sigma(1.0 / 3.0)),
+        ("P_y", -2.0, sigma(1.0 / 3.0)),
+        ("P_z", 4.0, sigma(1.0 / 3.0)),
+    ] {
+        assert_close(value(fit, name).0, by_hand);
+        assert_close(value(fit, name).1, sd);
+    }
+    assert_eq!((fit.rank, fit.dof, fit.scale_source), (6, 0, ScaleSource::Held));
+    assert_eq!(fit.null_directions.len(), 1);
+    let null = &fit.null_directions[0];
+    assert_eq!(null.gauge, Some(GAUGE));
+    for (found, by_hand) in null.direction.iter().zip([0.5, 0.0, 0.0, 0.0, -0.5, -0.5, -0.5]) {
+        assert_close(*found, by_hand);
+    }
+    let drift = fit.separate(&campaign.geometry, &Plausibility::default()).expect("E is held, G is seen");
+    assert_close(drift.rigid.d_i, 1.5);
+    assert_close(drift.rigid.d_s, 0.5);
+    assert_close(drift.rigid.sd().expect("standard errors are given")[0], sigma(0.5) / 2.0);
+}
+
+/// One axis, turned at +-1000 arcsec/s with Z up, E = (0, 0, 2), D0 = 3: E_z = (y+ - y-)/2000, D0 = (y+ + y-)/2.
+#[test]
+fn two_rates_give_scale_and_bias_and_nothing_else() {
+    let z = [0.0, 0.0, 1.0];
+    let rows = [(z, [0.0, 0.0, 1000.0], 2003.0, Some(1.0)), (z, [0.0, 0.0, -1000.0], -1997.0, Some(1.0))];
+    let fit = &calibrate(&campaign(&rows, None), Terms::of(&[Term::Bias, Term::Scale])).gyros[0];
+    assert_close(value(fit, "E_z").0, 2.0);
+    assert_close(value(fit, "E_z").1, 0.5f64.sqrt() / 1000.0);
+    assert_close(value(fit, "D0").0, 3.0);
+    assert_eq!(fit.undetermined().collect::<Vec<_>>(), ["E_x", "E_y"]);
+    assert!(value(fit, "E_x").1.is_nan(), "what is not determined has no standard deviation");
+}
+
+fn reason(rows: &[Row], known_e: Option<[f64; 3]>, terms: Terms) -> String {
+    let campaign = campaign(rows, known_e);
+    let calibration = calibrate(&campaign, terms);
+    for fit in &calibration.gyros {
+        assert!(fit.parameters.iter().all(|p| p.value.is_finite() && p.sd.is_none_or(f64::is_finite)));
+        assert!(fit.residuals.iter().chain(fit.leverage.iter()).all(|x| x.is_finite()));
+        assert!(fit.standardised.iter().flat_map(|s| s.iter()).all(|x| x.is_finite()));
+    }
+    calibration.separate(&campaign.geometry, &Plausibility::default())[0].as_ref().expect_err("no drift").to_string()
+}
+
+#[test]
+fn a_campaign_that_cannot_carry_the_model_says_what_is_missing() {
+    let still = |a: [f64; 3], y: f64| (a, [0.0; 3], y, Some(0.1));
+    let e = Some([2.0, 0.0, 0.0]);
+    let all = Terms::MODEL_6;
+    let one_face = [still(FACES[4], 1.0), still(FACES[4], 1.1)];
+    assert!(
+        reason(&one_face, e, all)
+            .starts_with("the dwells do not determine G_x, G_y, G_z; dwells with other directions")
+    );
+    assert!(reason(&one_face[..1], None, all).contains("G_z, E_x, E_y, E_z"), "one dwell");
+    let faces: Vec<Row> = FACES.iter().map(|a| still(*a, a[0])).collect();
+    assert!(reason(&faces, None, all).contains("do not determine E_x, E_y, E_z; dwells with other rates"), "no rates");
+    assert!(reason(&faces, None, all.without(Term::Scale)).contains("neither fitted (no scale term) nor held"));
+    assert!(reason(&faces, e, all.without(Term::GLinear)).contains("no g_linear term"));
+    assert!(reason(&faces[..2], e, all).contains("G_y, G_z") || reason(&faces[..2], e, all).contains("G_x"), "too few");
+    let zero: Vec<Row> = FACES.iter().map(|a| (*a, [0.0; 3], 0.0, None)).collect();
+    assert!(reason(&zero, None, all).contains("E_x"), "all outputs zero");
+}
+
+#[test]
+fn e_of_another_slot_is_refused_with_the_angle() {
+    let turn = |w: [f64; 3]| ([0.0, 0.0, 1.0], w, 2.0 * w[1], Some(0.1));
+    let mut rows: Vec<Row> = FACES.iter().map(|a| (*a, [0.0; 3], 0.0, Some(0.1))).collect();
+    rows.extend([[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]].map(turn));
+    let words = reason(&rows, None, Terms::MODEL_6);
+    assert!(words.contains("the fitted E is impossible") && words.contains("90.000 deg"), "{words}");
+}
+
+#[test]
+fn standard_errors_are_rescaled_by_repeats() {
+    // Twenty repeats of one position scatter by 0.2 about their mean where 0.1 is stated.
+    let scatter = |k: usize| if k.is_multiple_of(2) { 0.2 } else { -0.2 };
+    let rows: Vec<Row> = (0..20).map(|k| (FACES[0], [0.0; 3], 5.0 + scatter(k), Some(0.1))).collect();
+    let fit = &calibrate(&campaign(&rows, Some([1.0, 0.0, 0.0])), Terms::of(&[Term::Bias])).gyros[0];
+    let noise = fit.noise;
+    assert_eq!((noise.source, noise.pure_error.dof), (noise::Source::SemAndRepeats, 19));
+    // chi2 = 20 (0.2/0.1)^2 = 80; with four degrees of freedom in favour of 1, f^2 = 84/23.
+    assert_close(noise.factor.expect("estimated"), (84.0f64 / 23.0).sqrt());
+    // And the t of 23 degrees of freedom: sd^2 = (0.1^2/20) (84/23) (23/21).
+    assert_close(value(fit, "D0").1, (0.01 / 20.0 * 84.0 / 21.0f64).sqrt());
+}
+
+#[test]
+fn without_standard_errors_the_residuals_or_the_repeats_speak() {
+    let line = |k: usize, bend: f64| {
+        let x = k as f64 / 10.0 - 0.5;
+        let noise = if k.is_multiple_of(3) { 0.02 } else { -0.01 };
+        ([0.0, 0.0, 1.0], [0.0, 0.0, 1000.0 * x], 3.0 + 2000.0 * x + bend * x * x + noise, None)
+    };
+    let terms = Terms::of(&[Term::Bias, Term::Scale]);
+    let straight: Vec<Row> = (0..11).map(|k| line(k, 0.0)).collect();
+    let fit = &calibrate(&campaign(&straight, None), terms).gyros[0];
+    assert_eq!(fit.noise.source, noise::Source::Residuals);
+    assert_close(fit.noise.factor.expect("nine left over"), (fit.chi2 / 9.0).sqrt());
+
+    let mut bent: Vec<Row> = (0..11).map(|k| line(k, 50.0)).collect();
+    bent.extend((0..11).map(|k| line(k, 50.0)).map(|(a, w, y, s)| (a, w, y + 0.01, s)));
+    let fit = &calibrate(&campaign(&bent, None), terms).gyros[0];
+    assert_eq!(fit.noise.source, noise::Source::Repeats, "a bend is not noise");
+    assert!(fit.noise.factor.expect("eleven pairs") < 0.01);
+}
+
+#[test]
+fn standard_errors_that_residuals_contradict_are_raised() {
+    let e = Some([2.0, 0.0, 0.0]);
+    let at =
+        |k: usize, size: f64| (FACES[k % 6], [0.0, 0.0, 1e-2 * k as f64], size * (k as f64 * 2.4).sin(), Some(0.1));
+    let source = |size: f64| {
+        let rows: Vec<Row> = (0..36).map(|k| at(k, size)).collect();
+        calibrate(&campaign(&rows, e), Terms::MODEL_6).gyros[0].noise
+    };
+    assert_eq!(source(0.14).source, noise::Source::Sem);
+    assert_eq!(source(1.0).source, noise::Source::SemAndResiduals);
+    assert!(source(1.0).factor.is_some_and(|f| (4.0..10.0).contains(&f)));
+}
+
+#[test]
+fn equal_positions_are_found_as_repeats_and_near_ones_are_not() {
+    let rows: Vec<Row> = [0, 2, 0, 4, 2, 0]
+        .into_iter()
+        .enumerate()
+        .map(|(k, face)| (FACES[face], [0.0, 0.0, if k == 5 { 1.0 } else { 0.0 }], 0.0, None))
+        .collect();
+    assert_eq!(repeats::repeats(&campaign(&rows, None).dwells), [vec![0, 2], vec![1, 4]]);
+}

@@ -16,7 +16,7 @@ use crate::core::mounting::{Geometry, Slot, Triad};
 #[serde(untagged)]
 pub enum GeometryBody {
     Named(NamedGeometry),
-    Stated(StatedAxes),
+    Stated(Box<StatedAxes>),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, ToSchema)]
@@ -67,7 +67,7 @@ impl GeometryBody {
             Geometry::Custom(triads) => {
                 let [g1, g2, g3] =
                     triads.map(|triad| triad.map(|t| AxesBody { input: t.input().into(), spin: t.spin().into() }));
-                Self::Stated(StatedAxes { g1, g2, g3, input: None, spin: None })
+                Self::Stated(Box::new(StatedAxes { g1, g2, g3, input: None, spin: None }))
             }
         }
     }
@@ -139,6 +139,6 @@ impl<'de> Visitor<'de> for GeometryVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<GeometryBody, A::Error> {
-        StatedAxes::deserialize(MapAccessDeserializer::new(map)).map(GeometryBody::Stated)
+        StatedAxes::deserialize(MapAccessDeserializer::new(map)).map(|axes| GeometryBody::Stated(Box::new(axes)))
     }
 }

@@ -81,7 +81,7 @@ async fn import(files: &[PathBuf], service: &Service, pauses: &[Duration]) -> an
                 Tally { refused: 1, ..Tally::default() }
             }
         };
-        bar.suspend(|| document::print(&format!("{name}: {tally}\n{gist}").trim_end()))?;
+        bar.suspend(|| document::print(format!("{name}: {tally}\n{gist}").trim_end()))?;
         total += tally;
     }
     bar.finish_and_clear();

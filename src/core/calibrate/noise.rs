@@ -83,7 +83,7 @@ impl Noise {
     pub fn covariance_scale(&self) -> Option<f64> {
         let f = self.factor?;
         let t_variance = if self.dof.is_infinite() { 1.0 } else { self.dof / (self.dof - 2.0) };
-        (self.dof > 2.0).then(|| f * f * t_variance)
+        (self.dof > 2.0).then_some(f * f * t_variance)
     }
 }
 
@@ -115,7 +115,7 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
 
 fn with_repeats(own: PureError, pooled: PureError) -> Noise {
     let others = PureError { chi2: (pooled.chi2 - own.chi2).max(0.0), dof: pooled.dof - own.dof };
-    let odd = f_tail(own, others).is_some_and(|p| p < 0.5 * BEYOND_CHANCE || p > 1.0 - 0.5 * BEYOND_CHANCE);
+    let odd = f_tail(own, others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
     let used = if odd { own } else { pooled };
     let dof = used.dof as f64 + PRIOR_DOF;
     Noise::of(Source::SemAndRepeats, (used.chi2 + PRIOR_DOF) / dof, dof, own)

@@ -9,6 +9,7 @@ pub mod campaign;
 pub mod fault;
 pub mod fit;
 pub mod frames;
+pub mod history;
 pub mod judge;
 pub mod model;
 pub mod mounting;

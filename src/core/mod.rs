@@ -13,6 +13,7 @@ pub mod history;
 pub mod judge;
 pub mod model;
 pub mod mounting;
+pub mod notify;
 pub mod record;
 pub mod separate;
 pub mod time;

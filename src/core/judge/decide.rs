@@ -2,27 +2,78 @@
 
 use std::f64::consts::SQRT_2;
 
-use statrs::function::erf::erfc;
+use statrs::function::erf::{erfc, erfc_inv};
 
 use super::State;
 use super::history::Measured;
+
+/// A state, and the probability that the true value lies beyond the limit, where uncertainty is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Outcome {
+    pub state: State,
+    pub probability: Option<f64>,
+}
 
 /// The standard normal distribution function.
 pub(crate) fn normal_cdf(z: f64) -> f64 {
     0.5 * erfc(-z / SQRT_2)
 }
 
-/// Judges |difference| against `limit`. With a standard deviation, the probability is that of |true difference| >
-/// limit for a true difference ~ N(value, sd^2), and a verdict is reached where it passes `confidence` or falls
-/// below 1 - confidence. Without one, the figures are compared as they stand.
-pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> (State, Option<f64>) {
-    let Some(sd) = difference.sd.filter(|&sd| sd > 0.0) else {
-        return (plain(difference.value.abs(), limit), None);
+/// Its inverse.
+pub(crate) fn normal_quantile(p: f64) -> f64 {
+    -SQRT_2 * erfc_inv(2.0 * p)
+}
+
+/// Judges |difference| against `limit`.
+pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Outcome {
+    outside(difference, -limit, limit, confidence)
+}
+
+/// Judges whether a figure lies outside [low, high]. With a standard deviation the probability is that of a true value ~
+/// N(value, sd^2), and a verdict is reached where it passes `confidence` or falls below 1 - confidence. Without one,
+/// the figure is compared as it stands.
+pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Outcome {
+    let Measured { value, sd } = figure;
+    let Some(sd) = sd.filter(|&sd| sd > 0.0) else {
+        let state = if value < low || value > high { State::Exceeded } else { State::Within };
+        return Outcome { state, probability: None };
     };
-    let above = normal_cdf((difference.value - limit) / sd);
-    let below = normal_cdf((-limit - difference.value) / sd);
-    let probability = (above + below).min(1.0);
-    (by_probability(probability, confidence), Some(probability))
+    let probability = (normal_cdf((value - high) / sd) + normal_cdf((low - value) / sd)).min(1.0);
+    Outcome { state: by_probability(probability, confidence), probability: Some(probability) }
+}
+
+/// Judges max - min over `n` figures, where `range` carries the standard deviation of the difference of the two
+/// extremes.
+///
+/// The extremes were chosen because they are extreme, so the range of noisy figures is too large. Below the limit the
+/// probability is that of the pair; above it, it is 1 - p/2 where p is the chance that noise alone opens the range of n
+/// equal figures by the excess (Tukey's studentised range; Kramer's form for unequal standard deviations). For n = 2
+/// both are the same formula.
+pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f64) -> Outcome {
+    let excess = range.value - limit;
+    let Some(sd) = range.sd.filter(|&sd| sd > 0.0) else {
+        return Outcome { state: plain(range.value, limit), probability: None };
+    };
+    let probability =
+        if excess <= 0.0 { normal_cdf(excess / sd) } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
+    Outcome { state: by_probability(probability, confidence), probability: Some(probability) }
+}
+
+/// P(range of n standard normal figures <= q) = n integral phi(z) [Phi(z) - Phi(z - q)]^(n-1) dz, by Simpson's rule.
+fn range_cdf(q: f64, n: usize) -> f64 {
+    const INTERVALS: usize = 96;
+    const END: f64 = 8.0;
+    let step = 2.0 * END / INTERVALS as f64;
+    let power = i32::try_from(n.saturating_sub(1)).unwrap_or(i32::MAX);
+    let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    let sum: f64 = (0..=INTERVALS)
+        .map(|i| {
+            let z = -END + step * i as f64;
+            let weight = if i == 0 || i == INTERVALS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            weight * density(z) * (normal_cdf(z) - normal_cdf(z - q)).max(0.0).powi(power)
+        })
+        .sum();
+    (n as f64 * sum * step / 3.0).clamp(0.0, 1.0)
 }
 
 pub(crate) fn plain(value: f64, limit: f64) -> State {
@@ -36,5 +87,41 @@ pub(crate) fn by_probability(probability: f64, confidence: f64) -> State {
         State::Within
     } else {
         State::Indeterminate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_range_of_normal_figures_is_tukeys() {
+        // Upper 5 % points of the studentised range for infinite degrees of freedom (Harter's table).
+        for (n, q) in [(2, 2.772), (3, 3.314), (5, 3.858), (10, 4.474), (20, 5.012), (60, 5.764)] {
+            assert!((range_cdf(q, n) - 0.95).abs() < 3e-4, "n = {n}: {}", range_cdf(q, n));
+        }
+    }
+
+    #[test]
+    fn a_range_of_two_is_the_difference_of_two() {
+        let range = |value| Measured { value, sd: Some(0.002) };
+        for value in [0.004, 0.009, 0.01, 0.011, 0.016] {
+            let (r, d) = (range_beyond(range(value), 2, 0.01, 0.95), beyond(range(value), 0.01, 0.95));
+            assert!((r.probability.unwrap() - d.probability.unwrap()).abs() < 1e-6, "{value}");
+        }
+    }
+
+    #[test]
+    fn the_widest_of_many_noisy_records_does_not_exceed_by_noise_alone() {
+        // Thirty equal records of sd 0.004 span 0.0164 on average: more than the limit, and nothing has moved.
+        let sd = Some(0.004 * SQRT_2);
+        assert_eq!(range_beyond(Measured { value: 0.0164, sd }, 30, 0.01, 0.95).state, State::Indeterminate);
+        assert_eq!(beyond(Measured { value: 0.0164, sd: Some(0.003) }, 0.01, 0.95).state, State::Exceeded);
+    }
+
+    #[test]
+    fn quantiles_undo_the_distribution() {
+        assert!((normal_quantile(0.975) - 1.959_963_985).abs() < 1e-8);
+        assert!((normal_cdf(1.644_853_627) - 0.95).abs() < 1e-9);
     }
 }

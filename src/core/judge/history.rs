@@ -142,7 +142,7 @@ pub struct Need {
 
 impl Need {
     pub fn of(limits: &Limits) -> Self {
-        Self { records: limits.longest_memory(), days: limits.range_days }
+        Self { records: limits.longest_memory() - 1, days: limits.range_days }
     }
 
     /// How many of the records after `changed` (their instants, oldest first) must be judged again when a record at

@@ -12,8 +12,11 @@ mod reason;
 mod rules;
 
 pub use history::{BASELINE_RECORDS, Event, History, Mark, Measured, Need, Sample, baseline_since};
-pub use limits::{DriftLimits, Limits};
+pub use limits::{Bounds, CusumLimits, DriftLimits, Limits, Requirement, TrendLimits};
 pub use reason::Finding;
+pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
+
+use rules::Case;
 
 /// What a verdict is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -166,11 +169,17 @@ pub enum Severity {
 }
 
 impl Severity {
+    pub const ALL: [Severity; 2] = [Severity::Warning, Severity::Critical];
+
     pub fn name(self) -> &'static str {
         match self {
             Severity::Warning => "warning",
             Severity::Critical => "critical",
         }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|severity| severity.name() == name)
     }
 }
 
@@ -204,20 +213,25 @@ impl Verdict {
     }
 }
 
-/// Judges record `k` of a history by every rule that has a limit, appending to `verdicts`.
+/// Judges record `k` of a history by every rule of that history that has a limit, appending to `verdicts`.
 ///
 /// Used for the latest record as for any earlier one that has to be judged again: records after `k` have no part in it.
+/// [`requirement`], [`agreement`] and [`overdue`] are judged apart: they need no history.
 ///
 /// # Panics
 /// Where `k` is not an index of `history.samples`.
 pub fn judge(history: &History<'_>, k: usize, limits: &Limits, verdicts: &mut Vec<Verdict>) {
-    for (coefficient, drift) in [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)] {
-        verdicts.extend(drift.step.map(|limit| rules::step(history, k, coefficient, limit, limits)));
-        verdicts.extend(drift.range.map(|limit| rules::range(history, k, coefficient, limit, limits)));
-        verdicts.extend(
-            drift.baseline.map(|limit| rules::baseline(history, k, coefficient, limit, drift.fixed_baseline, limits)),
-        );
+    let case = |coefficient, column| Case { history, k, coefficient, column, limits };
+    let drifts = [(case(Coefficient::DI, 0), &limits.d_i), (case(Coefficient::DS, 1), &limits.d_s)];
+    for (case, drift) in drifts {
+        verdicts.extend(drift.step.map(|limit| rules::step(&case, limit)));
+        verdicts.extend(drift.range.map(|limit| rules::range(&case, limit)));
+        verdicts.extend(drift.baseline.map(|limit| rules::baseline(&case, limit, drift.fixed_baseline)));
+        verdicts.extend(drift.trend.map(|limits| rules::trend(&case, &limits, drift.fixed_baseline)));
+        verdicts.extend(drift.cusum.map(|limits| rules::cusum(&case, &limits)));
+        verdicts.extend(drift.rms_successive.map(|limit| rules::rms_successive(&case, limit)));
     }
+    verdicts.extend(limits.closure.map(|limit| rules::closure(&case(Coefficient::DO, 2), limit)));
 }
 
 #[cfg(test)]

@@ -2,11 +2,12 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use super::rules::Source;
+use super::{Coefficient, Rule, State, Verdict};
 use crate::core::time::UtcMicros;
+use crate::core::units::degrees;
 
-use super::{State, Verdict};
-
-/// What a rule saw. Values in deg/(h g0).
+/// What a rule saw. Values in deg/(h g0) unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finding {
     /// Not enough records since the last event that resets the rule.
@@ -33,6 +34,59 @@ pub enum Finding {
         since: Option<UtcMicros>,
         now: f64,
     },
+    Closure {
+        level: f64,
+        since: Option<UtcMicros>,
+        now: f64,
+        /// D_S, where the closure is D_O: what a turn of the spin axis would have moved it by, per radian.
+        d_s: Option<f64>,
+    },
+    /// No slope is established.
+    NoTrend {
+        records: usize,
+        since: UtcMicros,
+        /// Where a change of level explains the records better.
+        step: Option<UtcMicros>,
+    },
+    Trend {
+        records: usize,
+        since: UtcMicros,
+        /// Slope and its interval: low, median, high, deg/(h g0) a day.
+        per_day: [f64; 3],
+        /// From the baseline, now.
+        deviation: f64,
+        horizon_days: f64,
+        /// When the budget is reached: by the steepest, the median and the shallowest slope of the interval.
+        reach: [UtcMicros; 3],
+    },
+    /// Sums in standard deviations.
+    Cusum {
+        records: usize,
+        onset: UtcMicros,
+        upward: bool,
+        records_per_false_alarm: f64,
+    },
+    RmsSuccessive {
+        since: UtcMicros,
+        /// The part that the stations' standard deviations explain, where they are known.
+        explained: Option<f64>,
+    },
+    Agreement {
+        results: usize,
+        lowest: (Source, UtcMicros, f64),
+        highest: (Source, UtcMicros, f64),
+    },
+    /// pulse/arcsec or pulse/(s g0).
+    Requirement {
+        figure: &'static str,
+        low: f64,
+        high: f64,
+        others_outside: usize,
+    },
+    /// Days.
+    Overdue {
+        last: UtcMicros,
+    },
 }
 
 impl Verdict {
@@ -44,64 +98,158 @@ impl Verdict {
 
 impl Display for Verdict {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let name = self.coefficient.name();
-        let digits = digits(self.limit);
-        match self.finding {
-            Finding::TooFew { have, need } => {
-                write!(f, "{name}: {have} of the {need} records that the rule {} needs are there", self.rule.name())?;
-                return f.write_str(".");
-            }
-            Finding::Step { since, before, now, confirms } => {
-                let step = now - before;
-                write!(
-                    f,
-                    "{name} changed by {step:+.digits$} from {before:.digits$} on {} to {now:.digits$}",
-                    since.date()
-                )?;
-                if let Some((at, level)) = confirms {
-                    let moved = now - level;
-                    write!(f, ", which confirms a change of {moved:+.digits$} from {level:.digits$} on {}", at.date())?;
-                }
-            }
-            Finding::Range { records, days, lowest, highest } => {
-                let range = highest.1 - lowest.1;
-                write!(f, "{name} spans {range:.digits$} over {records} records of {days} days, ")?;
-                write!(f, "from {:.digits$} on {} ", lowest.1, lowest.0.date())?;
-                write!(f, "to {:.digits$} on {}", highest.1, highest.0.date())?;
-            }
-            Finding::Baseline { level, since, now } => {
-                let moved = now - level;
-                write!(f, "{name} lies {moved:+.digits$} from its baseline {level:.digits$}")?;
-                match since {
-                    Some(at) => write!(f, " (mean of the first records from {})", at.date())?,
-                    None => f.write_str(" (fixed)")?,
-                }
-            }
+        self.write_finding(f)?;
+        if matches!(self.finding, Finding::TooFew { .. }) {
+            return f.write_str(".");
         }
-        write!(f, "; the limit is {:.digits$} deg/(h g0). ", self.limit)?;
-        self.write_conclusion(f, digits)
+        write!(f, "; the limit is {:.*}{}.", digits(self.limit), self.limit, self.unit())?;
+        self.write_certainty(f)?;
+        if self.confirmed {
+            f.write_str(match self.rule {
+                Rule::Range | Rule::Agreement => {
+                    " No single one is to blame: without the highest or the lowest it is exceeded too."
+                }
+                _ => " A second campaign confirms it.",
+            })?;
+        }
+        Ok(())
     }
 }
 
+/// Decimals that show a thousandth of the limit.
+fn digits(limit: f64) -> usize {
+    if limit == 0.0 { 6 } else { (3.0 - limit.abs().log10().floor()).clamp(0.0, 12.0) as usize }
+}
+
 impl Verdict {
-    fn write_conclusion(&self, f: &mut Formatter<'_>, digits: usize) -> fmt::Result {
-        match (self.sd, self.probability) {
-            (Some(sd), Some(probability)) => {
+    fn unit(&self) -> &'static str {
+        match (self.rule, self.coefficient) {
+            (Rule::Overdue, _) => " days",
+            (Rule::Cusum, _) => " standard deviations",
+            (Rule::Requirement, Coefficient::E) => " pulse/arcsec",
+            (Rule::Requirement, _) => " pulse/(s g0)",
+            _ => " deg/(h g0)",
+        }
+    }
+
+    fn write_finding(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let (name, p) = (self.coefficient.name(), digits(self.limit));
+        let value = self.value.unwrap_or(0.0);
+        match self.finding {
+            Finding::TooFew { have, need } => {
+                let what = if self.rule == Rule::Agreement { "results" } else { "records" };
+                write!(f, "{name}: the rule {} needs {need} {what}, {have} are there", self.rule.name())
+            }
+            Finding::Step { since, before, now, confirms } => {
+                let (step, date) = (now - before, since.date());
+                write!(f, "{name} changed by {step:+.p$} from {before:.p$} on {date} to {now:.p$}")?;
+                let Some((at, level)) = confirms else { return Ok(()) };
+                write!(f, " and lies {:+.p$} from {level:.p$} on {}", now - level, at.date())
+            }
+            Finding::Range { records, days, lowest, highest } => {
+                write!(f, "{name} spans {value:.p$} over {records} records of {days} days, ")?;
+                write!(f, "from {:.p$} on {} ", lowest.1, lowest.0.date())?;
+                write!(f, "to {:.p$} on {}", highest.1, highest.0.date())
+            }
+            Finding::Baseline { level, since, now } => {
+                write!(f, "{name} lies {:+.p$} from its baseline {level:.p$}", now - level)?;
+                write_origin(f, since)
+            }
+            Finding::Closure { level, since, now, d_s } => {
+                write!(f, "The closure {name} moved by {:+.p$} from its baseline {level:.p$}", now - level)?;
+                write_origin(f, since)?;
+                write_turn(f, now - level, d_s)
+            }
+            Finding::NoTrend { records, since, step } => {
+                write!(f, "{name}: the {records} records since {} establish no slope", since.date())?;
+                let Some(at) = step else { return Ok(()) };
+                write!(f, " (a change of level on {} explains them better)", at.date())
+            }
+            Finding::Trend { records, since, per_day, deviation, horizon_days, reach } => {
+                let [low, slope, high] = per_day.map(|per_day| per_day * 365.25);
+                write!(f, "{name} drifts by {slope:+.p$} a year ({low:+.p$} to {high:+.p$}) ")?;
                 write!(
                     f,
-                    "With a standard deviation of {sd:.digits$} the true value exceeds it with a probability of "
+                    "over the {records} records since {}; now {deviation:+.p$} from its baseline, ",
+                    since.date()
                 )?;
-                write_percent(f, probability)?;
-                if self.state == State::Indeterminate {
-                    f.write_str(": the uncertainty straddles the limit")?;
+                write!(f, "it reaches the budget about {} ", reach[1].date())?;
+                write!(
+                    f,
+                    "({} to {}), and in {horizon_days:.0} days lies {value:.p$} off",
+                    reach[0].date(),
+                    reach[2].date()
+                )
+            }
+            Finding::Cusum { records, onset, upward, records_per_false_alarm } => {
+                let side = if upward { "above" } else { "below" };
+                write!(f, "{name} has lain {side} its level for {records} records, since {}: ", onset.date())?;
+                write!(
+                    f,
+                    "the cumulative sum is {value:.p$} standard deviations, and a stable gyro passes the limit "
+                )?;
+                write!(f, "once in {records_per_false_alarm} records")
+            }
+            Finding::RmsSuccessive { since, explained } => {
+                write!(
+                    f,
+                    "{name}: the root mean square of successive differences since {} is {value:.p$}",
+                    since.date()
+                )?;
+                let Some(explained) = explained else { return Ok(()) };
+                write!(f, ", of which the campaigns' standard deviations explain {explained:.p$}")
+            }
+            Finding::Agreement { results, lowest, highest } => {
+                let of = |(source, at, value): (Source, UtcMicros, f64)| {
+                    format!("{value:.p$} ({} on {})", source.name(), at.date())
+                };
+                write!(f, "{name} spans {value:.p$} over {results} results, from {} to {}", of(lowest), of(highest))
+            }
+            Finding::Requirement { figure, low, high, others_outside } => {
+                let where_it_lies = if (low..=high).contains(&value) { "lies within" } else { "lies outside" };
+                write!(f, "{figure} = {value:.p$} {where_it_lies} {low:.p$} to {high:.p$}")?;
+                match others_outside {
+                    0 => Ok(()),
+                    n => write!(f, ", and so do {n} more figures of {name}"),
                 }
             }
-            _ => f.write_str("No standard deviation is known: the figures are compared as they stand")?,
+            Finding::Overdue { last } => write!(f, "Last calibrated on {}, {value:.1} days ago", last.date()),
         }
-        if self.confirmed {
-            f.write_str("; a second campaign confirms it")?;
+    }
+
+    fn write_certainty(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match (self.sd, self.probability) {
+            (Some(sd), Some(probability)) => {
+                let p = digits(self.limit);
+                write!(f, " With a standard deviation of {sd:.p$} the true value exceeds it with a probability of ")?;
+                write_percent(f, probability)?;
+                f.write_str(if self.state == State::Indeterminate {
+                    ": the uncertainty straddles the limit."
+                } else {
+                    "."
+                })
+            }
+            _ if matches!(self.rule, Rule::Cusum | Rule::Trend | Rule::Overdue) => Ok(()),
+            _ => f.write_str(" No standard deviation is known: the figures are compared as they stand."),
         }
-        f.write_str(".")
+    }
+}
+
+fn write_origin(f: &mut Formatter<'_>, since: Option<UtcMicros>) -> fmt::Result {
+    match since {
+        Some(at) => write!(f, " (mean of the first records from {})", at.date()),
+        None => f.write_str(" (fixed)"),
+    }
+}
+
+/// D_O moves by D_S psi when the spin axis turns by psi about the input axis.
+fn write_turn(f: &mut Formatter<'_>, moved: f64, d_s: Option<f64>) -> fmt::Result {
+    let turn = d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0).filter(|turn| turn.is_finite());
+    match turn {
+        Some(turn) => {
+            write!(f, ", as a turn of {turn:+.1} arcmin about the input axis would: mounting, not mass unbalance")
+        }
+        None => f.write_str(": mounting, not mass unbalance"),
     }
 }
 
@@ -111,9 +259,4 @@ fn write_percent(f: &mut Formatter<'_>, probability: f64) -> fmt::Result {
         p if p < 0.001 => f.write_str("less than 0.1 %"),
         p => write!(f, "{:.1} %", 100.0 * p),
     }
-}
-
-/// Decimals that show a thousandth of the limit.
-fn digits(limit: f64) -> usize {
-    if limit > 0.0 { (3.0 - limit.log10().floor()).clamp(1.0, 12.0) as usize } else { 6 }
 }

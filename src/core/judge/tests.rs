@@ -111,9 +111,261 @@ fn a_second_campaign_confirms_a_step_and_an_outlier_is_not_confirmed() {
 }
 
 #[test]
-fn a_late_record_is_judged_in_its_place_and_those_after_it_again() {
+fn a_late_record_calls_for_the_records_after_it_to_be_judged_again() {
     let need = Need::of(&Limits::default());
-    let later: Vec<UtcMicros> = (1..=100).map(|n| day(f64::from(n))).collect();
-    assert_eq!(need.reach(day(0.5), &later), 30);
-    assert_eq!(need.reach(day(0.5), &later[..2]), 2);
+    let daily: Vec<UtcMicros> = (1..=100).map(|n| day(f64::from(n))).collect();
+    assert_eq!(need.reach(day(0.5), &daily), 39, "as many as the longest memory");
+    let hourly: Vec<UtcMicros> = (1..=2000).map(|n| day(f64::from(n) / 24.0)).collect();
+    assert_eq!(need.reach(day(0.0), &hourly), 720, "all of the range's thirty days");
+    assert_eq!(need.reach(day(0.5), &daily[..2]), 2);
+}
+
+/// Deterministic scatter, about normal with unit sd: sums of four phases of irrational turns.
+fn scatter(i: usize) -> f64 {
+    let phase = |factor: f64| (i as f64 * factor).fract() - 0.5;
+    (phase(0.618_034) + phase(0.414_214) + phase(0.732_051) + phase(0.236_068)) * 3.0_f64.sqrt()
+}
+
+fn series(n: usize, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+    (0..n).map(|i| (14.0 * i as f64, value(i))).collect()
+}
+
+#[test]
+fn a_ramp_is_told_with_its_slope_and_the_date_at_which_the_budget_is_reached() {
+    // 0.0002 a fortnight and no scatter to speak of: 0.0052178 a year. Record 20 lies 0.0038 from the baseline (mean of
+    // records 0 to 2, that is record 1); the remaining 0.0062 take 31 fortnights, 434 days, from day 280.
+    let ramp = series(21, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i));
+    let v = latest(&ramp, Rule::Trend);
+    let Finding::Trend { per_day, deviation, reach, .. } = v.finding else { panic!("{v:?}") };
+    assert!((per_day[1] * 14.0 - 2e-4).abs() < 1e-8 && per_day[0] <= per_day[1] && per_day[1] <= per_day[2]);
+    assert!((deviation - 0.0038).abs() < 1e-6);
+    assert!(reach[1].days_since(day(280.0 + 434.0)).abs() < 0.5, "{}", reach[1].date());
+    assert_eq!(v.state, State::Within, "beyond the horizon of 90 days");
+    assert!((v.value.unwrap() - (0.0038 + 2e-4 * 90.0 / 14.0)).abs() < 1e-6);
+
+    let later = latest(&series(47, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i)), Rule::Trend);
+    assert_eq!(later.state, State::Exceeded, "the budget is reached within the horizon");
+    assert_eq!(later.severity(), Some(Severity::Warning));
+    assert!(later.reason().contains("D_I drifts by +0.00522 a year"), "{}", later.reason());
+}
+
+#[test]
+fn a_step_is_no_trend_and_scatter_is_none_either() {
+    let step = latest(&series(24, |i| 3.0 + if i < 12 { 0.0 } else { 0.02 } + 5e-4 * scatter(i)), Rule::Trend);
+    assert_eq!(step.state, State::Within);
+    assert!(matches!(step.finding, Finding::NoTrend { step: Some(at), .. } if at == day(14.0 * 12.0)), "{step:?}");
+    let still = latest(&series(24, |i| 3.0 + 3e-3 * scatter(i)), Rule::Trend);
+    assert!(matches!(still.finding, Finding::NoTrend { step: None, .. }), "{still:?}");
+}
+
+#[test]
+fn a_trend_over_days_does_not_foretell_a_quarter() {
+    let days: Vec<(f64, f64)> = (0..10).map(|i| (f64::from(i), 3.0 + 5e-4 * f64::from(i))).collect();
+    let v = latest(&days, Rule::Trend);
+    let Finding::Trend { horizon_days, .. } = v.finding else { panic!("{v:?}") };
+    assert!((horizon_days - 9.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_lasting_shift_below_the_budget_is_found_by_cusum_and_by_no_specification() {
+    let shifted = series(30, |i| 3.0 + 1e-3 * scatter(i) + if i < 15 { 0.0 } else { 0.0025 });
+    let v = latest(&shifted, Rule::Cusum);
+    assert_eq!(v.state, State::Exceeded);
+    assert!(matches!(v.finding, Finding::Cusum { upward: true, .. }));
+    assert_eq!(v.severity(), Some(Severity::Warning));
+    assert_eq!(latest(&shifted, Rule::Baseline).state, State::Within);
+    assert_eq!(latest(&series(30, |i| 3.0 + 1e-3 * scatter(i)), Rule::Cusum).state, State::Within);
+}
+
+#[test]
+fn one_wild_record_does_not_raise_the_cumulative_sum() {
+    let wild = latest(&series(30, |i| 3.0 + 1e-3 * scatter(i) + if i == 29 { 0.5 } else { 0.0 }), Rule::Cusum);
+    assert_eq!(wild.state, State::Within, "{}", wild.reason());
+}
+
+#[test]
+fn a_shift_that_does_not_matter_raises_nothing() {
+    // Ten of its own standard deviations, and a hundredth of the budget.
+    let tiny = latest(&series(30, |i| 3.0 + 1e-5 * scatter(i) + if i < 15 { 0.0 } else { 1e-4 }), Rule::Cusum);
+    assert_eq!(tiny.state, State::Within, "{}", tiny.reason());
+}
+
+#[test]
+fn the_rms_of_successive_differences_is_over_eleven_records_and_knows_what_noise_explains() {
+    // +-0.003 by turns: every difference is 0.006.
+    let restless = series(11, |i| 3.0 + if i % 2 == 0 { 3e-3 } else { -3e-3 });
+    let v = latest(&restless, Rule::RmsSuccessive);
+    assert_eq!(v.state, State::Exceeded);
+    assert!((v.value.unwrap() - 0.006).abs() < 1e-12 && (v.limit - 0.005).abs() < 1e-15);
+    assert_eq!(latest(&restless[..10], Rule::RmsSuccessive).state, State::Indeterminate);
+    // Campaigns of sd 0.006/sqrt 2 explain all of it.
+    let noisy = samples(Some(0.004_243), &restless);
+    let v = verdict(&noisy, &[], 10, Rule::RmsSuccessive, &Limits::default());
+    assert_ne!(v.state, State::Exceeded);
+    assert!(v.reason().contains("explain 0.006001"), "{}", v.reason());
+}
+
+#[test]
+fn a_closure_that_moved_is_told_as_a_turn_of_the_mounting() {
+    let mut points = samples(None, &series(5, |_| 3.0));
+    // 10 arcmin about the input axis at D_S = 5: D_O moves by 5 tan(10').
+    points[4].d[2].value = 5.0 * (10.0_f64 / 60.0).to_radians().tan();
+    let history = History { samples: &points, baseline: &points[..3], marks: &[] };
+    let mut verdicts = Vec::new();
+    judge(&history, 4, &Limits::default(), &mut verdicts);
+    let v = verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit");
+    assert_eq!((v.coefficient, v.state), (Coefficient::DO, State::Exceeded));
+    assert!(v.reason().contains("as a turn of +10.0 arcmin about the input axis would"), "{}", v.reason());
+    assert!(verdicts.iter().filter(|v| v.coefficient != Coefficient::DO).all(|v| v.state != State::Exceeded));
+}
+
+#[test]
+fn table_5_agrees_by_its_range_column() {
+    // Single-gyro test, separation, single-gyro test; range in 1e-4 deg/(h g0).
+    let table_5 = [
+        ([4.193101, 4.192621, 4.192798], 4.800),
+        ([5.771452, 5.771440, 5.772109], 6.690),
+        ([1.584331, 1.584334, 1.584927], 5.960),
+        ([6.132195, 6.131210, 6.132201], 9.910),
+        ([1.686599, 1.686447, 1.6865143], 1.520),
+        ([-9.977666, -9.976657, -9.976365], 13.010),
+    ];
+    let bench = Source::Bench(crate::core::bench::BenchMethod::TorqueFeedback);
+    for (values, range) in table_5 {
+        let result = |(i, value)| SourcedResult {
+            source: if i == 1 { Source::Separation } else { bench },
+            at: day(i as f64),
+            measured: Measured::exact(value),
+        };
+        let results: Vec<_> = values.into_iter().enumerate().map(result).collect();
+        let v = agreement(Coefficient::DI, &results, 1e-3, 0.95);
+        assert!((v.value.unwrap() * 1e4 - range).abs() < 1e-6, "{v:?}");
+        assert_eq!(v.state == State::Exceeded, range > 10.0);
+    }
+    assert_eq!(agreement(Coefficient::DI, &[], 1e-3, 0.95).state, State::Indeterminate);
+}
+
+#[test]
+fn tables_3_and_4_meet_their_requirements_and_what_does_not_is_named() {
+    use nalgebra::Vector3;
+    let tables = [
+        ([0.8473, -0.6011, 1.0367], [2.4210, 4.0554, 6.5179]),
+        ([0.8478, -0.6000, -1.0381], [0.8634, 4.6419, -3.4081]),
+        ([0.8533, 1.2062, -0.0008], [0.9901, 1.4495, -9.9775]),
+    ];
+    for ((e, g), required) in tables.iter().zip(Requirement::tables_3_and_4()) {
+        let verdicts = requirement(&required, &Vector3::from(*e), &Vector3::from(*g), None, None, 0.95);
+        assert!(verdicts.iter().flatten().all(|v| v.state == State::Within) && verdicts.iter().all(Option::is_some));
+    }
+    let (required, g) = (&Requirement::tables_3_and_4()[0], Vector3::new(0.0, 0.0, -13.5));
+    let e = Vector3::new(0.86, -0.7, 1.0367);
+    let [Some(of_e), Some(of_g)] = requirement(required, &e, &g, None, None, 0.95) else { panic!("both are required") };
+    assert_eq!((of_e.state, of_g.state), (State::Exceeded, State::Exceeded));
+    assert!(of_e.reason().starts_with("E_y = -0.7000 lies outside -0.6052 to -0.5935, and so do 1 more"), "{of_e}");
+    assert!(of_g.reason().starts_with("G_z = -13.50 lies outside"), "{of_g}");
+    let sd = Vector3::repeat(1e-3);
+    let near = Vector3::new(0.8473, -0.6050, 1.0367);
+    let [Some(near), _] = requirement(required, &near, &g, Some(&sd), None, 0.95) else { panic!("E is required") };
+    assert_eq!(near.state, State::Indeterminate, "{near}");
+    assert_eq!(requirement(&Requirement::default(), &e, &g, None, None, 0.95), [None, None]);
+}
+
+#[test]
+fn a_gyro_is_overdue_after_its_interval() {
+    assert_eq!(overdue(day(0.0), day(30.0), 30.0).state, State::Within);
+    let v = overdue(day(0.0), day(45.5), 30.0);
+    assert_eq!(v.state, State::Exceeded);
+    assert_eq!(v.reason(), "Last calibrated on 2026-01-01, 45.5 days ago; the limit is 30.00 days.");
+    assert_eq!(overdue(day(9.0), day(0.0), 30.0).value, Some(0.0), "a record from the future is not minus overdue");
+}
+
+#[test]
+fn events_reset_what_they_should() {
+    let restarts = |event: Event| Rule::ALL.into_iter().filter(|&rule| event.resets(rule)).count();
+    assert_eq!(restarts(Event::Repair), Rule::ALL.len());
+    assert_eq!((restarts(Event::Transport), restarts(Event::Note)), (0, 0));
+    assert!(Event::Reinstallation.resets(Rule::Closure) && !Event::Reinstallation.resets(Rule::Step));
+    assert!(Event::Firmware.resets(Rule::Cusum) && !Event::Firmware.resets(Rule::Baseline));
+    for event in Event::ALL {
+        assert_eq!(event.resets_baseline(), event.resets(Rule::Baseline), "{event:?}");
+        assert_eq!(Event::from_name(event.name()), Some(event));
+    }
+}
+
+#[test]
+fn every_name_is_read_back() {
+    assert!(Rule::ALL.into_iter().all(|x| Rule::from_name(x.name()) == Some(x)));
+    assert!(Coefficient::ALL.into_iter().all(|x| Coefficient::from_name(x.name()) == Some(x)));
+    assert!(State::ALL.into_iter().all(|x| State::from_name(x.name()) == Some(x)));
+    assert!(Severity::ALL.into_iter().all(|x| Severity::from_name(x.name()) == Some(x)));
+}
+
+mod properties {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn sample() -> impl Strategy<Value = (f64, [f64; 3], Option<f64>)> {
+        (0.01..40.0, [-0.02..0.02, -0.02..0.02, -0.02..0.02], prop::option::of(0.0..0.01))
+    }
+
+    fn history_of(steps: &[(f64, [f64; 3], Option<f64>)]) -> Vec<Sample> {
+        let mut at = 0.0;
+        let row = |&(days, values, sd): &(f64, [f64; 3], Option<f64>)| {
+            at += days;
+            Sample { at: day(at), d: values.map(|value| Measured { value, sd }) }
+        };
+        steps.iter().map(row).collect()
+    }
+
+    fn verdicts(samples: &[Sample], all: &[Sample], marks: &[Mark], k: usize) -> Vec<Verdict> {
+        let since = baseline_since(marks, samples[k].at);
+        let baseline: Vec<Sample> =
+            all.iter().filter(|s| since.is_none_or(|t| s.at >= t)).take(BASELINE_RECORDS).copied().collect();
+        let mut verdicts = Vec::new();
+        judge(&History { samples, baseline: &baseline, marks }, k, &Limits::default(), &mut verdicts);
+        verdicts
+    }
+
+    proptest! {
+        #[test]
+        fn what_need_asks_for_is_enough_and_what_comes_after_does_no_harm(
+            steps in prop::collection::vec(sample(), 1..90),
+            marks in prop::collection::vec((0.0..2000.0, prop::sample::select(Event::ALL.to_vec())), 0..4),
+            pick in 0.0..1.0,
+        ) {
+            let all = history_of(&steps);
+            let mut marks: Vec<Mark> = marks.into_iter().map(|(at, event)| Mark { at: day(at), event }).collect();
+            marks.sort_by_key(|mark| mark.at);
+            let k = ((all.len() as f64 * pick) as usize).min(all.len() - 1);
+            let need = Need::of(&Limits::default());
+            let by_days = all.partition_point(|s| all[k].at.days_since(s.at) > need.days);
+            let start = by_days.min(k.saturating_sub(need.records));
+            prop_assert_eq!(verdicts(&all, &all, &marks, k), verdicts(&all[start..=k], &all, &marks, k - start));
+        }
+
+        #[test]
+        fn no_history_makes_it_panic_or_answer_what_is_not_finite(
+            steps in prop::collection::vec(
+                (0.0..4000.0, prop::array::uniform3(-1e100..1e100f64), prop::option::of(0.0..1e100)), 1..60)
+        ) {
+            let all = history_of(&steps);
+            for v in verdicts(&all, &all, &[], all.len() - 1) {
+                let figures = [v.value, v.sd, v.probability];
+                prop_assert!(figures.into_iter().flatten().all(f64::is_finite), "{v:?}");
+                prop_assert!(!v.reason().is_empty());
+            }
+        }
+
+        #[test]
+        fn a_rule_sees_the_same_in_the_mirror(steps in prop::collection::vec(sample(), 1..60)) {
+            let all = history_of(&steps);
+            let mut mirrored = all.clone();
+            mirrored.iter_mut().flat_map(|s| &mut s.d).for_each(|m| m.value = -m.value);
+            let k = all.len() - 1;
+            for (a, b) in verdicts(&all, &all, &[], k).iter().zip(verdicts(&mirrored, &mirrored, &[], k)) {
+                prop_assert_eq!((a.rule, a.state, a.confirmed), (b.rule, b.state, b.confirmed));
+                prop_assert_eq!(a.value.map(|v| (v * 1e12).round()), b.value.map(|v| (v * 1e12).round()));
+            }
+        }
+    }
 }

@@ -1,51 +1,59 @@
 //! `baseline`: |x_k - baseline| against the budget.
 
-use super::too_few;
-use crate::core::judge::decide::beyond;
-use crate::core::judge::history::{BASELINE_RECORDS, History, Measured, Sample};
-use crate::core::judge::{Coefficient, Finding, Limits, Rule, State, Verdict};
+use super::Case;
+use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample};
+use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::time::UtcMicros;
+
+/// The level that a record is measured from.
+pub(super) struct Level {
+    pub level: Measured,
+    /// First of the records that make it; none where it is fixed.
+    pub since: Option<UtcMicros>,
+    /// Last of the records that make it.
+    until: Option<UtcMicros>,
+}
+
+impl Level {
+    /// The fixed level, or the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark; an error
+    /// with the number of records where those are not complete before the judged one.
+    pub fn of(case: &Case<'_>, fixed: Option<Measured>) -> Result<Self, usize> {
+        if let Some(level) = fixed {
+            return Ok(Self { level, since: None, until: None });
+        }
+        let first = case.history.baseline_before(case.k);
+        let [begin, .., end] = first else { return Err(first.len()) };
+        if first.len() < BASELINE_RECORDS {
+            return Err(first.len());
+        }
+        let level = Measured::mean(first.iter().map(|sample| case.value(sample)));
+        Ok(Self { level, since: Some(begin.at), until: Some(end.at) })
+    }
+
+    pub fn deviation(&self, case: &Case<'_>, sample: &Sample) -> Measured {
+        case.value(sample).minus(self.level)
+    }
+
+    /// Whether the record before the judged one lay beyond the limit on the same side too.
+    pub fn confirmed(&self, case: &Case<'_>, rule: Rule, limit: f64) -> bool {
+        let previous = case.since_reset(rule).iter().rev().nth(1);
+        previous.filter(|sample| self.until.is_none_or(|until| sample.at > until)).is_some_and(|sample| {
+            case.both_exceed(self.deviation(case, sample), self.deviation(case, case.now()), limit)
+        })
+    }
+}
 
 /// The value is |x_k - b|, b the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark, or a
 /// fixed one. The baseline's own records are not judged by it.
 ///
 /// `confirmed` when the record before (since the mark) lay beyond the limit on the same side.
-pub(crate) fn baseline(
-    history: &History<'_>,
-    k: usize,
-    coefficient: Coefficient,
-    limit: f64,
-    fixed: Option<Measured>,
-    limits: &Limits,
-) -> Verdict {
-    let column = coefficient.column().expect("baselines are judged on coefficients that have a history");
-    let first = history.baseline_before(k);
-    if fixed.is_none() && first.len() < BASELINE_RECORDS {
-        return too_few(Rule::Baseline, coefficient, limit, first.len(), BASELINE_RECORDS);
-    }
-    let level = fixed.unwrap_or_else(|| Measured::mean(first.iter().map(|sample| sample.d[column])));
-    let deviation = |sample: &Sample| sample.d[column].minus(level);
-    let now = deviation(&history.samples[k]);
-    let (state, probability) = beyond(now, limit, limits.confidence);
-    let before = history.since_reset(k, Rule::Baseline).iter().rev().nth(1);
-    let confirmed = state == State::Exceeded
-        && before.filter(|sample| fixed.is_some() || first.iter().all(|b| b.at != sample.at)).is_some_and(|sample| {
-            let before = deviation(sample);
-            before.value.is_sign_positive() == now.value.is_sign_positive()
-                && beyond(before, limit, limits.confidence).0 == State::Exceeded
-        });
-    Verdict {
-        coefficient,
-        rule: Rule::Baseline,
-        state,
-        value: Some(now.value.abs()),
-        limit,
-        sd: now.sd,
-        probability,
-        confirmed,
-        finding: Finding::Baseline {
-            level: level.value,
-            since: fixed.is_none().then(|| first[0].at),
-            now: history.samples[k].d[column].value,
-        },
-    }
+pub(crate) fn baseline(case: &Case<'_>, limit: f64, fixed: Option<Measured>) -> Verdict {
+    let level = match Level::of(case, fixed) {
+        Ok(level) => level,
+        Err(have) => return case.too_few(Rule::Baseline, limit, have, BASELINE_RECORDS),
+    };
+    let deviation = level.deviation(case, case.now());
+    let finding = Finding::Baseline { level: level.level.value, since: level.since, now: case.value(case.now()).value };
+    case.verdict(Rule::Baseline, limit, deviation, case.beyond(deviation, limit), finding)
+        .confirmed_if(level.confirmed(case, Rule::Baseline, limit))
 }

@@ -1,0 +1,88 @@
+//! `rms_successive`: root mean square of successive differences, the criterion that Apollo's gyros were watched by.
+
+use super::Case;
+use crate::core::judge::decide::{Outcome, by_probability, normal_cdf, plain};
+use crate::core::judge::history::{Measured, Sample};
+use crate::core::judge::{Finding, Rule, Verdict};
+
+/// Records that the rule looks at: ten differences.
+pub const RMS_RECORDS: usize = 11;
+
+/// The value is sqrt(mean (x_i - x_(i-1))^2) over the last [`RMS_RECORDS`] records.
+///
+/// Slow drift hardly enters it: it tells a restless gyro (bearing, suspension) from one that ages. Where standard
+/// deviations are known, what they explain of the mean square is taken off before the limit is asked.
+/// `confirmed` is never set: ten campaigns have spoken already.
+pub(crate) fn rms_successive(case: &Case<'_>, limit: f64) -> Verdict {
+    let samples = case.since_reset(Rule::RmsSuccessive);
+    let Some(window) = samples.len().checked_sub(RMS_RECORDS).map(|start| &samples[start..]) else {
+        return case.too_few(Rule::RmsSuccessive, limit, samples.len(), RMS_RECORDS);
+    };
+    let differences = Differences::of(case, window);
+    let rms = differences.mean_square().sqrt();
+    let noise = differences.noise();
+    let (outcome, sd) = match noise {
+        Some(noise) if noise.variance > 0.0 => {
+            let excess = rms * rms - noise.explained - limit * limit;
+            let probability = normal_cdf(excess / noise.variance.sqrt());
+            let state = by_probability(probability, case.limits.confidence);
+            let sd = if rms > 0.0 { noise.variance.sqrt() / (2.0 * rms) } else { noise.explained.sqrt() };
+            (Outcome { state, probability: Some(probability) }, Some(sd))
+        }
+        _ => (Outcome { state: plain(rms, limit), probability: None }, None),
+    };
+    let finding =
+        Finding::RmsSuccessive { since: window[0].at, explained: noise.map(|noise| noise.explained.max(0.0).sqrt()) };
+    case.verdict(Rule::RmsSuccessive, limit, Measured { value: rms, sd }, outcome, finding)
+}
+
+/// Successive differences d and the tridiagonal covariance V of their errors: sums of two variances on its diagonal,
+/// minus the shared one beside it.
+struct Differences {
+    d: [f64; RMS_RECORDS - 1],
+    /// Variances of the records themselves.
+    variance: Option<[f64; RMS_RECORDS]>,
+}
+
+/// What measurement noise does to the mean square m = d.d/n, to second order in the noise.
+#[derive(Clone, Copy)]
+struct Noise {
+    /// tr V / n: the part of m that it explains.
+    explained: f64,
+    /// (2 tr V^2 + 4 delta.V delta)/n^2, with delta.V delta estimated by d.V d - tr V^2 >= 0.
+    variance: f64,
+}
+
+impl Differences {
+    fn of(case: &Case<'_>, window: &[Sample]) -> Self {
+        let value = |i: usize| case.value(&window[i]);
+        let d = std::array::from_fn(|i| value(i + 1).value - value(i).value);
+        let known = window.iter().all(|sample| case.value(sample).sd.is_some());
+        let variance = known.then(|| std::array::from_fn(|i| value(i).sd.map_or(0.0, |sd| sd * sd)));
+        Self { d, variance }
+    }
+
+    fn mean_square(&self) -> f64 {
+        self.d.iter().map(|d| d * d).sum::<f64>() / self.d.len() as f64
+    }
+
+    fn noise(&self) -> Option<Noise> {
+        let variance = self.variance?;
+        let n = self.d.len();
+        let (mut trace, mut trace_of_square, mut d_v_d) = (0.0, 0.0, 0.0);
+        for i in 0..n {
+            let own = variance[i] + variance[i + 1];
+            trace += own;
+            trace_of_square += own * own;
+            d_v_d += self.d[i] * self.d[i] * own;
+            if i + 1 < n {
+                let shared = -variance[i + 1];
+                trace_of_square += 2.0 * shared * shared;
+                d_v_d += 2.0 * self.d[i] * self.d[i + 1] * shared;
+            }
+        }
+        let n = n as f64;
+        let structure = (d_v_d - trace_of_square).max(0.0);
+        Some(Noise { explained: trace / n, variance: (2.0 * trace_of_square + 4.0 * structure) / (n * n) })
+    }
+}

@@ -1,0 +1,227 @@
+//! When to tell somebody: earlier alert + verdict + now in, next alert + action out.
+//!
+//! There is one alert per gyro, coefficient and rule. It follows the verdict on the gyro's *newest* record (a late record
+//! that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the telling;
+//! nothing here knows a clock, a person or a hook.
+
+use super::judge::{Finding, Severity, State, Verdict};
+use super::time::UtcMicros;
+
+/// How an alert behaves between verdicts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Policy {
+    /// A firing alert that nobody acknowledged is told again after so many days.
+    pub repeat_days: f64,
+    /// Hysteresis: one verdict within resolves where its value is below this fraction of the limit,
+    pub resolve_below: f64,
+    /// and otherwise so many campaigns in a row that lie within.
+    pub resolve_after: u32,
+}
+
+impl Default for Policy {
+    fn default() -> Self {
+        Self { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Status {
+    Firing,
+    Resolved,
+}
+
+impl Status {
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Firing => "firing",
+            Status::Resolved => "resolved",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Status::Firing, Status::Resolved].into_iter().find(|status| status.name() == name)
+    }
+}
+
+/// What is kept of an alert. Who acknowledged or silenced it, and why, is kept beside it by the caller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alert {
+    pub status: Status,
+    pub severity: Severity,
+    /// When it began to fire, this time.
+    pub fired_at: UtcMicros,
+    pub resolved_at: Option<UtcMicros>,
+    /// The record that was judged last.
+    pub record_at: UtcMicros,
+    /// Campaigns in a row that lay within since the last that did not.
+    pub within: u32,
+    pub acknowledged: bool,
+    pub silenced_until: Option<UtcMicros>,
+    /// What the world believes: that it fires, as it was last told; none where it believes that all is well.
+    pub told: Option<Told>,
+}
+
+/// The last that was told of a firing alert.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Told {
+    pub at: UtcMicros,
+    pub severity: Severity,
+}
+
+/// What to tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Action {
+    /// It fires.
+    Fire,
+    /// It fires still, and a second campaign has confirmed it.
+    Escalate,
+    /// It fires still.
+    Repeat,
+    /// It fires no more.
+    Resolve,
+    /// Nothing to tell.
+    Silent,
+}
+
+impl Action {
+    pub fn name(self) -> &'static str {
+        match self {
+            Action::Fire => "fire",
+            Action::Escalate => "escalate",
+            Action::Repeat => "repeat",
+            Action::Resolve => "resolve",
+            Action::Silent => "silent",
+        }
+    }
+}
+
+/// The alert as it is to be kept (none: there is none), and what to tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Decision {
+    pub alert: Option<Alert>,
+    pub action: Action,
+}
+
+/// Follows a new verdict on the newest record, which was calibrated at `record_at`.
+///
+/// * Exceeded fires. A confirmed violation of a specification escalates: it is told again, acknowledged or not.
+/// * Within resolves, with the hysteresis of the policy.
+/// * Indeterminate by uncertainty changes nothing. Too few records never fire either; they resolve what fires, because
+///   an event has restarted the history or the rule's window has moved on.
+pub fn follow(
+    earlier: Option<&Alert>,
+    verdict: &Verdict,
+    record_at: UtcMicros,
+    now: UtcMicros,
+    policy: &Policy,
+) -> Decision {
+    let firing = earlier.filter(|alert| alert.status == Status::Firing);
+    match (firing, verdict.severity()) {
+        (Some(alert), _) => announce(go_on(alert, verdict, record_at, now, policy), now),
+        (None, Some(severity)) => announce(begin(earlier, severity, record_at, now), now),
+        (None, None) => Decision { alert: earlier.copied(), action: Action::Silent },
+    }
+}
+
+/// Follows the clock: repeats what fires, and tells at the end of a silence what it held back.
+pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
+    let decision = announce(*alert, now);
+    let (Action::Silent, Some(told)) = (decision.action, alert.told) else { return decision };
+    if alert.status == Status::Resolved || alert.acknowledged || is_silenced(alert, now) {
+        return decision;
+    }
+    let told_now = Some(Told { at: now, ..told });
+    // A clock set back: count from here, so that the alert does not fall silent for as long as it was set back.
+    let action = match now.days_since(told.at) {
+        days if days < 0.0 => Action::Silent,
+        days if days >= policy.repeat_days => Action::Repeat,
+        _ => return decision,
+    };
+    Decision { alert: Some(Alert { told: told_now, ..*alert }), action }
+}
+
+/// An event has reset the rule, or the rule has been switched off: what fires is resolved.
+pub fn reset(alert: &Alert, now: UtcMicros) -> Decision {
+    match alert.status {
+        Status::Firing => announce(end(*alert, now), now),
+        Status::Resolved => Decision { alert: Some(*alert), action: Action::Silent },
+    }
+}
+
+/// Somebody knows: no more repeats. Escalation and resolution are still told.
+pub fn acknowledge(alert: &Alert) -> Alert {
+    Alert { acknowledged: true, ..*alert }
+}
+
+/// Nothing is told before `until`; what is then still untold is told by the next [`tick`].
+pub fn silence(alert: &Alert, until: Option<UtcMicros>) -> Alert {
+    Alert { silenced_until: until, ..*alert }
+}
+
+/// A silence, and what the world believes, outlive the episode that they began in; an acknowledgement does not.
+fn begin(earlier: Option<&Alert>, severity: Severity, record_at: UtcMicros, now: UtcMicros) -> Alert {
+    Alert {
+        status: Status::Firing,
+        severity,
+        fired_at: now,
+        resolved_at: None,
+        record_at,
+        within: 0,
+        acknowledged: false,
+        silenced_until: earlier.and_then(|alert| alert.silenced_until),
+        told: earlier.and_then(|alert| alert.told),
+    }
+}
+
+fn go_on(alert: &Alert, verdict: &Verdict, record_at: UtcMicros, now: UtcMicros, policy: &Policy) -> Alert {
+    let another_campaign = alert.record_at != record_at || alert.within == 0;
+    let alert = Alert { record_at, ..*alert };
+    match verdict.state {
+        State::Exceeded => escalate(Alert { within: 0, ..alert }, verdict.severity()),
+        State::Within if verdict.confirmed => escalate(alert, Some(Severity::Critical)),
+        State::Within => {
+            let within = alert.within + u32::from(another_campaign);
+            let alert = Alert { within, ..alert };
+            let far_within = verdict.value.is_some_and(|value| value <= policy.resolve_below * verdict.limit);
+            if far_within || within >= policy.resolve_after { end(alert, now) } else { alert }
+        }
+        State::Indeterminate if matches!(verdict.finding, Finding::TooFew { .. }) => end(alert, now),
+        State::Indeterminate => alert,
+    }
+}
+
+/// The severity of an episode never falls. A rise ends the acknowledgement, which was of something lesser.
+fn escalate(alert: Alert, severity: Option<Severity>) -> Alert {
+    match severity {
+        Some(severity) if severity > alert.severity => Alert { severity, acknowledged: false, ..alert },
+        _ => alert,
+    }
+}
+
+fn end(alert: Alert, now: UtcMicros) -> Alert {
+    Alert { status: Status::Resolved, resolved_at: Some(now), ..alert }
+}
+
+fn is_silenced(alert: &Alert, now: UtcMicros) -> bool {
+    alert.silenced_until.is_some_and(|until| now < until)
+}
+
+/// Tells the difference between what is and what the world believes, unless silenced.
+fn announce(alert: Alert, now: UtcMicros) -> Decision {
+    let action = match (alert.status, alert.told) {
+        _ if is_silenced(&alert, now) => Action::Silent,
+        (Status::Firing, None) => Action::Fire,
+        (Status::Firing, Some(told)) if alert.severity > told.severity => Action::Escalate,
+        (Status::Resolved, Some(_)) => Action::Resolve,
+        _ => Action::Silent,
+    };
+    let told = match action {
+        Action::Silent => alert.told,
+        Action::Resolve => None,
+        _ => Some(Told { at: now, severity: alert.severity }),
+    };
+    Decision { alert: Some(Alert { told, ..alert }), action }
+}
+
+#[cfg(test)]
+mod tests;

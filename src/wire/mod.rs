@@ -9,6 +9,7 @@ pub mod bench;
 pub mod campaign;
 pub mod campaign_csv;
 pub mod geometry;
+pub mod history;
 pub mod json;
 pub mod numbers;
 pub mod problem;

@@ -17,7 +17,7 @@
 //!
 //! [`core::record`] and [`core::campaign`] say what comes in, [`core::mounting`] where axes point,
 //! [`core::model`] what model (6) predicts, [`simulate`] what a station would measure,
-//! [`blindcheck`] how well a hidden cause is found.
+//! [`experiment`] the paper's own comparison on simulated gyros, [`blindcheck`] how well a hidden cause is found.
 
 // What ships never unwraps in silence: `expect` says why it cannot fail.
 #![warn(clippy::unwrap_used)]
@@ -25,6 +25,7 @@
 pub mod blindcheck;
 pub mod cli;
 pub mod core;
+pub mod experiment;
 pub mod simulate;
 pub mod system;
 pub mod wire;

@@ -6,6 +6,7 @@
 
 mod client;
 mod document;
+mod experiment;
 mod import;
 mod separate;
 mod simulate;

@@ -1,4 +1,4 @@
-//! `gyrowatch simulate`: made-up campaigns, and their truth apart.
+//! `gyrowatch simulate`: made-up campaigns, and their truth apart; the paper's experiment, and its table.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -6,15 +6,23 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
+use super::experiment;
+use crate::simulate::experiment::{Test, tests};
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
 use crate::simulate::{Scenario, Simulated, simulate};
 use crate::wire;
 
+/// The one preset that is several campaigns.
+const PAPER_EXPERIMENT: &str = "paper-experiment";
+
 /// Simulates a station's campaign from physics, with or without a hidden cause.
 ///
 /// Prints the campaign's JSON, or writes it with --out; the truth (gyros, causes, detectability) goes only where
 /// --truth says. With --count it writes that many campaigns of successive seeds and one key.json into --dir.
+///
+/// --preset paper-experiment is the paper's Table 5: six bench tests around one campaign of the IMU. It prints the
+/// range of the three results over --count experiments (200), or writes the files of each into --dir.
 #[derive(Debug, Args)]
 pub struct Simulate {
     /// Start from a ready scenario (see --list).
@@ -33,10 +41,10 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE", conflicts_with = "count")]
     truth: Option<PathBuf>,
     /// Make so many campaigns, each with the next seed.
-    #[arg(long, value_name = "N", requires = "dir")]
+    #[arg(long, value_name = "N")]
     count: Option<u64>,
     /// Folder for --count.
-    #[arg(long, value_name = "DIR", requires = "count")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "truth"])]
     dir: Option<PathBuf>,
     /// List the presets.
     #[arg(long, conflicts_with_all = ["count", "out", "truth", "print_scenario"])]
@@ -51,6 +59,9 @@ impl Simulate {
         if self.list {
             return list(std::io::stdout().lock());
         }
+        if self.preset == PAPER_EXPERIMENT && self.scenario.is_none() {
+            return self.paper_experiment();
+        }
         let mut scenario = self.read()?;
         scenario.seed = self.seed.unwrap_or(scenario.seed);
         if self.print_scenario {
@@ -58,14 +69,33 @@ impl Simulate {
             return Ok(std::io::stdout().lock().write_all(text.as_bytes())?);
         }
         match (&self.dir, self.count) {
-            (Some(dir), Some(count)) => many(&scenario, count, dir),
-            _ => self.one(&scenario),
+            (Some(dir), count) => many(&scenario, count.unwrap_or(1), dir),
+            (None, Some(_)) => bail!("--count wants a --dir to write into"),
+            (None, None) => self.one(&scenario),
+        }
+    }
+
+    fn paper_experiment(&self) -> anyhow::Result<()> {
+        if self.out.is_some() || self.truth.is_some() || self.print_scenario {
+            bail!("{PAPER_EXPERIMENT} is seven campaigns: it takes --dir, --count and --seed only");
+        }
+        let seed = self.seed.unwrap_or(1);
+        match &self.dir {
+            Some(dir) => {
+                let made = (0..self.count.unwrap_or(1)).flat_map(|k| {
+                    let seed = seed.wrapping_add(k);
+                    let file = move |test: &Test| format!("{seed:04}-{}.json", test.name());
+                    tests(seed).into_iter().map(move |test| (file(&test), test.scenario))
+                });
+                write_all(made, dir)
+            }
+            None => experiment::print(seed, self.count.unwrap_or(200)),
         }
     }
 
     fn read(&self) -> anyhow::Result<Scenario> {
         let Some(path) = &self.scenario else {
-            let known = || PRESETS.map(|(name, _)| name).join(", ");
+            let known = || PRESETS.map(|(name, _)| name).join(", ") + ", " + PAPER_EXPERIMENT;
             return preset(&self.preset).with_context(|| format!("no preset {:?}; there are {}", self.preset, known()));
         };
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
@@ -98,16 +128,27 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     for (name, about) in PRESETS {
         writeln!(out, "{name:<18} {about}")?;
     }
+    writeln!(out, "{PAPER_EXPERIMENT:<18} Table 5: each gyro on the bench, all in the IMU, each on the bench again")?;
     Ok(())
 }
 
 fn many(scenario: &Scenario, count: u64, dir: &Path) -> anyhow::Result<()> {
+    if scenario.seed.checked_add(count).is_none() {
+        bail!("seeds end at {}", u64::MAX);
+    }
+    let named = |k: u64| {
+        let scenario = Scenario { seed: scenario.seed + k, ..scenario.clone() };
+        (format!("campaign-{k:05}.json"), scenario)
+    };
+    write_all((0..count).map(named), dir)
+}
+
+/// The campaigns, and their truth in key.json beside them.
+fn write_all(scenarios: impl Iterator<Item = (String, Scenario)>, dir: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
     let mut key = Key::new();
-    for k in 0..count {
-        let Some(seed) = scenario.seed.checked_add(k) else { bail!("seeds end at {}", u64::MAX) };
-        let simulated = made(&Scenario { seed, ..scenario.clone() })?;
-        let name = format!("campaign-{k:05}.json");
+    for (name, scenario) in scenarios {
+        let simulated = made(&scenario)?;
         write(&dir.join(&name), &wire::campaign::to_json(&simulated.campaign))?;
         key.insert(name, simulated.truth);
     }

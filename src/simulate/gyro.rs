@@ -8,14 +8,15 @@ use crate::core::fault::Faults;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::units::radians_from_arcmin;
 
-use super::scenario::{GyroChoice, Population, fault, slot_named};
+use super::scenario::{GyroChoice, Population, StatedE, fault, slot_named};
 
 /// The truth about one gyro.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueGyro {
     pub slot: Slot,
     pub serial: String,
-    pub states_e: bool,
+    /// E that the campaign states, pulse/arcsec in body axes.
+    pub stated_e: Option<Vector3<f64>>,
     /// K, pulse/arcsec.
     pub scale_factor: f64,
     /// Rows I, S, O in body axes, as mounted: body coordinates into gyro coordinates.
@@ -89,11 +90,17 @@ pub fn gyros(
             let drawn = Drawn::new(population, rng)?;
             let arcmin = choice.misalignment_arcmin.map_or(drawn.misalignment_arcmin, Vector3::from);
             let in_mount = Rotation3::new(arcmin.map(radians_from_arcmin));
+            let scale_factor = choice.scale_factor.unwrap_or(drawn.scale_factor);
+            let stated = match choice.states_e {
+                StatedE::No => None,
+                StatedE::True => Some(in_mount * nominal.input()),
+                StatedE::Nominal => Some(nominal.input()),
+            };
             Ok(TrueGyro {
                 slot,
                 serial: choice.serial.clone().unwrap_or_else(|| format!("LFG-{imu}-{}", k + 1)),
-                states_e: choice.states_e,
-                scale_factor: choice.scale_factor.unwrap_or(drawn.scale_factor),
+                stated_e: stated.map(|input| input * scale_factor),
+                scale_factor,
                 axes: nominal.mat_gyro_body() * in_mount.matrix().transpose(),
                 drift: drawn.drift.overridden_by(choice),
             })

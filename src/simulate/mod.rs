@@ -7,7 +7,7 @@
 //!
 //! # In reading order
 //!
-//! [`scenario`] what can be asked for, [`presets`] ready ones; [`programme`] the table's positions and rates in
+//! [`scenario`] what can be asked for, [`presets`] ready ones, [`experiment`] the paper's; [`programme`] the table's positions and rates in
 //! time; [`station`] what the IMU feels in each dwell; [`gyro`] how it answers; [`cause`] and [`outside`] what may
 //! go wrong, [`inject`] how much of it; [`world`] puts them together; [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is
 //! written apart from the campaign.
@@ -15,6 +15,7 @@
 pub mod cause;
 pub mod detectability;
 pub mod environment;
+pub mod experiment;
 pub mod gyro;
 pub mod inject;
 pub mod noise;
@@ -43,6 +44,7 @@ pub(crate) enum Stream {
     Noise = 4,
     StandardErrors = 5,
     Causes = 6,
+    Experiment = 7,
 }
 
 /// The generator of one stream of a seed; ChaCha8, so that the same seed gives the same campaign everywhere.

@@ -1,7 +1,7 @@
 //! Ready scenarios.
 
 use super::programme::{Order, Positions, Programme};
-use super::scenario::{Columns, GeometryChoice, Noise, Scenario, StandardErrors};
+use super::scenario::{Columns, GeometryChoice, Noise, Scenario, StandardErrors, StatedE};
 
 /// Name, one line about it.
 pub const PRESETS: [(&str, &str); 6] = [
@@ -22,7 +22,7 @@ pub fn preset(name: &str) -> Option<Scenario> {
             let programme =
                 Programme { repeats: 0, rates_arcsec_s: Vec::new(), order: Order::Fixed, ..Programme::default() };
             let mut bare = Scenario { programme, ..base };
-            bare.gyros.iter_mut().for_each(|gyro| gyro.states_e = true);
+            bare.gyros.iter_mut().for_each(|gyro| gyro.states_e = StatedE::True);
             bare
         }
         "36-position" => positions(base, Positions::WithEdges),
@@ -58,7 +58,7 @@ pub fn preset(name: &str) -> Option<Scenario> {
             mems.population.d_f_sd = 200.0;
             mems.population.d_i_sd = 50.0;
             mems.population.d_s_sd = 50.0;
-            mems.gyros.iter_mut().for_each(|gyro| gyro.states_e = true);
+            mems.gyros.iter_mut().for_each(|gyro| gyro.states_e = StatedE::True);
             mems
         }
         _ => return None,

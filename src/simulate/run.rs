@@ -131,7 +131,7 @@ impl World {
             .enumerate()
             .map(|(k, gyro)| {
                 let serial = name(&gyro.serial, &format!("/gyros/{k}/serial"))?;
-                Ok(CampaignGyro { slot: gyro.slot, serial, known_e: gyro.states_e.then(|| gyro.e()) })
+                Ok(CampaignGyro { slot: gyro.slot, serial, known_e: gyro.stated_e })
             })
             .collect()
     }

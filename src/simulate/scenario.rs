@@ -102,8 +102,20 @@ pub struct GyroChoice {
     pub d_ss: Option<f64>,
     /// Rotation vector from the nominal to the true triad, arcmin about body X, Y, Z.
     pub misalignment_arcmin: Option<[f64; 3]>,
-    /// Whether the campaign states E (the true one) instead of leaving it to the fit.
-    pub states_e: bool,
+    /// Whether the campaign states E instead of leaving it to the fit.
+    pub states_e: StatedE,
+}
+
+/// E as the campaign states it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StatedE {
+    #[default]
+    No,
+    /// As it is.
+    True,
+    /// The true scale factor along the nominal input axis.
+    Nominal,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use crate::core::campaign::TestKind;
 use crate::core::fault::Faults;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
@@ -45,7 +46,11 @@ impl World {
         let mid_h: Vec<f64> = plan.iter().map(mid_h).collect();
         let temperature_c = temperatures(&scenario.temperature, &mid_h, &mut random(seed, Stream::Temperature))?;
         let mut rng = random(seed, Stream::Population);
-        let gyros = gyros(&scenario.gyros, &geometry, &scenario.population, &scenario.imu, &mut rng)?;
+        let mut gyros = gyros(&scenario.gyros, &geometry, &scenario.population, &scenario.imu, &mut rng)?;
+        if scenario.test_kind()? == TestKind::TurntableServo {
+            // The table's own rate in arcsec/s is the output: the gyro's scale factor does not enter.
+            gyros.iter_mut().for_each(|gyro| gyro.scale_factor = 1.0);
+        }
         let commanded: Vec<_> = plan.iter().map(|dwell| commanded(dwell, &earth)).collect();
         let sd_of = |gyro: &TrueGyro| -> Vec<f64> {
             plan.iter()

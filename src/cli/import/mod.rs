@@ -5,6 +5,9 @@ mod send;
 mod source;
 mod watch;
 
+#[cfg(test)]
+mod tests;
+
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -1,0 +1,158 @@
+//! What a real service seldom does: answers by script, so that busy lines, poisoned files and strange proxies happen.
+
+use std::collections::VecDeque;
+use std::fs;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use axum::http::StatusCode;
+
+use super::send::{Courier, Event, Tally};
+use super::source::Content;
+use super::watch::watch;
+use crate::cli::client::Service;
+use crate::system;
+
+/// Answers with the next line of its script, then with its last words for ever; keeps what it was sent.
+#[derive(Clone)]
+struct Script {
+    answers: Arc<Mutex<VecDeque<(u16, String)>>>,
+    otherwise: (u16, String),
+    heard: Arc<Mutex<Vec<String>>>,
+}
+
+impl Script {
+    fn new(answers: &[(u16, &str)], otherwise: (u16, &str)) -> Self {
+        let own = |&(status, text): &(u16, &str)| (status, text.to_owned());
+        Self {
+            answers: Arc::new(Mutex::new(answers.iter().map(own).collect())),
+            otherwise: own(&otherwise),
+            heard: Arc::default(),
+        }
+    }
+
+    async fn serve(self) -> Service {
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap().to_string();
+        let router = axum::Router::new().fallback(move |body: String| async move {
+            self.heard.lock().unwrap().push(body);
+            let (status, text) = self.answers.lock().unwrap().pop_front().unwrap_or(self.otherwise);
+            (StatusCode::from_u16(status).unwrap(), text)
+        });
+        tokio::spawn(async move { axum::serve(listener, router).await });
+        system::install_crypto();
+        Service::at(&address, None).unwrap()
+    }
+
+    fn heard(&self) -> Vec<String> {
+        self.heard.lock().unwrap().clone()
+    }
+}
+
+const RECORD: &str = "{\"gyros\": []}\n";
+const REFUSED: &str = r#"{"title":"t","status":422,"detail":"d","errors":[{"pointer":"/imu","detail":"is missing"}]}"#;
+
+async fn carry(service: &Service, text: &'static str) -> (anyhow::Result<Tally>, Vec<String>) {
+    let mut refusals = Vec::new();
+    let mut tell = |event: Event<'_>| {
+        if let Event::Refused(refusal) = event {
+            refusals.push(refusal.to_string());
+        }
+    };
+    let content = Content::Lines(Box::new(text.as_bytes()));
+    let pauses = [Duration::ZERO; 3];
+    let carried = Courier::new(service, &pauses, &mut tell).carry(content).await;
+    (carried, refusals)
+}
+
+#[tokio::test]
+async fn lines_that_the_service_was_too_busy_for_go_again_alone() {
+    let script = Script::new(
+        &[
+            (503, "{}"),
+            (
+                200,
+                "{\"status\":201}\n{\"status\":503}\n{\"status\":422,\"error\":{\"title\":\"t\",\"status\":422,\"detail\":\"no such thing\"}}\n",
+            ),
+        ],
+        (200, "{\"status\":200}\n"),
+    );
+    let service = script.clone().serve().await;
+    let (carried, refusals) = carry(&service, "one\n\ntwo\nthree\n").await;
+    assert_eq!(carried.unwrap(), Tally { stored: 1, known: 1, refused: 1 });
+    assert_eq!(refusals, ["4: no such thing"], "blank lines count");
+    assert_eq!(script.heard(), ["one\ntwo\nthree\n", "one\ntwo\nthree\n", "two\n"]);
+}
+
+#[tokio::test]
+async fn a_service_that_stays_busy_is_given_up_with_its_words() {
+    let service = Script::new(&[], (429, r#"{"title":"t","status":429,"detail":"too many"}"#)).serve().await;
+    let error = carry(&service, "one\n").await.0.unwrap_err();
+    assert!(error.to_string().contains("too many"), "{error}");
+}
+
+#[tokio::test]
+async fn a_page_that_answers_200_acknowledges_nothing() {
+    let script = Script::new(&[], (200, "<html>Welcome to the guest network</html>"));
+    let service = script.clone().serve().await;
+    assert!(carry(&service, "one\n").await.0.is_err());
+    assert_eq!(script.heard().len(), 1, "asking again would not help");
+}
+
+/// Watches until `done`, or fails after ten seconds.
+async fn watch_until(dir: &Path, service: &Service, done: impl Fn() -> bool) {
+    let finished = async {
+        while !done() {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    };
+    tokio::select! {
+        stopped = watch(dir, Duration::ZERO, service) => stopped.unwrap(),
+        waited = tokio::time::timeout(Duration::from_secs(10), finished) => waited.expect("it is done within ten seconds"),
+    }
+}
+
+#[tokio::test]
+async fn a_file_that_the_service_stumbles_over_holds_up_no_other() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("1-poison.json"), RECORD).unwrap();
+    fs::write(dir.path().join("2-good.json"), RECORD).unwrap();
+    let script = Script::new(&[(500, "oops"), (201, r#"{"id":"r2"}"#)], (200, r#"{"id":"r1"}"#));
+    let service = script.serve().await;
+    let sent = dir.path().join("sent");
+    watch_until(dir.path(), &service, || sent.join("2-good.json").exists()).await;
+    assert!(dir.path().join("1-poison.json").exists(), "it stays until it is acknowledged");
+    watch_until(dir.path(), &service, || sent.join("1-poison.json").exists()).await;
+}
+
+#[tokio::test]
+async fn what_is_refused_lies_aside_with_the_reason_and_what_is_unfinished_is_left_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+    put("bad.json", RECORD);
+    put("writing.json.part", RECORD);
+    put("cut.json", "{\"gyros\": [");
+    put("not-json.json", "{\"gyros\" = 1}");
+    let service = Script::new(&[], (422, REFUSED)).serve().await;
+    let refused = dir.path().join("refused");
+    let both = || refused.join("bad.json").exists() && refused.join("not-json.json").exists();
+    watch_until(dir.path(), &service, both).await;
+    assert_eq!(fs::read_to_string(refused.join("bad.json.reason.txt")).unwrap(), "/imu: is missing\n");
+    let reason = fs::read_to_string(refused.join("not-json.json.reason.txt")).unwrap();
+    assert!(reason.contains("line 1 column 10"), "{reason}");
+    assert!(dir.path().join("writing.json.part").exists());
+    assert!(dir.path().join("cut.json").exists(), "somebody may still be writing it");
+}
+
+#[tokio::test]
+async fn a_wrong_token_or_address_moves_no_file() {
+    for status in [401, 403, 404] {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("run.json"), RECORD).unwrap();
+        let script = Script::new(&[(status, REFUSED)], (201, r#"{"id":"r1"}"#));
+        let service = script.clone().serve().await;
+        watch_until(dir.path(), &service, || !script.heard().is_empty()).await;
+        assert!(dir.path().join("run.json").exists(), "{status}");
+    }
+}

@@ -231,6 +231,9 @@ fn style(rng: &mut ChaCha8Rng) -> Scenario {
     scenario.temperature = temperature(rng);
     scenario.geometry = geometry(rng);
     scenario.site.latitude_deg = rng.random_range(-65.0..65.0);
+    let (declination, dip): (f64, f64) = (rng.random_range(-0.15..0.15), rng.random_range(0.3..1.2));
+    scenario.site.magnetic_field_nav = [declination.sin() * dip.cos(), declination.cos() * dip.cos(), -dip.sin()];
+    scenario.site.states_magnetic_field = rng.random_bool(0.3);
     scenario.noise = Noise {
         angle_random_walk_deg_per_sqrt_h: rng.random_range(1.5e-4..5e-4),
         rate_noise_ppm: rng.random_range(0.0..0.4),

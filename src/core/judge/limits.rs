@@ -62,6 +62,20 @@ pub struct CusumLimits {
 }
 
 impl DriftLimits {
+    /// No rule judges.
+    pub fn none() -> Self {
+        Self {
+            step: None,
+            range: None,
+            baseline: None,
+            fixed_baseline: None,
+            rms_successive: None,
+            agreement: None,
+            trend: None,
+            cusum: None,
+        }
+    }
+
     /// Every rule measured by the same budget, deg/(h g0): as it stands for `step`, `range`, `baseline`, `agreement` and the
     /// level that a `trend` must not reach; half of it for the root mean square of successive differences, which
     /// a gyro that keeps its budget in 19 of 20 steps stays below; a twentieth is too little to matter to `cusum`.
@@ -106,22 +120,24 @@ impl Default for Limits {
     }
 }
 
-/// (records per false alarm, threshold) of the two-sided sum as `rules/cusum.rs` makes it, from 20,000 simulated runs
-/// each: `cargo run --release --example judging -- thresholds`.
-const CUSUM_THRESHOLDS: [(f64, f64); 7] =
-    [(100.0, 3.5), (200.0, 4.2), (500.0, 5.0), (1000.0, 5.6), (2000.0, 6.2), (5000.0, 7.0), (10_000.0, 7.6)];
+/// (records per false alarm, threshold) of the two-sided sum as `rules/cusum.rs` makes it, from 4,000 simulated runs:
+/// `cargo run --release --example judging thresholds`.
+const CUSUM_THRESHOLDS: [(f64, f64); 6] =
+    [(100.0, 3.51), (200.0, 4.21), (500.0, 5.15), (1000.0, 5.87), (2000.0, 6.60), (5000.0, 7.58)];
 
 impl CusumLimits {
-    /// The threshold of the sum for the wanted run length: log-linear in between, the ends beyond.
+    /// The threshold of the sum for the wanted run length: log-linear in between, the end values beyond.
     pub fn threshold(&self) -> f64 {
-        let [first, .., last] = CUSUM_THRESHOLDS;
-        let wanted = self.records_per_false_alarm.clamp(first.0, last.0).ln();
-        let upper = CUSUM_THRESHOLDS[1..]
-            .iter()
-            .position(|(length, _)| length.ln() >= wanted)
-            .map_or(CUSUM_THRESHOLDS.len() - 1, |i| i + 1);
-        let ((l0, h0), (l1, h1)) = (CUSUM_THRESHOLDS[upper - 1], CUSUM_THRESHOLDS[upper]);
-        h0 + (h1 - h0) * (wanted - l0.ln()) / (l1.ln() - l0.ln())
+        let wanted = self.records_per_false_alarm;
+        let longer = CUSUM_THRESHOLDS.iter().position(|&(length, _)| length >= wanted);
+        match longer {
+            Some(0) => CUSUM_THRESHOLDS[0].1,
+            Some(i) => {
+                let ((l0, h0), (l1, h1)) = (CUSUM_THRESHOLDS[i - 1], CUSUM_THRESHOLDS[i]);
+                h0 + (h1 - h0) * (wanted / l0).ln() / (l1 / l0).ln()
+            }
+            None => CUSUM_THRESHOLDS[CUSUM_THRESHOLDS.len() - 1].1,
+        }
     }
 }
 

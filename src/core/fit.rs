@@ -114,6 +114,19 @@ impl Factor {
         &self.covariance
     }
 
+    /// Covariance where the variances of the whitened rows are `variances` (n) and not one, for the same estimate.
+    ///
+    /// # Panics
+    /// Where `variances` has another length than the design has rows.
+    pub fn covariance_for(&self, variances: &DVector<f64>) -> DMatrix<f64> {
+        assert_eq!(variances.len(), self.basis.nrows(), "one variance a row");
+        let mut scaled = self.basis.clone();
+        for (mut row, v) in scaled.row_iter_mut().zip(variances.iter()) {
+            row *= *v;
+        }
+        &self.back * self.basis.tr_mul(&scaled) * self.back.transpose()
+    }
+
     pub fn leverage(&self) -> &DVector<f64> {
         &self.leverage
     }

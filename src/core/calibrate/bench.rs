@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::noise::{Evidence, Noise, noise};
 use super::repeats::{PureError, repeats};
-use super::{ScaleSource, weights_sd};
+use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::fit::{Factor, Fit};
@@ -236,7 +236,8 @@ impl Problem<'_> {
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
-        let noise = noise(&[Evidence { chi2: fit.chi2, dof: fit.dof, pure_error }], has_sem)[0];
+        let noise = noise(&[Evidence::of(fit.chi2, fit.dof, pure_error)], has_sem)[0]
+            .with_scatter(sem_scatter(&self.campaign.dwells, 0));
         let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
         let first = scale.fitted.len();

@@ -1,18 +1,19 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
 //! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
-//! [`noise`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`bench`] (one gyro on a
+//! [`noise`] with [`growth`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`bench`] (one gyro on a
 //! fixture).
 
 pub mod bench;
 pub mod design;
 pub mod drift;
+pub mod growth;
 pub mod noise;
 pub mod repeats;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::campaign::{Campaign, CampaignGyro, Dwell};
+use super::campaign::{Campaign, CampaignGyro, Dwell, Phase};
 use super::fit::{Factor, Fit};
 use super::model::{Term, Terms};
 use super::mounting::Slot;
@@ -54,6 +55,9 @@ pub struct NullDirection {
     pub gauge: Option<&'static str>,
 }
 
+/// Rates up to this are the Earth's and the table's creep, arcsec/s.
+const SLOW_ARCSEC_S: f64 = 20.0;
+
 /// The condition that makes D0 and P unique at constant |a|.
 pub const GAUGE: &str = "P_x + P_y + P_z = 0";
 
@@ -74,9 +78,11 @@ pub struct GyroCalibration {
     pub chi2: f64,
     pub dof: usize,
     pub noise: Noise,
+    /// Standard deviation of each output as the noise scale has it, pulse/s; none without a noise scale.
+    pub sigma: Option<DVector<f64>>,
     /// Measured less fitted, pulse/s, by dwell.
     pub residuals: DVector<f64>,
-    /// The same over its own standard deviation, sd f sqrt(1 - leverage); none without a noise scale. Zero where
+    /// The same over its own standard deviation, sigma sqrt(1 - leverage); none without a noise scale. Zero where
     /// the dwell is fitted exactly because nothing else speaks of it (leverage 1).
     pub standardised: Option<DVector<f64>>,
     /// By dwell, 0 to 1.
@@ -92,6 +98,8 @@ pub struct Calibration {
     pub has_sem: bool,
     /// Groups of repeated dwells.
     pub repeats: Vec<Vec<usize>>,
+    /// Without standard errors: rho, by how much the variance at the fastest rate exceeds that at rest.
+    pub growth: f64,
     pub gyros: Vec<GyroCalibration>,
 }
 
@@ -104,16 +112,35 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
     let has_sem = dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
     let repeats = repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
-    let fits: Vec<GyroFit> =
+    let mut fits: Vec<GyroFit> =
         (0..campaign.gyros.len()).map(|j| fit_gyro(campaign, j, terms, &repeats, &mut shared)).collect();
+    let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
     let gyros = fits
         .into_iter()
         .zip(noise::noise(&evidence, has_sem))
         .zip(&campaign.gyros)
-        .map(|((fit, noise), gyro)| fit.finish(gyro, noise))
+        .enumerate()
+        .map(|(j, ((fit, noise), gyro))| fit.finish(gyro, noise.with_scatter(sem_scatter(dwells, j)), &shared))
         .collect();
-    Calibration { terms, has_sem, repeats, gyros }
+    Calibration { terms, has_sem, repeats, growth, gyros }
+}
+
+/// Lets the residuals say how the noise grows with the rate, and what follows for each fit's evidence.
+fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [GyroFit]) -> f64 {
+    let shares: Vec<DVector<f64>> = fits.iter().map(|fit| fit.rate_shares(campaign)).collect();
+    let unweighted: Vec<_> = fits.iter().zip(&shares).map(|(fit, x)| fit.unweighted(x)).collect();
+    let rho = growth::growth(&unweighted);
+    for (fit, x) in fits.iter_mut().zip(&shares) {
+        fit.variances = x.map(|x| 1.0 + rho * x);
+        let scaled = fit.fit.residuals.zip_map(&fit.variances, |r, v| r * r / v);
+        let pure_error = PureError::of(repeats, |k| fit.y[k], |k| fit.variances[k].sqrt());
+        let evidence = Evidence::of(scaled.sum(), fit.fit.dof, pure_error);
+        let gyro = fit.unweighted(x);
+        let residual = evidence.residual.map(|_| (gyro.variance(rho), gyro.dof(rho)));
+        fit.evidence = Evidence { residual, ..evidence };
+    }
+    rho
 }
 
 /// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
@@ -121,33 +148,41 @@ pub fn weights_sd(dwells: &[Dwell], j: usize) -> Vec<f64> {
     dwells.iter().map(|d| d.output_sem_pulse_s.as_ref().map_or(1.0, |sem| sem[j])).collect()
 }
 
+fn sem_scatter(dwells: &[Dwell], j: usize) -> f64 {
+    let still = dwells.iter().filter(|d| d.phase == Phase::Static);
+    noise::sem_scatter(still.filter_map(|d| Some((d.output_sem_pulse_s.as_ref()?[j], d.duration_s))))
+}
+
 /// Gyros with the same terms and the same standard errors share one factorisation.
 #[derive(Default)]
 struct SharedFactors(Vec<(Design, Vec<f64>, Factor)>);
 
 impl SharedFactors {
-    fn get(&mut self, dwells: &[Dwell], terms: Terms, sd: Vec<f64>) -> (&Design, &Factor) {
-        let found = self.0.iter().position(|(design, used, _)| design.terms == terms && *used == sd);
-        let index = found.unwrap_or_else(|| {
-            let design = match self.0.iter().find(|(design, ..)| design.terms == terms) {
-                Some((design, ..)) => design.clone(),
-                None => Design::new(dwells, terms),
-            };
-            let factor = Factor::new(design.reduced.clone(), &sd);
-            self.0.push((design, sd, factor));
-            self.0.len() - 1
-        });
-        let (design, _, factor) = &self.0[index];
-        (design, factor)
+    /// Where the factorisation for these terms and weights is.
+    fn index(&mut self, dwells: &[Dwell], terms: Terms, sd: &[f64]) -> usize {
+        if let Some(index) = self.0.iter().position(|(design, used, _)| design.terms == terms && used == sd) {
+            return index;
+        }
+        let design = match self.0.iter().find(|(design, ..)| design.terms == terms) {
+            Some((design, ..)) => design.clone(),
+            None => Design::new(dwells, terms),
+        };
+        let factor = Factor::new(design.reduced.clone(), sd);
+        self.0.push((design, sd.to_vec(), factor));
+        self.0.len() - 1
     }
 }
 
 struct GyroFit {
-    design: Design,
+    /// In [`SharedFactors`].
+    factor: usize,
     scale_source: ScaleSource,
-    sd: Vec<f64>,
+    known_e: Option<Vector3<f64>>,
     fit: Fit,
-    determined: Vec<bool>,
+    /// What was fitted: the output, less E.w where E is held.
+    y: DVector<f64>,
+    /// Variances over those of the weights.
+    variances: DVector<f64>,
     evidence: Evidence,
 }
 
@@ -160,25 +195,56 @@ fn fit_gyro(c: &Campaign, j: usize, terms: Terms, repeats: &[Vec<usize>], shared
         c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
     );
     let sd = weights_sd(&c.dwells, j);
+    let factor = shared.index(&c.dwells, fitted, &sd);
+    let fit = shared.0[factor].2.fit(&y);
     let pure_error = PureError::of(repeats, |k| y[k], |k| sd[k]);
-    let (design, factor) = shared.get(&c.dwells, fitted, sd.clone());
-    let fit = factor.fit(&y);
-    let determined = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
-    let evidence = Evidence { chi2: fit.chi2, dof: fit.dof, pure_error };
+    let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
     let scale_source = match (known_e, terms.contains(Term::Scale)) {
         (Some(_), _) => ScaleSource::Held,
         (None, true) => ScaleSource::Fitted,
         (None, false) => ScaleSource::Missing,
     };
-    GyroFit { design: design.clone(), scale_source, sd, fit, determined, evidence }
+    let variances = DVector::from_element(c.dwells.len(), 1.0);
+    GyroFit { factor, scale_source, known_e, fit, y, variances, evidence }
 }
 
 impl GyroFit {
-    fn finish(self, gyro: &CampaignGyro, noise: Noise) -> GyroCalibration {
-        let Self { design, scale_source, sd, fit, determined, .. } = self;
+    fn unweighted<'a>(&'a self, x: &'a DVector<f64>) -> growth::Unweighted<'a> {
+        growth::Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, x }
+    }
+
+    /// (w_I/W)^2 of each dwell, with W the largest rate of the campaign; zeros where the table never turned.
+    fn rate_shares(&self, campaign: &Campaign) -> DVector<f64> {
+        let rates = || campaign.dwells.iter().map(|d| &d.rate_arcsec_s);
+        let largest = rates().map(|w| w.norm()).fold(0.0, f64::max);
+        let along = self.fitted_e().map(|e| e.normalize());
+        let n = campaign.dwells.len();
+        if largest <= SLOW_ARCSEC_S {
+            return DVector::zeros(n);
+        }
+        DVector::from_iterator(n, rates().map(|w| (along.map_or(w.norm(), |i| i.dot(w)) / largest).powi(2)))
+    }
+
+    /// E, held or among the estimates (which end with it), unless it is zero.
+    fn fitted_e(&self) -> Option<Vector3<f64>> {
+        let last = self.fit.estimate.len().checked_sub(3);
+        let e = match (self.scale_source, last) {
+            (ScaleSource::Fitted, Some(first)) => Some(self.fit.estimate.fixed_rows::<3>(first).into_owned()),
+            _ => self.known_e,
+        };
+        e.filter(|e| e.norm() > 0.0)
+    }
+
+    fn finish(self, gyro: &CampaignGyro, noise: Noise, shared: &SharedFactors) -> GyroCalibration {
+        let (design, sd, factor) = &shared.0[self.factor];
+        let Self { scale_source, known_e, fit, variances, .. } = self;
         let values = &design.expand * &fit.estimate;
-        let covariance =
-            noise.covariance_scale().map(|scale| &design.expand * &fit.covariance * design.expand.transpose() * scale);
+        let covariance = noise.covariance_scale().map(|scale| {
+            let equal = variances.iter().all(|v| *v == 1.0);
+            let reduced = if equal { fit.covariance.clone() } else { factor.covariance_for(&variances) };
+            &design.expand * reduced * design.expand.transpose() * scale
+        });
+        let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
         let terms_by_column = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));
         let parameters = design::parameter_names(design.terms)
             .into_iter()
@@ -197,8 +263,9 @@ impl GyroFit {
             .null_directions
             .column_iter()
             .map(|d| NullDirection { direction: (&design.expand * d).normalize(), gauge: None });
-        let standardised = noise.factor.map(|f| {
-            let own_sd = |k: usize| sd[k] * f * (1.0 - fit.leverage[k]).max(0.0).sqrt();
+        let sigma = noise.factor.map(|f| DVector::from_fn(sd.len(), |k, _| sd[k] * f * variances[k].sqrt()));
+        let standardised = sigma.as_ref().map(|sigma| {
+            let own_sd = |k: usize| sigma[k] * (1.0 - fit.leverage[k]).max(0.0).sqrt();
             DVector::from_fn(sd.len(), |k, _| if own_sd(k) > 0.0 { fit.residuals[k] / own_sd(k) } else { 0.0 })
         });
         GyroCalibration {
@@ -213,10 +280,11 @@ impl GyroFit {
             chi2: fit.chi2,
             dof: fit.dof,
             noise,
+            sigma,
             residuals: fit.residuals,
             standardised,
             leverage: fit.leverage,
-            known_e: gyro.known_e,
+            known_e,
         }
     }
 }

@@ -6,11 +6,18 @@
 //! * **Standard errors and repeats.** The spread of repeats (pure error) estimates the square of a factor f that is
 //!   common to all standard errors. Repeats are few, so what the station states counts too, as
 //!   [`PRIOR_DOF`] degrees of freedom in favour of f = 1: f^2 = (chi2 + PRIOR_DOF)/(dof + PRIOR_DOF). The repeats of
-//!   all gyros are pooled (one electronics, one procedure) unless one gyro's differ beyond chance.
+//!   all gyros are pooled (one electronics, one procedure) unless one gyro's differ beyond chance. Where the residuals
+//!   of the fit scatter no more than that (lack of fit is not significant), they join in, and f is known well.
 //! * **Standard errors alone.** Taken at their word, unless the residuals exceed them beyond chance: then f^2 is
 //!   the reduced chi-square of all gyros (the Birge ratio), which covers what the model leaves out.
-//! * **Neither standard errors.** Weights are equal. The residuals give the scale; where repeats say that the model
-//!   leaves something out (lack of fit), the repeats alone give it.
+//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it grows with the rate
+//!   ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone
+//!   give it.
+//!
+//! Standard errors are estimates themselves. Where those of the static dwells scatter by c (relative) about one
+//! another, weights made of them are not the best ones: to the order of c^2 the estimates' variance is 1 + 4 c^2 of
+//! the least possible, while the covariance promises 1/(1 + 3 c^2) of it. Residuals show the second, so f^2 holds it;
+//! the first is put on the covariance. Above [`LARGEST_SCATTER`] the scatter is taken for real differences of noise.
 //!
 //! An estimated scale makes errors follow a t distribution. Standard deviations are reported as those of that t:
 //! a factor sqrt(dof/(dof - 2)), so that rms(error/sd) is 1 whatever the dof. Below three dof no such deviation
@@ -24,9 +31,14 @@ use super::repeats::PureError;
 /// right to some 35 % (1/sqrt(2 x 4)) before any repeat is seen.
 pub const PRIOR_DOF: f64 = 4.0;
 
-/// Chance below which one gyro's repeats no longer pool with the others', or residuals overrule standard errors.
+/// Largest relative scatter of standard errors that passes for their own uncertainty.
+pub const LARGEST_SCATTER: f64 = 0.25;
+
+/// Chance below which one gyro's repeats no longer pool with the others', residuals overrule standard errors, or
+/// repeats overrule residuals. Small on purpose: a scale that is chosen because it came out small is too small.
 const BEYOND_CHANCE: f64 = 1e-3;
-/// Chance below which repeats say that the model leaves something out.
+
+/// Chance below which residuals scatter more than repeats and standard errors allow, and are kept out of the noise.
 const LACK_OF_FIT: f64 = 0.05;
 
 /// Where the scale of the noise comes from.
@@ -36,6 +48,8 @@ pub enum Source {
     Sem,
     /// Standard errors times a factor from repeats.
     SemAndRepeats,
+    /// The same, confirmed and sharpened by residuals that agree.
+    SemRepeatsAndResiduals,
     /// Standard errors times the Birge ratio.
     SemAndResiduals,
     /// Repeats alone, equal weights.
@@ -51,6 +65,7 @@ impl Source {
         match self {
             Source::Sem => "sem",
             Source::SemAndRepeats => "repeats+sem",
+            Source::SemRepeatsAndResiduals => "repeats+residuals+sem",
             Source::SemAndResiduals => "residuals+sem",
             Source::Repeats => "repeats",
             Source::Residuals => "residuals",
@@ -71,28 +86,69 @@ pub struct Noise {
     /// Degrees of freedom behind the factor, infinite where it is taken at its word.
     pub dof: f64,
     pub pure_error: PureError,
+    /// c: relative scatter of the static dwells' standard errors about one another; zero without any, or where it
+    /// is too large to be their own uncertainty.
+    pub sem_scatter: f64,
 }
 
 impl Noise {
     fn of(source: Source, squared: f64, dof: f64, pure_error: PureError) -> Self {
         let factor = squared.sqrt();
-        Self { source, factor: Some(factor), factor_sd: Some(factor / (2.0 * dof).sqrt()), dof, pure_error }
+        let factor_sd = Some(factor / (2.0 * dof).sqrt());
+        Self { source, factor: Some(factor), factor_sd, dof, pure_error, sem_scatter: 0.0 }
     }
 
-    /// What a covariance for the weights as given is multiplied by: f^2 dof/(dof - 2).
+    /// The same with the scatter of the gyro's standard errors.
+    pub fn with_scatter(self, scatter: f64) -> Self {
+        Self { sem_scatter: if scatter <= LARGEST_SCATTER { scatter } else { 0.0 }, ..self }
+    }
+
+    /// What a covariance for the weights as given is multiplied by: f^2 dof/(dof - 2) (1 + 4 c^2).
     pub fn covariance_scale(&self) -> Option<f64> {
         let f = self.factor?;
         let t_variance = if self.dof.is_infinite() { 1.0 } else { self.dof / (self.dof - 2.0) };
-        (self.dof > 2.0).then_some(f * f * t_variance)
+        (self.dof > 2.0).then_some(f * f * t_variance * (1.0 + 4.0 * self.sem_scatter.powi(2)))
     }
 }
 
-/// What the fits and the repeats of one gyro say, with weights as given.
+/// Relative scatter of standard errors given with their dwells' durations: the standard deviation of
+/// ln(sem sqrt(duration)), as means over longer times scatter less. Zero for fewer than five.
+pub fn sem_scatter(sems: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let logs: Vec<f64> = sems.map(|(sem, duration)| (sem * duration.sqrt()).ln()).collect();
+    if logs.len() < 5 {
+        return 0.0;
+    }
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    (logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / (logs.len() - 1) as f64).sqrt()
+}
+
+/// What the fit and the repeats of one gyro say, with standard deviations as given (or relative ones, without).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     pub chi2: f64,
     pub dof: usize,
     pub pure_error: PureError,
+    /// Estimate of f^2 from the residuals, and its degrees of freedom; the reduced chi-square and `dof` unless the
+    /// variances are unequal and the weights are not.
+    pub residual: Option<(f64, f64)>,
+}
+
+impl Evidence {
+    /// Of a fit whose weights are as its variances.
+    pub fn of(chi2: f64, dof: usize, pure_error: PureError) -> Self {
+        let residual = (dof > 0).then(|| (chi2 / dof as f64, dof as f64));
+        Self { chi2, dof, pure_error, residual }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self::of(self.chi2 + other.chi2, self.dof + other.dof, self.pure_error.plus(other.pure_error))
+    }
+
+    /// What the residuals hold beyond the spread of repeats: sum of squares, dof.
+    pub fn lack_of_fit(&self) -> (f64, f64) {
+        let dof = self.dof.saturating_sub(self.pure_error.dof);
+        ((self.chi2 - self.pure_error.chi2).max(0.0), dof as f64)
+    }
 }
 
 /// The noise scale of every gyro, from that of all.
@@ -100,11 +156,11 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
     if !has_sem {
         return evidence.iter().map(unweighted).collect();
     }
-    let pooled = evidence.iter().fold(PureError::default(), |sum, e| sum.plus(e.pure_error));
-    if pooled.dof > 0 {
-        return evidence.iter().map(|e| with_repeats(e.pure_error, pooled)).collect();
+    let pooled = evidence.iter().fold(Evidence::of(0.0, 0, PureError::default()), |sum, e| sum.plus(e));
+    if pooled.pure_error.dof > 0 {
+        return evidence.iter().map(|e| with_repeats(e, &pooled)).collect();
     }
-    let (chi2, dof) = evidence.iter().fold((0.0, 0), |(c, d), e| (c + e.chi2, d + e.dof));
+    let (chi2, dof) = (pooled.chi2, pooled.dof);
     let exceeded = chi2_tail(chi2, dof).is_some_and(|p| p < BEYOND_CHANCE);
     let of = |e: &Evidence| match exceeded {
         true => Noise::of(Source::SemAndResiduals, chi2 / dof as f64, dof as f64, e.pure_error),
@@ -113,24 +169,33 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
     evidence.iter().map(of).collect()
 }
 
-fn with_repeats(own: PureError, pooled: PureError) -> Noise {
-    let others = PureError { chi2: (pooled.chi2 - own.chi2).max(0.0), dof: pooled.dof - own.dof };
-    let odd = f_tail(own, others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
+fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
+    let (mine, all) = (own.pure_error, pooled.pure_error);
+    let others = (all.chi2 - mine.chi2, (all.dof - mine.dof) as f64);
+    let odd = f_tail((mine.chi2, mine.dof as f64), others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
     let used = if odd { own } else { pooled };
-    let dof = used.dof as f64 + PRIOR_DOF;
-    Noise::of(Source::SemAndRepeats, (used.chi2 + PRIOR_DOF) / dof, dof, own)
+    let stated = (used.pure_error.chi2 + PRIOR_DOF, used.pure_error.dof as f64 + PRIOR_DOF);
+    let rest = used.lack_of_fit();
+    if rest.1 > 0.0 && f_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
+        let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);
+        return Noise::of(Source::SemRepeatsAndResiduals, chi2 / dof, dof, mine);
+    }
+    Noise::of(Source::SemAndRepeats, stated.0 / stated.1, stated.1, mine)
 }
 
 fn unweighted(e: &Evidence) -> Noise {
     let repeats = e.pure_error;
-    let rest = PureError { chi2: (e.chi2 - repeats.chi2).max(0.0), dof: e.dof.saturating_sub(repeats.dof) };
-    if f_tail(rest, repeats).is_some_and(|p| p < LACK_OF_FIT) {
-        return Noise::of(Source::Repeats, repeats.chi2 / repeats.dof as f64, repeats.dof as f64, repeats);
+    let spread = (repeats.chi2, repeats.dof as f64);
+    if f_tail(e.lack_of_fit(), spread).is_some_and(|p| p < BEYOND_CHANCE) {
+        return Noise::of(Source::Repeats, spread.0 / spread.1, spread.1, repeats);
     }
-    if e.dof == 0 {
-        return Noise { source: Source::None, factor: None, factor_sd: None, dof: 0.0, pure_error: repeats };
+    match e.residual {
+        Some((squared, dof)) => Noise::of(Source::Residuals, squared, dof, repeats),
+        None => {
+            let none = Noise::of(Source::None, 0.0, 0.0, repeats);
+            Noise { factor: None, factor_sd: None, ..none }
+        }
     }
-    Noise::of(Source::Residuals, e.chi2 / e.dof as f64, e.dof as f64, repeats)
 }
 
 /// P(chi-square of `dof` > `chi2`); none without degrees of freedom.
@@ -138,12 +203,12 @@ pub fn chi2_tail(chi2: f64, dof: usize) -> Option<f64> {
     (dof > 0).then(|| ChiSquared::new(dof as f64).expect("positive dof").sf(chi2))
 }
 
-/// P(F > the ratio of the two mean squares); none where either has no dof, or the denominator is zero.
-pub fn f_tail(numerator: PureError, denominator: PureError) -> Option<f64> {
-    if numerator.dof == 0 || denominator.dof == 0 || denominator.chi2 <= 0.0 {
+/// P(F > the ratio of the two mean squares), each given as (sum of squares, dof); none where either has no dof, or
+/// the denominator is zero.
+pub fn f_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {
+    if numerator.1 <= 0.0 || denominator.1 <= 0.0 || denominator.0 <= 0.0 {
         return None;
     }
-    let (n, d) = (numerator.dof as f64, denominator.dof as f64);
-    let ratio = (numerator.chi2 / n) / (denominator.chi2 / d);
-    Some(FisherSnedecor::new(n, d).expect("positive dof").sf(ratio))
+    let ratio = (numerator.0.max(0.0) / numerator.1) / (denominator.0 / denominator.1);
+    Some(FisherSnedecor::new(numerator.1, denominator.1).expect("positive dof").sf(ratio))
 }

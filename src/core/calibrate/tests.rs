@@ -1,5 +1,5 @@
 use super::*;
-use crate::core::campaign::{Phase, TestKind};
+use crate::core::campaign::TestKind;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Plausibility;
 use crate::core::time::UtcMicros;
@@ -160,7 +160,7 @@ fn without_standard_errors_the_residuals_or_the_repeats_speak() {
     let line = |k: usize, bend: f64| {
         let x = k as f64 / 10.0 - 0.5;
         let noise = if k.is_multiple_of(3) { 0.02 } else { -0.01 };
-        ([0.0, 0.0, 1.0], [0.0, 0.0, 1000.0 * x], 3.0 + 2000.0 * x + bend * x * x + noise, None)
+        ([0.0, 0.0, 1.0], [0.0, 0.0, 10.0 * x], 3.0 + 20.0 * x + bend * x * x + noise, None)
     };
     let terms = Terms::of(&[Term::Bias, Term::Scale]);
     let straight: Vec<Row> = (0..11).map(|k| line(k, 0.0)).collect();

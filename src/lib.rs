@@ -24,8 +24,10 @@
 
 pub mod blindcheck;
 pub mod cli;
+pub mod config;
 pub mod core;
 pub mod experiment;
+pub mod http;
 pub mod simulate;
 pub mod system;
 pub mod wire;

@@ -9,6 +9,7 @@ mod document;
 mod experiment;
 mod import;
 mod separate;
+mod serve;
 mod simulate;
 
 use std::io;
@@ -28,6 +29,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Serve(serve::Serve),
     Separate(separate::Separate),
     Import(import::Import),
     Simulate(simulate::Simulate),
@@ -36,6 +38,7 @@ enum Command {
 impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
+            Self::Serve(serve) => serve.run(),
             Self::Separate(separate) => separate.run(),
             Self::Import(import) => import.run(),
             Self::Simulate(simulate) => simulate.run(),

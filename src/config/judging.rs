@@ -1,0 +1,96 @@
+//! The `[judging]` section, resolved to the limits of one gyro.
+
+use serde::Deserialize;
+
+use crate::core::judge::limits::{DriftLimits, Limits};
+
+use super::ConfigError;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum JudgedMethod {
+    Rigid,
+    Published,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Judging {
+    pub method: JudgedMethod,
+    pub budget: f64,
+    pub confidence: f64,
+    pub range_days: f64,
+    pub range_min_records: usize,
+    pub interval_days: f64,
+    pub requirements: bool,
+    pub overrides: Vec<Override>,
+}
+
+/// Limits for what matches; a filter that is left out matches everything.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Override {
+    pub imu: Option<String>,
+    pub serial: Option<String>,
+    pub coefficient: Option<OverriddenCoefficient>,
+    pub budget: Option<f64>,
+    pub interval_days: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum OverriddenCoefficient {
+    #[serde(rename = "D_I")]
+    DI,
+    #[serde(rename = "D_S")]
+    DS,
+}
+
+impl Judging {
+    /// What the gyro `serial`, mounted in `imu`, is judged against.
+    pub fn limits(&self, imu: &str, serial: &str) -> Limits {
+        let mut limits = Limits {
+            closure_is_d_o: self.method == JudgedMethod::Rigid,
+            confidence: self.confidence,
+            range_days: self.range_days,
+            range_min_records: self.range_min_records,
+            interval_days: (self.interval_days > 0.0).then_some(self.interval_days),
+            ..Limits::from_budget(self.budget)
+        };
+        for change in self.overrides.iter().filter(|o| o.matches(imu, serial)) {
+            if let Some(budget) = change.budget {
+                if change.coefficient != Some(OverriddenCoefficient::DS) {
+                    limits.d_i = DriftLimits::from_budget(budget);
+                }
+                if change.coefficient != Some(OverriddenCoefficient::DI) {
+                    limits.d_s = DriftLimits::from_budget(budget);
+                }
+            }
+            if let Some(days) = change.interval_days {
+                limits.interval_days = (days > 0.0).then_some(days);
+            }
+        }
+        limits
+    }
+
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let wrong = |key: String, detail: String| Err(ConfigError::Key { key, detail });
+        if !(self.confidence > 0.5 && self.confidence < 1.0) {
+            return wrong("judging.confidence".into(), format!("must lie between 0.5 and 1, is {}", self.confidence));
+        }
+        if self.range_min_records < 2 {
+            return wrong("judging.range_min_records".into(), "must be at least 2".into());
+        }
+        for (i, change) in self.overrides.iter().enumerate() {
+            if change.budget.is_some_and(|b| !(b.is_finite() && b > 0.0)) {
+                return wrong(format!("judging.overrides[{i}].budget"), "must be positive".into());
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Override {
+    fn matches(&self, imu: &str, serial: &str) -> bool {
+        self.imu.as_deref().is_none_or(|name| name == imu) && self.serial.as_deref().is_none_or(|name| name == serial)
+    }
+}

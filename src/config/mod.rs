@@ -1,0 +1,180 @@
+//! The configuration: defaults, files, environment, in that order; checked whole before anything starts.
+
+mod judging;
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use config::{Config as Layers, Environment, File, FileFormat};
+use serde::Deserialize;
+
+use crate::core::record::Plausibility;
+
+pub use judging::{JudgedMethod, Judging, Override};
+
+const DEFAULTS: &str = include_str!("../../config/default.toml");
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    pub server: Server,
+    pub database: Database,
+    pub judging: Judging,
+    pub plausibility: PlausibilityKeys,
+    pub log: Log,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Server {
+    pub listen: SocketAddr,
+    pub max_body_bytes: usize,
+    pub max_import_bytes: usize,
+    pub max_import_line_bytes: usize,
+    pub header_timeout_s: f64,
+    pub body_timeout_s: f64,
+    pub request_timeout_s: f64,
+    pub max_connections: usize,
+    pub shutdown_grace_s: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Database {
+    pub url: String,
+    pub readers: u32,
+    pub max_waiting_writes: usize,
+    pub max_group: usize,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlausibilityKeys {
+    pub min_scale_factor: f64,
+    pub max_scale_factor: f64,
+    pub max_misalignment_deg: f64,
+    pub max_drift_deg_per_h_g0: f64,
+    pub max_future_hours: f64,
+}
+
+impl PlausibilityKeys {
+    pub fn limits(&self) -> Plausibility {
+        Plausibility {
+            scale_factor: (self.min_scale_factor, self.max_scale_factor),
+            max_misalignment: self.max_misalignment_deg.to_radians(),
+            max_drift: self.max_drift_deg_per_h_g0,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LogFormat {
+    Text,
+    Json,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Log {
+    pub format: LogFormat,
+    pub filter: String,
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    #[error("configuration cannot be read: {0}")]
+    Unreadable(#[from] config::ConfigError),
+    #[error("configuration key {key}: {detail}")]
+    Key { key: String, detail: String },
+}
+
+impl Config {
+    /// Defaults, then `files` (or `config/*.toml` but `default.toml`, where none are named), then `environment`.
+    pub fn load(
+        files: &[PathBuf],
+        environment: impl IntoIterator<Item = (String, String)>,
+    ) -> Result<Self, ConfigError> {
+        let found;
+        let files = if files.is_empty() {
+            found = files_in(Path::new("config"));
+            &found
+        } else {
+            files
+        };
+        let mut layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
+        for file in files {
+            layers = layers.add_source(File::from(file.as_path()).format(FileFormat::Toml));
+        }
+        let variables = environment.into_iter().filter_map(in_sections).collect();
+        let environment = Environment::with_prefix("GYROWATCH")
+            .prefix_separator("_")
+            .separator("__")
+            .try_parsing(true)
+            .source(Some(variables));
+        let merged: serde_json::Value = layers.add_source(environment).build()?.try_deserialize()?;
+        let config: Self = serde_path_to_error::deserialize(merged)
+            .map_err(|e| ConfigError::Key { key: e.path().to_string(), detail: e.inner().to_string() })?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// The defaults alone.
+    ///
+    /// # Panics
+    /// Never: a test loads them.
+    pub fn defaults() -> Self {
+        Self::load(&[PathBuf::from("/dev/null")], []).expect("the built-in defaults are checked by a test")
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        let positive = [
+            ("server.header_timeout_s", self.server.header_timeout_s),
+            ("server.body_timeout_s", self.server.body_timeout_s),
+            ("server.request_timeout_s", self.server.request_timeout_s),
+            ("server.max_body_bytes", self.server.max_body_bytes as f64),
+            ("server.max_import_bytes", self.server.max_import_bytes as f64),
+            ("server.max_import_line_bytes", self.server.max_import_line_bytes as f64),
+            ("server.max_connections", self.server.max_connections as f64),
+            ("database.readers", f64::from(self.database.readers)),
+            ("database.max_waiting_writes", self.database.max_waiting_writes as f64),
+            ("database.max_group", self.database.max_group as f64),
+            ("plausibility.min_scale_factor", self.plausibility.min_scale_factor),
+            ("plausibility.max_scale_factor", self.plausibility.max_scale_factor),
+            ("plausibility.max_misalignment_deg", self.plausibility.max_misalignment_deg),
+            ("plausibility.max_drift_deg_per_h_g0", self.plausibility.max_drift_deg_per_h_g0),
+            ("judging.budget", self.judging.budget),
+            ("judging.range_days", self.judging.range_days),
+        ];
+        for (key, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(ConfigError::Key { key: key.into(), detail: format!("must be positive, is {value}") });
+            }
+        }
+        self.judging.check()
+    }
+}
+
+/// GYROWATCH_LISTEN and GYROWATCH_DATABASE_URL in their sections; other programs' variables left out.
+fn in_sections((name, value): (String, String)) -> Option<(String, String)> {
+    match name.as_str() {
+        "GYROWATCH_LISTEN" => Some(("GYROWATCH_SERVER__LISTEN".into(), value)),
+        "GYROWATCH_DATABASE_URL" => Some(("GYROWATCH_DATABASE__URL".into(), value)),
+        _ => (name.starts_with("GYROWATCH_") && name.contains("__")).then_some((name, value)),
+    }
+}
+
+fn files_in(directory: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(directory) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| {
+            path.extension().is_some_and(|e| e == "toml") && path.file_stem().is_some_and(|s| s != "default")
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,56 @@
+//! The service over HTTP: the router, and one file an endpoint family.
+//!
+//! A handler is a short story: read, act (one call of the pipeline), answer. Whatever goes wrong leaves as
+//! `application/problem+json`; what axum and its layers refuse by themselves is put into that form in one place
+//! ([`problem::as_problem`]).
+
+mod docs;
+mod health;
+pub mod problem;
+pub mod server;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::http::StatusCode;
+use axum::middleware;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::config::Config;
+use crate::system::Clock;
+
+/// What every handler may use. Cheap to clone.
+#[derive(Clone)]
+pub struct App {
+    pub config: Arc<Config>,
+    pub clock: Clock,
+}
+
+/// The whole service as one router.
+pub fn router(app: App) -> Router {
+    let server = app.config.server.clone();
+    let timed = OpenApiRouter::with_openapi(docs::head())
+        .routes(routes!(health::healthz))
+        .routes(routes!(health::readyz))
+        .layer(TimeoutLayer::with_status_code(
+            StatusCode::SERVICE_UNAVAILABLE,
+            Duration::from_secs_f64(server.request_timeout_s),
+        ));
+    let (router, openapi) = timed.split_for_parts();
+    router
+        .merge(docs::router(openapi))
+        .fallback(problem::no_such_path)
+        .layer(DefaultBodyLimit::max(server.max_body_bytes))
+        .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
+        .layer(CompressionLayer::new())
+        .layer(middleware::from_fn(problem::as_problem))
+        .layer(CatchPanicLayer::new())
+        .layer(middleware::from_fn(problem::as_problem))
+        .with_state(app)
+}

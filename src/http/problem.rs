@@ -1,0 +1,58 @@
+//! Every error leaves as problem details (RFC 9457).
+
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::{HeaderValue, StatusCode, Uri};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use http_body_util::{BodyExt, Limited};
+
+use crate::wire::problem::Problem;
+
+pub const PROBLEM_JSON: &str = "application/problem+json";
+
+/// Longest text of a refusal that is taken over as the detail.
+const MAX_DETAIL_BYTES: usize = 4096;
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let body = serde_json::to_vec(&self).unwrap_or_default();
+        (status, [(CONTENT_TYPE, PROBLEM_JSON)], body).into_response()
+    }
+}
+
+pub async fn no_such_path(uri: Uri) -> Problem {
+    Problem::new(404, "No such path", format!("nothing is served at {}", uri.path()))
+}
+
+/// Puts refusals that are not ours (of axum's extractors and of the layers) into the common form. Headers such as
+/// `Allow` and `Retry-After` stay.
+pub async fn as_problem(request: Request, next: Next) -> Response {
+    let response = next.run(request).await;
+    let status = response.status();
+    let is_error = status.is_client_error() || status.is_server_error();
+    let is_problem = response.headers().get(CONTENT_TYPE).is_some_and(|t| t == PROBLEM_JSON);
+    if !is_error || is_problem {
+        return response;
+    }
+    let (mut parts, body) = response.into_parts();
+    let text = match Limited::new(body, MAX_DETAIL_BYTES).collect().await {
+        Ok(collected) => String::from_utf8_lossy(&collected.to_bytes()).trim().to_owned(),
+        Err(_) => String::new(),
+    };
+    let title = status.canonical_reason().unwrap_or("Error");
+    // What failed inside is for the log, not for the client.
+    let detail = match (text.is_empty() || status == StatusCode::INTERNAL_SERVER_ERROR, status) {
+        (false, _) => text,
+        (true, StatusCode::METHOD_NOT_ALLOWED) => "this path does not take that method; see Allow".to_owned(),
+        (true, StatusCode::INTERNAL_SERVER_ERROR) => "the service failed; its log says why".to_owned(),
+        (true, StatusCode::SERVICE_UNAVAILABLE) => "the answer took too long; try again later".to_owned(),
+        (true, _) => title.to_owned(),
+    };
+    parts.headers.insert(CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+    parts.headers.remove(CONTENT_LENGTH);
+    let problem = Problem::new(status.as_u16(), title, detail);
+    Response::from_parts(parts, Body::from(serde_json::to_vec(&problem).unwrap_or_default()))
+}

@@ -6,6 +6,8 @@
 pub mod bench;
 pub mod calibrate;
 pub mod campaign;
+pub mod diagnose;
+pub mod effects;
 pub mod fault;
 pub mod fit;
 pub mod frames;

@@ -8,6 +8,7 @@ pub mod answer;
 pub mod bench;
 pub mod campaign;
 pub mod campaign_csv;
+pub mod diagnosis;
 pub mod geometry;
 pub mod history;
 pub mod json;

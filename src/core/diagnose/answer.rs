@@ -1,0 +1,207 @@
+//! What a diagnosis answers. Plain data, every number finite; the wire form is `wire::diagnosis`.
+
+use nalgebra::Vector3;
+
+use crate::core::campaign::Phase;
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
+
+/// How far the catalogue explains the gap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// Structure is not above the noise floor.
+    NoGap,
+    /// Something was adopted and nothing significant remains.
+    Explained,
+    /// Something was adopted and something significant remains.
+    PartlyExplained,
+    /// There is a gap, and nothing of the catalogue earns adoption.
+    Unexplained,
+}
+
+impl Verdict {
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::NoGap => "no_gap",
+            Verdict::Explained => "explained",
+            Verdict::PartlyExplained => "partly_explained",
+            Verdict::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// The answer for one campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnosis {
+    pub verdict: Verdict,
+    pub noise_floor: NoiseFloor,
+    /// What model (6), or the terms and effects in use, leaves above the floor.
+    pub gap: Gap,
+    pub located: Located,
+    /// In the order of adoption.
+    pub effects: Vec<NamedEffect>,
+    /// Closure by all adopted effects together; none where nothing was adopted.
+    pub closure: Option<HeldOut>,
+    /// What is left after adoption, tested without the catalogue as well.
+    pub remaining: Remaining,
+    /// Everything tried and not adopted, best first.
+    pub candidates: Vec<Candidate>,
+    pub not_identifiable: Vec<NotIdentifiable>,
+    pub impact: Vec<Impact>,
+    pub next_dwells: Vec<NextDwell>,
+    /// Residual of each gyro in each dwell before and after adoption.
+    pub residuals: Vec<Residual>,
+    /// What could not be done with this campaign, and why.
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseFloor {
+    /// Root mean square over gyros and dwells of the standard uncertainty of one dwell.
+    pub deg_per_h: f64,
+    /// "repeats+sem", "sem", "repeats", "residual".
+    pub source: &'static str,
+    /// Real over stated standard errors; 1 where none are stated.
+    pub sem_factor: f64,
+    pub gyros: Vec<GyroFloor>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroFloor {
+    pub slot: Slot,
+    pub deg_per_h: f64,
+    /// Degrees of freedom of repeated dwells (pure error).
+    pub repeat_dof: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gap {
+    pub rms_deg_per_h: f64,
+    /// Residual sum of squares over the floor's variance and degrees of freedom.
+    pub reduced_chi2: f64,
+    /// That noise alone shows as much structure, over everything that was looked at.
+    pub p_value: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Located {
+    pub gyros: Vec<(Slot, f64)>,
+    pub phases: Vec<(Phase, f64)>,
+    /// Largest shares first.
+    pub dwells: Vec<DwellShare>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct DwellShare {
+    pub index: usize,
+    pub slot: Slot,
+    pub residual_deg_per_h: f64,
+    pub share: f64,
+}
+
+/// One adopted effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedEffect {
+    pub effect: Effect,
+    /// Every entry that this campaign cannot tell from it, itself first.
+    pub class: Vec<Effect>,
+    /// The gyros that have it.
+    pub gyros: Vec<Slot>,
+    pub estimates: Vec<Estimate>,
+    pub held_out: HeldOut,
+    pub p_value_adjusted: f64,
+    /// Square root of the whitened power that the effect takes from the residual.
+    pub detectability: f64,
+}
+
+/// A coefficient of an effect. `slot` is none for coefficients that all gyros share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    pub slot: Option<Slot>,
+    pub name: &'static str,
+    pub value: f64,
+    pub sd: f64,
+    pub unit: &'static str,
+}
+
+/// Errors of prediction on dwells that were not fitted, and the fraction of the gap that closes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldOut {
+    pub before_deg_per_h: f64,
+    pub after_deg_per_h: f64,
+    /// 1 - (MSE after - floor) / (MSE before - floor), limited to 1.
+    pub closure: f64,
+    /// 95 % interval; it knows that the effect was selected on the same campaign.
+    pub interval: [f64; 2],
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remaining {
+    pub rms_deg_per_h: f64,
+    pub reduced_chi2: f64,
+    pub p_value: f64,
+    /// What the tests that know no catalogue see, strongest first; empty where nothing is significant.
+    pub signs: Vec<Sign>,
+}
+
+/// A kind of structure that a test independent of the catalogue found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sign {
+    pub kind: &'static str,
+    pub slots: Vec<Slot>,
+    pub p_value: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    pub effect: Effect,
+    /// Fraction of the reducible gap that it closes alone; none where it could not be tried.
+    pub closure: Option<f64>,
+    pub p_value_adjusted: f64,
+    pub gyros: Vec<Slot>,
+    pub why_not: String,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct NotIdentifiable {
+    pub effect: Effect,
+    /// Share of the effect's whitened power that the model in use cannot absorb, best gyro.
+    pub visible_fraction: f64,
+    pub reason: String,
+    pub needs: String,
+}
+
+/// Shift of a coefficient when the adopted effects enter the model: augmented minus plain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Impact {
+    pub slot: Slot,
+    pub coefficient: &'static str,
+    pub plain: f64,
+    pub augmented: f64,
+    pub augmented_sd: f64,
+    pub shift: f64,
+    /// |shift| over the budget, [`BUDGET_DEG_PER_H_G0`].
+    pub of_budget: f64,
+}
+
+/// The short-term stability that the paper asks of D_I and D_S (section 4.3), deg/(h g0).
+pub const BUDGET_DEG_PER_H_G0: f64 = 1e-2;
+
+/// A dwell worth measuring next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NextDwell {
+    pub phase: Phase,
+    pub specific_force_g0: Vector3<f64>,
+    pub rate_arcsec_s: Vector3<f64>,
+    pub separates: Vec<Effect>,
+}
+
+/// Residuals of one gyro in one dwell, deg/h.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Residual {
+    pub index: usize,
+    pub slot: Slot,
+    pub before_deg_per_h: f64,
+    pub after_deg_per_h: f64,
+    pub sd_deg_per_h: f64,
+}

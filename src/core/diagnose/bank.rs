@@ -1,0 +1,295 @@
+//! Every hypothesis of the search with its regressors, whitened and with the model in use projected out.
+//!
+//! A hypothesis is a catalogue entry, or a suspect, at one value of its non-linear parameter. Its columns sit side by
+//! side with all others in one matrix a gyro, so that one product with a residual scores the whole catalogue.
+
+use nalgebra::{DMatrix, DVectorView};
+
+use super::frame::Frame;
+use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
+use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
+
+/// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
+pub(super) const INVISIBLE: f64 = 1e-6;
+
+/// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column.
+const FLAT_POWER: [f64; 1] = [60.0];
+/// Prior power of a whole smooth hypothesis.
+const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Effect(Effect),
+    /// Index into [`SUSPECTS`].
+    Suspect(usize),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Hypothesis {
+    pub kind: Kind,
+    pub shape: Shape,
+    /// Logarithm of the share of the kind's prior weight.
+    pub log_weight: f64,
+    pub common: bool,
+    pub powers: &'static [f64],
+    /// Per gyro: its columns in the gyro's matrix.
+    pub blocks: Vec<Block>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub start: usize,
+    pub len: usize,
+    /// Squared lengths of the columns, which are orthogonal to one another; empty where all are 1.
+    pub lengths: Vec<f64>,
+    /// Sum of ln(1 + power x length) over the columns, for each of the hypothesis' powers.
+    pub log_dets: Vec<f64>,
+    /// Share of the raw columns' whitened power that is left.
+    pub visible: f64,
+}
+
+#[derive(Debug)]
+pub(super) struct Bank {
+    /// Sorted by kind; contract entries before suspects.
+    pub hypotheses: Vec<Hypothesis>,
+    /// Ranges of `hypotheses` of one kind each.
+    pub kinds: Vec<(Kind, std::ops::Range<usize>)>,
+    /// Per gyro: dwells x columns.
+    pub columns: Vec<DMatrix<f64>>,
+    /// Number of leading columns that belong to contract entries, per gyro.
+    pub contract_columns: Vec<usize>,
+}
+
+/// Raw columns of one hypothesis, before projection.
+struct Raw {
+    kind: Kind,
+    shape: Shape,
+    log_weight: f64,
+    common: bool,
+    prior: Prior,
+    columns: Vec<Vec<Vec<f64>>>,
+}
+
+impl Bank {
+    /// Contract entries that could be a cause for this model, and all suspects.
+    pub fn of(frame: &Frame) -> Self {
+        let mut raws: Vec<Raw> = Vec::new();
+        for entry in CATALOGUE.iter().filter(|entry| nameable(frame, entry.effect)) {
+            push_shapes(&mut raws, Kind::Effect(entry.effect), (entry.shapes)(&frame.setting), |shape| {
+                let columns = (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect();
+                (columns, Prior::Flat, entry.scope == Scope::Common)
+            });
+        }
+        let contract = raws.len();
+        for (i, suspect) in SUSPECTS.iter().enumerate() {
+            push_suspect(&mut raws, i, suspect, frame);
+        }
+        Self::projected(frame, raws, contract)
+    }
+
+    fn projected(frame: &Frame, raws: Vec<Raw>, contract: usize) -> Self {
+        let mut hypotheses: Vec<Hypothesis> = raws
+            .iter()
+            .map(|raw| Hypothesis {
+                kind: raw.kind,
+                shape: raw.shape,
+                log_weight: raw.log_weight,
+                common: raw.common,
+                powers: if raw.prior == Prior::Flat { &FLAT_POWER } else { &SMOOTH_POWER },
+                blocks: Vec::new(),
+            })
+            .collect();
+        let mut columns = Vec::new();
+        let mut contract_columns = Vec::new();
+        for j in 0..frame.gyros.len() {
+            let (matrix, blocks) = project_gyro(frame, j, &raws);
+            contract_columns.push(blocks[..contract].last().map_or(0, |block| block.start + block.len));
+            for (hypothesis, block) in hypotheses.iter_mut().zip(blocks) {
+                hypothesis.blocks.push(block);
+            }
+            columns.push(matrix);
+        }
+        for hypothesis in hypotheses.iter_mut() {
+            scale_together(hypothesis, &mut columns);
+        }
+        Self { kinds: kinds_of(&hypotheses), hypotheses, columns, contract_columns }
+    }
+
+    pub fn column(&self, gyro: usize, index: usize) -> DVectorView<'_, f64> {
+        self.columns[gyro].column(index)
+    }
+}
+
+/// Entries that dwell residuals may show and that the model in use does not hold.
+fn nameable(frame: &Frame, effect: Effect) -> bool {
+    let entry = effect.entry();
+    let held = frame.terms.iter().any(|term| term.name() == entry.id);
+    let closure_only = matches!(effect, Effect::OutputAxisG | Effect::MountClocking);
+    !held && !closure_only && (entry.missing)(&frame.setting).is_none()
+}
+
+fn push_suspect(raws: &mut Vec<Raw>, index: usize, suspect: &Suspect, frame: &Frame) {
+    push_shapes(raws, Kind::Suspect(index), (suspect.shapes)(&frame.setting), |shape| {
+        let columns = (0..frame.gyros.len()).map(|j| (suspect.columns)(&frame.setting, j, shape)).collect();
+        (columns, suspect.prior, false)
+    });
+}
+
+fn push_shapes(
+    raws: &mut Vec<Raw>,
+    kind: Kind,
+    shapes: Vec<(Shape, f64)>,
+    build: impl Fn(Shape) -> (Vec<Vec<Vec<f64>>>, Prior, bool),
+) {
+    let total: f64 = shapes.iter().map(|(_, weight)| weight).sum();
+    for (shape, weight) in shapes {
+        let (columns, prior, common) = build(shape);
+        raws.push(Raw { kind, shape, log_weight: (weight / total).ln(), common, prior, columns });
+    }
+}
+
+/// One gyro's matrix: everything whitened, the model's basis projected out twice, flat blocks made orthonormal.
+fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Block>) {
+    let gyro = &frame.gyros[j];
+    let n = frame.dwells();
+    let total: usize = raws.iter().map(|raw| raw.columns[j].len()).sum();
+    let mut matrix = DMatrix::zeros(n, total);
+    let mut before = Vec::with_capacity(total);
+    for (column, mut target) in raws.iter().flat_map(|raw| &raw.columns[j]).zip(matrix.column_iter_mut()) {
+        for k in 0..n {
+            target[k] = column[k] / gyro.sd[k];
+        }
+        // Coefficients have units from 1 to 1e-14: bring every column to unit length first.
+        let norm = target.norm();
+        if norm > 0.0 && norm.is_finite() {
+            target.scale_mut(1.0 / norm);
+        } else {
+            target.fill(0.0);
+        }
+        before.push(norm);
+    }
+    let q = basis_matrix(gyro.basis.vectors(), n);
+    let q_transposed = q.transpose();
+    for _ in 0..2 {
+        let along = &q_transposed * &matrix;
+        matrix.gemm(-1.0, &q, &along, 1.0);
+    }
+    let mut blocks = Vec::with_capacity(raws.len());
+    let mut kept = 0;
+    let mut next = 0;
+    for raw in raws {
+        let len = raw.columns[j].len();
+        let range = next..next + len;
+        next += len;
+        let block = match raw.prior {
+            _ if raw.common => keep_as_is(&mut matrix, range, &before, kept),
+            Prior::Smooth => keep_as_is(&mut matrix, range, &before, kept),
+            Prior::Flat => keep_orthonormal(&mut matrix, range, kept),
+        };
+        kept += block.len;
+        blocks.push(block);
+    }
+    (matrix.columns(0, kept).into_owned(), blocks)
+}
+
+pub(super) fn basis_matrix(vectors: &[Vec<f64>], n: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(n, vectors.len(), |k, c| vectors[c][k])
+}
+
+/// Moves the columns of `range` to `kept..`, at their raw lengths relative to the longest.
+fn keep_as_is(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, before: &[f64], kept: usize) -> Block {
+    let len = range.len();
+    let raw: f64 = range.clone().map(|c| before[c] * before[c]).sum();
+    let mut left = 0.0;
+    for (i, c) in range.enumerate() {
+        let column = matrix.column(c) * before[c];
+        left += column.norm_squared();
+        matrix.set_column(kept + i, &column);
+    }
+    let visible = if raw > 0.0 { left / raw } else { 0.0 };
+    if !(visible > INVISIBLE) {
+        return Block { start: kept, len: 0, lengths: Vec::new(), log_dets: Vec::new(), visible };
+    }
+    Block { start: kept, len, lengths: vec![0.0; len], log_dets: Vec::new(), visible }
+}
+
+/// Orthonormal columns with the span of `range`, at `kept..`; fewer where some of it is invisible.
+fn keep_orthonormal(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, kept: usize) -> Block {
+    let count = range.len().max(1) as f64;
+    let (mut len, mut visible) = (0, 0.0);
+    for c in range {
+        let mut column = matrix.column(c).into_owned();
+        visible += column.norm_squared() / count;
+        if !(column.norm_squared() > INVISIBLE) {
+            continue;
+        }
+        let before = column.norm_squared();
+        for _ in 0..2 {
+            for i in 0..len {
+                let along = matrix.column(kept + i).dot(&column);
+                column.axpy(-along, &matrix.column(kept + i), 1.0);
+            }
+        }
+        let after = column.norm_squared();
+        // A column that the block's others span already brings rounding only.
+        if after > 1e-9 * before {
+            column.scale_mut(1.0 / after.sqrt());
+            matrix.set_column(kept + len, &column);
+            len += 1;
+        }
+    }
+    Block { start: kept, len, lengths: Vec::new(), log_dets: Vec::new(), visible }
+}
+
+/// Gives common and smooth blocks a stated total power and turns their columns so that they are orthogonal; a common
+/// hypothesis has one turn for all gyros only if it has one column, so its Gram matrices are kept apart.
+fn scale_together(hypothesis: &mut Hypothesis, columns: &mut [DMatrix<f64>]) {
+    let scaled = hypothesis.blocks.iter().any(|block| !block.lengths.is_empty());
+    if scaled {
+        let powers: Vec<f64> = (hypothesis.blocks.iter().zip(columns.iter()))
+            .map(|(block, columns)| columns.columns(block.start, block.len).norm_squared())
+            .collect();
+        let widest = hypothesis.blocks.iter().map(|block| block.len).max().unwrap_or(0) as f64;
+        for (j, block) in hypothesis.blocks.iter_mut().enumerate() {
+            // A common hypothesis keeps the proportions between gyros; a smooth one has unit power in each.
+            let size = if hypothesis.common { powers.iter().sum::<f64>() / widest } else { powers[j] };
+            if size > 0.0 {
+                let mut view = columns[j].columns_mut(block.start, block.len);
+                view.scale_mut(1.0 / size.sqrt());
+            }
+            if !hypothesis.common {
+                make_orthogonal(block, &mut columns[j]);
+            }
+        }
+    }
+    for block in &mut hypothesis.blocks {
+        let lengths = |i: usize| block.lengths.get(i).copied().unwrap_or(1.0);
+        block.log_dets =
+            hypothesis.powers.iter().map(|power| (0..block.len).map(|i| (power * lengths(i)).ln_1p()).sum()).collect();
+    }
+}
+
+/// Turns a block's columns to the principal axes of their Gram matrix and drops those without power.
+fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
+    let view = columns.columns(block.start, block.len).into_owned();
+    let axes = view.tr_mul(&view).symmetric_eigen();
+    let mut order: Vec<usize> = (0..block.len).collect();
+    order.sort_by(|&a, &b| axes.eigenvalues[b].total_cmp(&axes.eigenvalues[a]));
+    order.retain(|&i| axes.eigenvalues[i] > 1e-4);
+    for (place, &i) in order.iter().enumerate() {
+        columns.set_column(block.start + place, &(&view * axes.eigenvectors.column(i)));
+    }
+    block.lengths = order.iter().map(|&i| axes.eigenvalues[i]).collect();
+    block.len = order.len();
+}
+
+fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Kind, std::ops::Range<usize>)> {
+    let mut kinds: Vec<(Kind, std::ops::Range<usize>)> = Vec::new();
+    for (i, hypothesis) in hypotheses.iter().enumerate() {
+        match kinds.last_mut() {
+            Some((kind, range)) if *kind == hypothesis.kind => range.end = i + 1,
+            _ => kinds.push((hypothesis.kind, i..i + 1)),
+        }
+    }
+    kinds
+}

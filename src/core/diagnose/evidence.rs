@@ -1,0 +1,245 @@
+//! How strongly the residuals speak for each hypothesis: Bayes factors against the model in use.
+//!
+//! For one gyro with `nu` degrees of freedom, residual sum of squares `R`, projected columns `U` (m of them) and a
+//! prior of power `g` per coefficient and noise variance (Zellner's g-prior; scale of the noise unknown),
+//!
+//! ```text
+//! ln B = -1/2 ln det(1 + g U'U) - nu/2 ln(1 - b'(U'U + 1/g)^-1 b / R),   b = U'r
+//! ```
+//!
+//! A gyro has the effect with probability one half before the data speak, so gyros multiply as (1 + B_j)/2; values of
+//! a non-linear parameter average with their weights. The penalty for flexible entries is thus no choice of ours.
+
+use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, Dyn};
+
+use super::bank::{Bank, Block, Hypothesis, Kind, basis_matrix};
+use super::basis::{Basis, dot};
+use super::floor::STATED_DOF;
+use super::frame::Frame;
+
+/// Residuals of one gyro under the model and what has been adopted so far.
+#[derive(Debug, Clone)]
+pub(super) struct GyroState {
+    /// Adopted columns, orthonormal and orthogonal to the model's.
+    pub extra: Basis,
+    pub residual: Vec<f64>,
+    /// Sum of squares and degrees of freedom, stated errors counted in.
+    pub rss: f64,
+    pub nu: f64,
+}
+
+/// An IMU's gyros.
+pub(super) const MAX_GYROS: usize = 3;
+
+pub(super) type State = Vec<GyroState>;
+
+/// One kind's evidence given a state.
+#[derive(Debug, Clone)]
+pub(super) struct Score {
+    pub kind: Kind,
+    pub log_evidence: f64,
+    /// Index of the hypothesis that weighs most.
+    pub best: usize,
+    /// ln B of each gyro for the best hypothesis (of all gyros together, at every place, for a common one).
+    pub gyro_log: [f64; MAX_GYROS],
+}
+
+/// The model in use with further columns adopted.
+pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
+    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
+    frame
+        .gyros
+        .iter()
+        .zip(extras)
+        .map(|(gyro, extra)| {
+            let mut residual = gyro.residual.clone();
+            extra.project_out(&mut residual);
+            let dof = (gyro.dof() - extra.rank().min(gyro.dof())) as f64;
+            GyroState { rss: prior + dot(&residual, &residual), nu: prior + dof, residual, extra }
+        })
+        .collect()
+}
+
+/// Scores every kind of the bank.
+pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
+    let with_extra: Vec<DMatrix<f64>> = state
+        .iter()
+        .zip(&bank.columns)
+        .map(|(gyro, columns)| columns.tr_mul(&basis_matrix(gyro.extra.vectors(), gyro.residual.len())))
+        .collect();
+    let with_residual: Vec<DVector<f64>> = state
+        .iter()
+        .zip(&bank.columns)
+        .map(|(gyro, columns)| columns.tr_mul(&DVector::from_column_slice(&gyro.residual)))
+        .collect();
+    let seen: Vec<Seen> = (0..state.len())
+        .map(|j| Seen {
+            columns: &bank.columns[j],
+            with_residual: with_residual[j].as_slice(),
+            with_extra: &with_extra[j],
+            rss: state[j].rss,
+            nu: state[j].nu,
+        })
+        .collect();
+    bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen)).collect()
+}
+
+/// Scores one kind of hypothesis.
+pub(super) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
+    let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
+    let mut top = f64::NEG_INFINITY;
+    for i in range {
+        let (log, gyro_log) = log_bayes(&bank.hypotheses[i], seen);
+        score.log_evidence = log_add(score.log_evidence, log);
+        if log > top {
+            (top, score.best, score.gyro_log) = (log, i, gyro_log);
+        }
+    }
+    score
+}
+
+/// What the evidence of one gyro is made of.
+pub(super) struct Seen<'a> {
+    /// The gyro's columns.
+    pub columns: &'a DMatrix<f64>,
+    /// Products of the gyro's columns with its residual.
+    pub with_residual: &'a [f64],
+    /// Products of the gyro's columns with what has been adopted: columns x adopted.
+    pub with_extra: &'a DMatrix<f64>,
+    pub rss: f64,
+    pub nu: f64,
+}
+
+impl Seen<'_> {
+    /// Gram matrix of a common block's columns, adopted columns projected out.
+    fn gram(&self, block: &Block) -> DMatrix<f64> {
+        let own = self.columns.columns(block.start, block.len);
+        let gram = own.tr_mul(&own);
+        if self.with_extra.ncols() == 0 {
+            return gram;
+        }
+        let part = self.with_extra.rows(block.start, block.len);
+        gram - part * part.transpose()
+    }
+
+    fn side(&self, block: &Block) -> DVectorView<'_, f64> {
+        DVectorView::from_slice(&self.with_residual[block.start..], block.len)
+    }
+
+    /// -nu/2 ln(1 - explained/R), safe where rounding explains a little more than there is.
+    fn gain(&self, explained: f64) -> f64 {
+        -0.5 * self.nu * (-(explained / self.rss).clamp(0.0, 1.0 - 1e-12)).ln_1p()
+    }
+}
+
+/// ln(weight x Bayes factor) of one hypothesis, and of each gyro.
+fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [f64; MAX_GYROS]) {
+    let mut gyro_log = [0.0; MAX_GYROS];
+    if hypothesis.common {
+        let log = log_bayes_common(hypothesis, seen);
+        gyro_log.fill(log);
+        return (hypothesis.log_weight + log, gyro_log);
+    }
+    let (mut together, mut top) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    for p in 0..hypothesis.powers.len() {
+        let mut logs = [0.0; MAX_GYROS];
+        for (j, seen) in seen.iter().enumerate() {
+            logs[j] = log_bayes_gyro(&hypothesis.blocks[j], hypothesis.powers[p], p, seen);
+        }
+        let joint = log_membership(&logs[..seen.len()]);
+        together = log_add(together, joint);
+        if joint > top {
+            (top, gyro_log) = (joint, logs);
+        }
+    }
+    (hypothesis.log_weight + together - (hypothesis.powers.len() as f64).ln(), gyro_log)
+}
+
+/// ln of the mean over non-empty subsets of gyros of the product of their Bayes factors.
+pub(super) fn log_membership(logs: &[f64]) -> f64 {
+    // Large factors are added as logarithms, the rest multiplied: one logarithm instead of one a gyro.
+    const LARGE: f64 = 30.0;
+    let (mut product, mut log) = (1.0, 0.0);
+    for &x in logs {
+        if x > LARGE {
+            log += x - std::f64::consts::LN_2;
+        } else {
+            product *= 0.5 + 0.5 * x.exp();
+        }
+    }
+    // Of the 2^J equally likely subsets the empty one, with Bayes factor 1, is left out.
+    let none = 0.5_f64.powi(logs.len() as i32);
+    let without = if log > 0.0 { product } else { (product - none).max(f64::MIN_POSITIVE) };
+    log + (without / (1.0 - none)).ln()
+}
+
+/// ln B of one gyro. With the block's columns orthogonal, `A = 1 + g U'U` is diagonal, and what has been adopted takes
+/// `W W'` out of it (W: block x adopted), so that determinant and inverse need only a matrix of the adopted columns:
+/// `det(A - g W W') = det A det S`, `S = 1 - g W' A^-1 W`.
+fn log_bayes_gyro(block: &Block, power: f64, p: usize, seen: &Seen) -> f64 {
+    if block.len == 0 {
+        return 0.0;
+    }
+    let b = &seen.with_residual[block.start..block.start + block.len];
+    let inverse = |i: usize| 1.0 / (1.0 + power * block.lengths.get(i).copied().unwrap_or(1.0));
+    let own: f64 = b.iter().enumerate().map(|(i, b)| b * b * inverse(i)).sum();
+    let adopted = seen.with_extra.ncols();
+    if adopted == 0 {
+        return seen.gain(power * own) - 0.5 * block.log_dets[p];
+    }
+    let mut small = DMatrix::identity(adopted, adopted);
+    let mut side = DVector::zeros(adopted);
+    for (i, b) in b.iter().enumerate() {
+        let w = seen.with_extra.row(block.start + i);
+        let a = inverse(i);
+        for c in 0..adopted {
+            side[c] += w[c] * a * b;
+            for d in 0..adopted {
+                small[(c, d)] -= power * w[c] * a * w[d];
+            }
+        }
+    }
+    let Some(cholesky) = small.cholesky() else { return 0.0 };
+    let more = power * side.dot(&cholesky.solve(&side));
+    seen.gain(power * (own + more)) - 0.5 * (block.log_dets[p] + log_det(&cholesky))
+}
+
+/// Common coefficients: each gyro weighs with its own noise, found anew from what the fit leaves it.
+fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
+    let Some(size) = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0) else { return 0.0 };
+    let power = hypothesis.powers[0];
+    let parts: Vec<(&Seen, &Block, DMatrix<f64>)> = seen
+        .iter()
+        .zip(&hypothesis.blocks)
+        .filter(|(_, block)| block.len == size)
+        .map(|(seen, block)| (seen, block, seen.gram(block)))
+        .collect();
+    let mut left: Vec<f64> = parts.iter().map(|(seen, ..)| seen.rss).collect();
+    let mut log = 0.0;
+    for _ in 0..2 {
+        let mut system = DMatrix::identity(size, size) / power;
+        let mut side = DVector::zeros(size);
+        for ((seen, block, gram), left) in parts.iter().zip(&left) {
+            system += gram * (seen.nu / left);
+            side += seen.side(block) * (seen.nu / left);
+        }
+        let Some(cholesky) = system.cholesky() else { return 0.0 };
+        let estimate = cholesky.solve(&side);
+        log = -0.5 * (log_det(&cholesky) + size as f64 * power.ln()) - 0.5 * estimate.norm_squared() / power;
+        for ((seen, block, gram), left) in parts.iter().zip(&mut left) {
+            let now = seen.rss - 2.0 * estimate.dot(&seen.side(block)) + estimate.dot(&(gram * &estimate));
+            *left = now.max(1e-12 * seen.rss);
+            log += 0.5 * seen.nu * (seen.rss / *left).ln();
+        }
+    }
+    log
+}
+
+fn log_det(cholesky: &Cholesky<f64, Dyn>) -> f64 {
+    cholesky.l_dirty().diagonal().iter().map(|x| 2.0 * x.ln()).sum()
+}
+
+fn log_add(a: f64, b: f64) -> f64 {
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    if low == f64::NEG_INFINITY { high } else { high + (low - high).exp().ln_1p() }
+}

@@ -1,0 +1,176 @@
+//! The final fit of what was adopted: coefficients with their uncertainty, residuals, and the noise left.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::basis::dot;
+use super::floor::STATED_DOF;
+use super::frame::Frame;
+use crate::core::effects::{Coefficient, Effect, Scope, Shape};
+
+/// An effect with its shape and its gyros fixed.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Part {
+    pub effect: Effect,
+    pub shape: Shape,
+    pub members: Vec<bool>,
+}
+
+impl Part {
+    pub fn common(&self) -> bool {
+        self.effect.entry().scope == Scope::Common
+    }
+
+    /// Regressors of gyro `j`, deg/h per unit coefficient.
+    pub fn columns(&self, frame: &Frame, j: usize) -> Vec<Vec<f64>> {
+        (self.effect.entry().columns)(&frame.setting, j, self.shape)
+    }
+}
+
+/// One fitted coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fitted {
+    pub part: usize,
+    /// None where all gyros share it.
+    pub gyro: Option<usize>,
+    pub coefficient: Coefficient,
+    pub value: f64,
+    pub sd: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Fit {
+    pub fitted: Vec<Fitted>,
+    /// Whitened residuals of each gyro.
+    pub residuals: Vec<Vec<f64>>,
+    /// Degrees of freedom left in each gyro; shared coefficients are counted in equal parts.
+    pub dof: Vec<f64>,
+    /// Noise variance of each gyro over that of `sd`.
+    pub variances: Vec<f64>,
+    /// Drift that the parts add in each gyro and dwell, deg/h.
+    pub drift: Vec<Vec<f64>>,
+}
+
+/// Unknown of the stacked fit.
+struct Unknown {
+    part: usize,
+    gyro: Option<usize>,
+    number: usize,
+}
+
+/// Weighted least squares of all parts together; gyros weigh with the noise that the fit itself leaves them.
+pub(super) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
+    let gyros = frame.gyros.len();
+    let columns: Vec<Vec<Vec<Vec<f64>>>> =
+        parts.iter().map(|part| (0..gyros).map(|j| part.columns(frame, j)).collect()).collect();
+    let unknowns = unknowns(parts, &columns);
+    let n = frame.dwells();
+    let mut design = DMatrix::zeros(gyros * n, unknowns.len());
+    for (u, unknown) in unknowns.iter().enumerate() {
+        for j in (0..gyros).filter(|j| unknown.gyro.is_none_or(|g| g == *j) && parts[unknown.part].members[*j]) {
+            let mut column = frame.gyros[j].whiten(columns[unknown.part][j][unknown.number].clone());
+            let before = dot(&column, &column);
+            frame.gyros[j].basis.project_out(&mut column);
+            if dot(&column, &column) > 1e-12 * before {
+                design.view_mut((j * n, u), (n, 1)).copy_from_slice(&column);
+            }
+        }
+    }
+    let lengths: Vec<f64> = (0..unknowns.len()).map(|u| design.column(u).norm().max(f64::MIN_POSITIVE)).collect();
+    for (u, length) in lengths.iter().enumerate() {
+        design.column_mut(u).scale_mut(1.0 / length);
+    }
+    let dof = degrees_of_freedom(frame, &unknowns);
+    let mut variances: Vec<f64> = vec![1.0; gyros];
+    let (mut solution, mut covariance) = (DVector::zeros(unknowns.len()), DMatrix::zeros(0, 0));
+    let mut residuals: Vec<Vec<f64>> = frame.gyros.iter().map(|gyro| gyro.residual.clone()).collect();
+    for _ in 0..3 {
+        variances = (0..gyros).map(|j| variance_left(frame, &residuals[j], dof[j])).collect();
+        if unknowns.is_empty() {
+            break;
+        }
+        (solution, covariance) = solve(frame, &design, &variances);
+        let predicted = &design * &solution;
+        for j in 0..gyros {
+            residuals[j] = (0..n).map(|k| frame.gyros[j].residual[k] - predicted[j * n + k]).collect();
+        }
+    }
+    variances = (0..gyros).map(|j| variance_left(frame, &residuals[j], dof[j])).collect();
+    let mut drift = vec![vec![0.0; n]; gyros];
+    let mut fitted = Vec::new();
+    for (u, unknown) in unknowns.iter().enumerate() {
+        let part = &parts[unknown.part];
+        let value = solution[u] / lengths[u];
+        for j in (0..gyros).filter(|j| unknown.gyro.is_none_or(|g| g == *j) && part.members[*j]) {
+            super::basis::axpy(value, &columns[unknown.part][j][unknown.number], &mut drift[j]);
+        }
+        fitted.push(Fitted {
+            part: unknown.part,
+            gyro: unknown.gyro,
+            coefficient: (part.effect.entry().coefficients)(part.shape)[unknown.number],
+            value,
+            sd: covariance[(u, u)].max(0.0).sqrt() / lengths[u],
+        });
+    }
+    Fit { fitted, residuals, dof, variances, drift }
+}
+
+fn unknowns(parts: &[Part], columns: &[Vec<Vec<Vec<f64>>>]) -> Vec<Unknown> {
+    let mut unknowns = Vec::new();
+    for (p, part) in parts.iter().enumerate() {
+        let count = columns[p].iter().map(Vec::len).max().unwrap_or(0);
+        if part.common() {
+            unknowns.extend((0..count).map(|number| Unknown { part: p, gyro: None, number }));
+        } else {
+            for j in (0..part.members.len()).filter(|j| part.members[*j]) {
+                unknowns.extend((0..count).map(|number| Unknown { part: p, gyro: Some(j), number }));
+            }
+        }
+    }
+    unknowns
+}
+
+fn degrees_of_freedom(frame: &Frame, unknowns: &[Unknown]) -> Vec<f64> {
+    let shared = unknowns.iter().filter(|u| u.gyro.is_none()).count() as f64 / frame.gyros.len() as f64;
+    (0..frame.gyros.len())
+        .map(|j| {
+            let own = unknowns.iter().filter(|u| u.gyro == Some(j)).count() as f64;
+            (frame.gyros[j].dof() as f64 - own - shared).max(1.0)
+        })
+        .collect()
+}
+
+fn variance_left(frame: &Frame, residual: &[f64], dof: f64) -> f64 {
+    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
+    ((prior + dot(residual, residual)) / (prior + dof)).max(1e-12)
+}
+
+/// Solution and covariance by QR with column pivoting; columns that the others span get zero and no variance.
+fn solve(frame: &Frame, design: &DMatrix<f64>, variances: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+    let n = frame.dwells();
+    let mut weighted = design.clone();
+    let mut side = DVector::zeros(design.nrows());
+    for (j, variance) in variances.iter().enumerate() {
+        let weight = 1.0 / variance.sqrt();
+        weighted.rows_mut(j * n, n).scale_mut(weight);
+        for k in 0..n {
+            side[j * n + k] = frame.gyros[j].residual[k] * weight;
+        }
+    }
+    let m = design.ncols();
+    let qr = weighted.col_piv_qr();
+    let r = qr.r();
+    let rank = (0..m).take_while(|&i| r[(i, i)].abs() > 1e-7 * r[(0, 0)].abs().max(f64::MIN_POSITIVE)).count();
+    let along = qr.q().transpose() * side;
+    let mut inverse = DMatrix::zeros(m, m);
+    let top = r.view((0, 0), (rank, rank)).into_owned();
+    if let Some(top) = top.solve_upper_triangular(&DMatrix::identity(rank, rank)) {
+        inverse.view_mut((0, 0), (rank, rank)).copy_from(&top);
+    }
+    let mut solution = &inverse * along;
+    let mut covariance = &inverse * inverse.transpose();
+    qr.p().inv_permute_rows(&mut solution);
+    qr.p().inv_permute_rows(&mut covariance);
+    covariance.transpose_mut();
+    qr.p().inv_permute_rows(&mut covariance);
+    (solution, covariance)
+}

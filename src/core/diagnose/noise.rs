@@ -1,0 +1,204 @@
+//! The noise of each dwell up to a common factor, and which dwells repeat one another.
+//!
+//! Stated standard errors are themselves estimates: where they scatter about a smooth law in rate and duration, half
+//! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
+
+use super::basis::{Basis, dot};
+use super::law::{GROWTHS, shape};
+use crate::core::campaign::Campaign;
+use crate::core::effects::Setting;
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Noise {
+    /// Per gyro, per dwell, deg/h.
+    pub sd: Vec<Vec<f64>>,
+    /// Whether the station stated standard errors.
+    pub stated: bool,
+    /// Standard deviation of the logarithm of what is still unsure in each `sd`.
+    pub log_scatter: f64,
+    /// Groups of two or more dwells with the same commanded phase, attitude, specific force and rate.
+    pub repeats: Vec<Vec<usize>>,
+    pub notes: Vec<String>,
+}
+
+/// Smallest noise against the largest output that is believed: f64 and ten-digit files end there.
+const ROUNDING: f64 = 1e-9;
+
+pub(super) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Noise {
+    let repeats = repeated(campaign);
+    let mut notes = Vec::new();
+    let stated: Option<Vec<Vec<f64>>> = (0..outputs.len())
+        .map(|j| {
+            let per_pulse = 1.0 / s.gyros[j].scale;
+            campaign.dwells.iter().map(|d| d.output_sem_pulse_s.as_ref().map(|sem| sem[j] * per_pulse)).collect()
+        })
+        .collect();
+    let (mut sd, log_scatter) = match &stated {
+        Some(sems) => smoothed(s, sems),
+        None => (unstated(s, outputs, designs), 0.03),
+    };
+    if stated.is_none() {
+        notes.push("no standard errors are stated: the noise is taken from repeats and residuals".to_owned());
+    }
+    if repeats.is_empty() {
+        notes.push("no dwell repeats another: there is no pure error to check the noise against".to_owned());
+    }
+    for (sd, output) in sd.iter_mut().zip(outputs) {
+        let least = ROUNDING * output.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE / ROUNDING);
+        sd.iter_mut().for_each(|x| *x = x.max(least));
+    }
+    Noise { sd, stated: stated.is_some(), log_scatter, repeats, notes }
+}
+
+/// Same phase, and attitude, force and rate equal to the digits that files carry.
+fn repeated(campaign: &Campaign) -> Vec<Vec<usize>> {
+    let dwells = &campaign.dwells;
+    let same = |a: usize, b: usize| {
+        let (a, b) = (&dwells[a], &dwells[b]);
+        let turned = match (&a.attitude, &b.attitude) {
+            (Some(p), Some(q)) => (p.matrix() - q.matrix()).amax() > 1e-6,
+            _ => false,
+        };
+        a.phase == b.phase
+            && !turned
+            && (a.specific_force_g0 - b.specific_force_g0).amax() < 1e-6
+            && (a.rate_arcsec_s - b.rate_arcsec_s).amax() < 1e-6 * (1.0 + a.rate_arcsec_s.amax())
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for k in 0..dwells.len() {
+        match groups.iter_mut().find(|group| same(group[0], k)) {
+            Some(group) => group.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    groups.retain(|group| group.len() > 1);
+    groups
+}
+
+/// Stated errors drawn half-way (in logarithm) to the law `sem^2 = (alpha + beta w_I^2) duration^-p`, p = 0 or 1.
+fn smoothed(s: &Setting, sems: &[Vec<f64>]) -> (Vec<Vec<f64>>, f64) {
+    let laws: Vec<Vec<f64>> = (0..sems.len())
+        .map(|j| {
+            let law = |p: f64| law_of(s, j, &sems[j], p);
+            let (flat, falling) = (law(0.0), law(1.0));
+            if scatter(&sems[j], &falling) < scatter(&sems[j], &flat) { falling } else { flat }
+        })
+        .collect();
+    let pooled =
+        (laws.iter().zip(sems).map(|(law, sem)| scatter(sem, law).powi(2)).sum::<f64>() / sems.len() as f64).sqrt();
+    // An estimate from n samples scatters by 1/sqrt(2n); beyond a tenth or so the differences are real ones.
+    const ESTIMATED: f64 = 0.085;
+    let believed = (1.0 - (ESTIMATED / pooled.max(1e-9)).powi(2)).clamp(0.0, 1.0);
+    let sd = laws
+        .iter()
+        .zip(sems)
+        .map(|(law, sem)| law.iter().zip(sem).map(|(law, sem)| law * (sem / law).powf(believed)).collect())
+        .collect();
+    (sd, (1.0 - believed).max(0.3) * pooled.min(0.15))
+}
+
+fn scatter(sem: &[f64], law: &[f64]) -> f64 {
+    let logs: Vec<f64> = sem.iter().zip(law).map(|(s, l)| (s / l).ln()).collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    (logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logs.len() as f64).sqrt()
+}
+
+fn law_of(s: &Setting, j: usize, sem: &[f64], p: f64) -> Vec<f64> {
+    let n = sem.len();
+    let input: Vec<f64> = (0..n).map(|k| s.rate[k].dot(&s.gyros[j].input).powi(2)).collect();
+    let top = input.iter().fold(0.0_f64, |m, x| m.max(*x)).max(f64::MIN_POSITIVE);
+    let fall: Vec<f64> = (0..n).map(|k| s.duration[k].powf(-p)).collect();
+    let mean = sem.iter().map(|x| x * x).sum::<f64>() / n as f64;
+    let mut law: Vec<f64> = vec![mean; n];
+    for _ in 0..8 {
+        // Weighted by 1/law^2: relative deviations count alike.
+        let (mut uu, mut uv, mut vv, mut uy, mut vy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for k in 0..n {
+            let (u, v, y) = (fall[k] / law[k], fall[k] * input[k] / top / law[k], sem[k] * sem[k] / law[k]);
+            (uu, uv, vv, uy, vy) = (uu + u * u, uv + u * v, vv + v * v, uy + u * y, vy + v * y);
+        }
+        let determinant = uu * vv - uv * uv;
+        let beta = if determinant > 1e-9 * uu * vv { ((uu * vy - uv * uy) / determinant).max(0.0) } else { 0.0 };
+        let alpha = (uy - beta * uv) / uu;
+        let alpha = alpha.max(1e-3 * uy / uu);
+        for k in 0..n {
+            law[k] = fall[k] * (alpha + beta * input[k] / top);
+        }
+    }
+    law.into_iter().map(f64::sqrt).collect()
+}
+
+/// Without stated errors: `sd = sigma_j sqrt(1 + c^2 (w_I/top)^2) duration^(-p/2)`, c and p shared by the gyros, from what
+/// the model with a generous set of further columns leaves. Student's t (5 dof) keeps single bad dwells from deciding.
+fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+    let generous: Vec<(Vec<f64>, Vec<f64>)> =
+        (0..outputs.len()).map(|j| generous_residual(s, j, &outputs[j], &designs[j])).collect();
+    let mut best = (f64::NEG_INFINITY, 0.0, 0.0);
+    let spread = s.duration.iter().any(|d| (d / s.duration[0] - 1.0).abs() > 0.2);
+    for &p in if spread { &[0.0, 1.0][..] } else { &[0.0][..] } {
+        for c in GROWTHS {
+            let fit: f64 = generous.iter().enumerate().map(|(j, (e, v))| robust_fit(e, v, &shape(s, j, c, p)).1).sum();
+            let fit = fit - if c > 0.0 { 2.0 } else { 0.0 };
+            if fit > best.0 {
+                best = (fit, c, p);
+            }
+        }
+    }
+    let (_, c, p) = best;
+    generous
+        .iter()
+        .enumerate()
+        .map(|(j, (e, v))| {
+            let shape = shape(s, j, c, p);
+            let sigma = robust_fit(e, v, &shape).0;
+            shape.into_iter().map(|x| x * sigma).collect()
+        })
+        .collect()
+}
+
+/// Residuals and their share of variance left (1 - leverage) after model, polynomials in time, temperature and rate.
+fn generous_residual(s: &Setting, j: usize, output: &[f64], design: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let mut basis = Basis::of(design.iter().cloned());
+    let n = s.dwells();
+    let input: Vec<f64> = (0..n).map(|k| s.rate[k].dot(&s.gyros[j].input)).collect();
+    let spin: Vec<f64> = (0..n).map(|k| s.rate[k].dot(&s.gyros[j].spin)).collect();
+    let span = s.span().max(f64::MIN_POSITIVE);
+    let mut further: Vec<Vec<f64>> = vec![
+        s.column(|k| s.elapsed(k) / span),
+        input.iter().map(|w| w.abs()).collect(),
+        input.iter().map(|w| w * w).collect(),
+        s.column(|k| (s.elapsed(k) / span).powi(2)),
+        input.iter().map(|w| w.powi(3)).collect(),
+        (0..n).map(|k| input[k] * spin[k]).collect(),
+        (0..n).map(|k| s.force[k].dot(&s.gyros[j].input) * input[k]).collect(),
+        s.column(|k| (s.elapsed(k) / span).powi(3)),
+    ];
+    if let Some(t) = &s.temperature {
+        further.insert(2, t.clone());
+        further.insert(4, (0..n).map(|k| t[k] * input[k]).collect());
+    }
+    for column in further {
+        if basis.rank() * 3 < n {
+            basis.push(column);
+        }
+    }
+    let mut residual = output.to_vec();
+    basis.project_out(&mut residual);
+    let left = (0..n).map(|k| (1.0 - basis.leverage(k)).max(0.02)).collect();
+    (residual, left)
+}
+
+/// Scale and log-likelihood of residuals `e` with share `v` of a variance of given shape, Student's t with 5 dof.
+fn robust_fit(e: &[f64], v: &[f64], shape: &[f64]) -> (f64, f64) {
+    const NU: f64 = 5.0;
+    let z2: Vec<f64> = (0..e.len()).map(|k| e[k] * e[k] / (v[k] * shape[k] * shape[k])).collect();
+    let mut variance = (dot(e, e) / e.len() as f64).max(f64::MIN_POSITIVE);
+    for _ in 0..30 {
+        let weighted: f64 = z2.iter().map(|z| (NU + 1.0) / (NU + z / variance) * z).sum();
+        variance = (weighted / e.len() as f64).max(f64::MIN_POSITIVE);
+    }
+    let log_likelihood = (0..e.len())
+        .map(|k| -0.5 * (NU + 1.0) * (1.0 + z2[k] / variance / NU).ln() - 0.5 * variance.ln() - shape[k].ln())
+        .sum();
+    (variance.sqrt(), log_likelihood)
+}

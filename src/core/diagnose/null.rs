@@ -1,0 +1,158 @@
+//! What noise alone makes of the search: how often the largest evidence over everything that is tried exceeds a value.
+//!
+//! Drawing noise and counting would need thousands of draws for a probability of one in a thousand. Instead each draw
+//! adds a hypothesis taken from the bank at random, with coefficients from its prior: under that mixture Q the density
+//! of the residuals is the mean of all kinds' Bayes factors times that under noise alone, so
+//!
+//! ```text
+//! P(max evidence > x) = E_Q[ 1(max evidence > x) / mean of the Bayes factors ]
+//! ```
+//!
+//! (importance sampling of a scan statistic, Naiman and Priebe 2001). Rare values are common under Q, and their
+//! correlations are the campaign's own. The draws are a fixed sequence: the same campaign gets the same answer.
+
+use nalgebra::DMatrix;
+
+use super::bank::{Bank, Kind, basis_matrix};
+use super::evidence::{Seen, score};
+use super::floor::STATED_DOF;
+use super::frame::Frame;
+
+const DRAWS: usize = 160;
+
+/// Tail probability of the largest evidence under noise.
+#[derive(Debug, Clone)]
+pub(super) struct Null {
+    /// Largest evidence of each draw, descending, and the probability under noise of at least that.
+    tail: Vec<(f64, f64)>,
+}
+
+impl Null {
+    pub fn of(frame: &Frame, bank: &Bank) -> Self {
+        let kinds: Vec<_> = bank.kinds.iter().filter(|(kind, _)| matches!(kind, Kind::Effect(_))).collect();
+        let mut random = Random(0x5851_F42D_4C95_7F2D);
+        let signals: Vec<Signal> =
+            (0..DRAWS).map(|d| Signal::draw(bank, &kinds[d % kinds.len()].1, &mut random)).collect();
+        let n = frame.dwells();
+        let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
+        let mut rss: Vec<Vec<f64>> = Vec::new();
+        let mut products = Vec::new();
+        for (j, gyro) in frame.gyros.iter().enumerate() {
+            let scatter = frame.noise.log_scatter;
+            let mut drawn = DMatrix::from_fn(n, DRAWS, |_, _| random.normal() * (scatter * random.normal()).exp());
+            for (signal, mut column) in signals.iter().zip(drawn.column_iter_mut()) {
+                for (i, &coefficient) in signal.coefficients[j].iter().enumerate() {
+                    column.axpy(coefficient, &bank.column(j, signal.starts[j] + i), 1.0);
+                }
+            }
+            let within = basis_matrix(gyro.basis.vectors(), n).tr_mul(&drawn);
+            let left = |d: usize| prior + drawn.column(d).norm_squared() - within.column(d).norm_squared();
+            rss.push((0..DRAWS).map(left).collect());
+            products.push(bank.columns[j].columns(0, bank.contract_columns[j]).transpose() * &drawn);
+        }
+        let nothing: Vec<DMatrix<f64>> = products.iter().map(|p| DMatrix::zeros(p.nrows(), 0)).collect();
+        let mut draws: Vec<(f64, f64)> = (0..DRAWS)
+            .map(|d| {
+                let seen: Vec<Seen> = (0..frame.gyros.len())
+                    .map(|j| Seen {
+                        columns: &bank.columns[j],
+                        with_residual: &products[j].as_slice()[d * products[j].nrows()..][..products[j].nrows()],
+                        with_extra: &nothing[j],
+                        rss: rss[j][d],
+                        nu: prior + frame.gyros[j].dof() as f64,
+                    })
+                    .collect();
+                let evidence: Vec<f64> =
+                    kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen).log_evidence).collect();
+                let top = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let mean = evidence.iter().map(|x| (x - top).exp()).sum::<f64>() / evidence.len() as f64;
+                (top, (-top - mean.ln()).exp())
+            })
+            .collect();
+        draws.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut sum = 0.0;
+        let tail = draws
+            .into_iter()
+            .map(|(top, weight)| {
+                sum += weight;
+                (top, (sum / DRAWS as f64).min(1.0))
+            })
+            .collect();
+        Self { tail }
+    }
+
+    /// Probability that noise alone reaches an evidence of `log_evidence` somewhere in the search.
+    ///
+    /// Between and beyond the draws `p e^x` is taken as constant, which is its behaviour in the tail.
+    pub fn p_value(&self, log_evidence: f64) -> f64 {
+        // The few largest draws alone are a poor sum: start from the one that a tenth exceed.
+        let anchor =
+            self.tail.iter().skip(DRAWS / 10).find(|(top, _)| *top <= log_evidence.max(self.tail[DRAWS / 10].0));
+        let (top, p) = anchor.copied().unwrap_or(self.tail[DRAWS - 1]);
+        (p * (top - log_evidence).exp()).clamp(1e-300, 1.0)
+    }
+
+    /// Evidence that noise alone exceeds with probability `alpha`.
+    pub fn threshold(&self, alpha: f64) -> f64 {
+        let (top, p) =
+            self.tail.iter().skip(DRAWS / 10).find(|(_, p)| *p >= alpha).copied().unwrap_or(self.tail[DRAWS - 1]);
+        top + (p / alpha).ln()
+    }
+}
+
+/// Coefficients of one hypothesis drawn from its prior.
+struct Signal {
+    starts: Vec<usize>,
+    coefficients: Vec<Vec<f64>>,
+}
+
+impl Signal {
+    fn draw(bank: &Bank, range: &std::ops::Range<usize>, random: &mut Random) -> Self {
+        let mut rest = random.uniform();
+        let mut chosen = range.end - 1;
+        for i in range.clone() {
+            rest -= bank.hypotheses[i].log_weight.exp();
+            if rest < 0.0 {
+                chosen = i;
+                break;
+            }
+        }
+        let hypothesis = &bank.hypotheses[chosen];
+        let gyros = hypothesis.blocks.len();
+        let subset = 1 + (random.uniform() * f64::from((1_u32 << gyros) - 1)) as u32;
+        let size = hypothesis.powers[0].sqrt();
+        let widest = hypothesis.blocks.iter().map(|block| block.len).max().unwrap_or(0);
+        let shared: Vec<f64> = (0..widest).map(|_| size * random.normal()).collect();
+        let coefficients = (hypothesis.blocks.iter().enumerate())
+            .map(|(j, block)| match hypothesis.common {
+                true => shared[..block.len].to_vec(),
+                false if subset >> j & 1 == 1 => (0..block.len).map(|_| size * random.normal()).collect(),
+                false => Vec::new(),
+            })
+            .collect();
+        Self { starts: hypothesis.blocks.iter().map(|block| block.start).collect(), coefficients }
+    }
+}
+
+/// SplitMix64 (Steele, Lea and Flood 2014) and the polar method: a fixed sequence of normal deviates, not chance.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        loop {
+            let (x, y) = (2.0 * self.uniform() - 1.0, 2.0 * self.uniform() - 1.0);
+            let square = x * x + y * y;
+            if square > 0.0 && square < 1.0 {
+                return x * (-2.0 * square.ln() / square).sqrt();
+            }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! The catalogue: every effect that model (6) leaves out and that a campaign may show.
+//!
+//! An effect adds `sum_m k_m x_m` to the drift of a gyro (deg/h), where the regressors `x_m` follow from what the
+//! station commanded and read: specific force, rate, temperature, time, attitude, order of dwells. Some regressors
+//! hold one unknown [`Shape`] parameter (a time constant, an instant, a period) that is profiled over a grid.
+//!
+//! Two standings. *Contract* entries may be named as a cause. *Suspects* are what physics or table work also
+//! produces and what nobody asked to have named: they compete in the search, so that a contract entry which
+//! merely resembles one of them does not get its name, but they are reported as signs, never adopted.
+//!
+//! One file a family; [`catalogue`] puts them in the order of the contract.
+
+mod acceleration;
+mod memory;
+mod model_terms;
+mod rate;
+mod setting;
+mod station;
+pub mod suspects;
+mod thermal;
+mod time;
+
+pub use setting::{GyroAxes, Setting};
+
+/// Name of an effect; [`Effect::id`] is the contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Effect {
+    GLinear,
+    GSquared,
+    Scale,
+    TemperatureBias,
+    TemperatureG,
+    TemperatureScale,
+    Warmup,
+    TimeRamp,
+    BiasStep,
+    OutlierDwell,
+    Periodic,
+    Hysteresis,
+    ScaleAsymmetry,
+    ScaleQuadratic,
+    ScaleCubic,
+    Anisoinertia,
+    GRateCoupling,
+    Levelling,
+    Azimuth,
+    Magnetic,
+    CrossCompliance,
+    CubicG,
+    OutputAxisG,
+    MountClocking,
+}
+
+/// The parameter of a regressor that is not linear, at one value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// The regressor has none.
+    Linear,
+    /// Time constant, s.
+    Tau(f64),
+    /// Instant of a change, s from the first dwell's clock.
+    Instant(f64),
+    /// Index of one dwell.
+    Dwell(usize),
+    /// Period, s.
+    Period(f64),
+    /// Direction of a horizontal field, radians from north towards east.
+    Azimuth(f64),
+    /// Rotation of S about I that E cannot show, radians.
+    Clocking(f64),
+    /// Only these of the regressors, by number.
+    Only(&'static [usize]),
+    /// Whether the IMU is tilted on the table, so that the table's rate is seen turned too.
+    Tilt { with_rate: bool },
+    /// From one dwell up to, not including, another.
+    Window(usize, usize),
+    /// Components along the gyro's input and spin axes instead of body axes.
+    InputSpin,
+}
+
+/// Whether each gyro has coefficients of its own or all share one set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    Gyro,
+    Common,
+}
+
+/// One coefficient of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficient {
+    pub name: &'static str,
+    pub unit: &'static str,
+}
+
+/// Magnitudes met in practice, in the unit of the coefficients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Typical {
+    pub low: f64,
+    pub high: f64,
+    pub source: &'static str,
+}
+
+/// One entry of the catalogue.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    pub effect: Effect,
+    pub id: &'static str,
+    pub cause: &'static str,
+    /// Drift added, deg/h, or change of scale, with the letters of the crate page.
+    pub equation: &'static str,
+    pub typical: Typical,
+    /// What a campaign must hold for the effect to show.
+    pub needs: &'static str,
+    pub confused_with: &'static [Effect],
+    pub scope: Scope,
+    pub coefficients: fn(Shape) -> Vec<Coefficient>,
+    /// Why this campaign cannot hold the effect's regressors at all, if it cannot.
+    pub missing: fn(&Setting) -> Option<&'static str>,
+    /// Values of the non-linear parameter to try, with prior weights (not normalised). Never empty.
+    pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
+    /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
+    pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
+}
+
+/// All contract entries, in the order of the contract.
+pub const CATALOGUE: [&Entry; 24] = [
+    &model_terms::G_LINEAR,
+    &model_terms::G_SQUARED,
+    &model_terms::SCALE,
+    &thermal::TEMPERATURE_BIAS,
+    &thermal::TEMPERATURE_G,
+    &thermal::TEMPERATURE_SCALE,
+    &time::WARMUP,
+    &time::TIME_RAMP,
+    &time::BIAS_STEP,
+    &time::OUTLIER_DWELL,
+    &time::PERIODIC,
+    &memory::HYSTERESIS,
+    &rate::SCALE_ASYMMETRY,
+    &rate::SCALE_QUADRATIC,
+    &rate::SCALE_CUBIC,
+    &rate::ANISOINERTIA,
+    &rate::G_RATE_COUPLING,
+    &station::LEVELLING,
+    &station::AZIMUTH,
+    &station::MAGNETIC,
+    &acceleration::CROSS_COMPLIANCE,
+    &acceleration::CUBIC_G,
+    &acceleration::OUTPUT_AXIS_G,
+    &acceleration::MOUNT_CLOCKING,
+];
+
+impl Effect {
+    pub fn entry(self) -> &'static Entry {
+        CATALOGUE[self as usize]
+    }
+
+    pub fn id(self) -> &'static str {
+        self.entry().id
+    }
+
+    pub fn from_id(id: &str) -> Option<Self> {
+        CATALOGUE.iter().find(|entry| entry.id == id).map(|entry| entry.effect)
+    }
+}
+
+/// The shapes of an entry without a non-linear parameter.
+fn linear(_: &Setting) -> Vec<(Shape, f64)> {
+    vec![(Shape::Linear, 1.0)]
+}
+
+fn nothing_missing(_: &Setting) -> Option<&'static str> {
+    None
+}
+
+fn no_temperature(setting: &Setting) -> Option<&'static str> {
+    match &setting.temperature {
+        None => Some("the dwells carry no temperature"),
+        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some("the temperature is constant"),
+        Some(_) => None,
+    }
+}
+
+fn no_attitude(setting: &Setting) -> Option<&'static str> {
+    setting.nav_to_body.is_none().then_some("the dwells carry no attitude")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_finds_its_own_entry_and_its_own_id() {
+        for (i, entry) in CATALOGUE.iter().enumerate() {
+            assert_eq!(entry.effect as usize, i, "{}", entry.id);
+            assert_eq!(Effect::from_id(entry.id), Some(entry.effect));
+            assert!(!entry.cause.is_empty() && !entry.equation.is_empty() && !entry.needs.is_empty());
+            assert!(!entry.typical.source.is_empty() && entry.typical.low <= entry.typical.high);
+            assert!(!entry.confused_with.contains(&entry.effect));
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Effects that show when the table turns. w in arcsec/s = deg/h.
+
+use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, nothing_missing};
+
+pub const SCALE_ASYMMETRY: Entry = Entry {
+    effect: Effect::ScaleAsymmetry,
+    id: "scale_asymmetry",
+    cause: "positive and negative torquing currents are switched or weighted differently",
+    equation: "k |w_I|: scale factor x (1 + k sign w_I)",
+    typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, scale-factor asymmetry" },
+    needs: "rotation in both senses",
+    confused_with: &[Effect::ScaleQuadratic, Effect::Anisoinertia],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "1" }],
+    missing: nothing_missing,
+    shapes: linear,
+    columns: |s, j, _| vec![input_rate(s, j, f64::abs)],
+};
+
+pub const SCALE_QUADRATIC: Entry = Entry {
+    effect: Effect::ScaleQuadratic,
+    id: "scale_quadratic",
+    cause: "torquer heating and saturation: the scale factor depends on rate, evenly",
+    equation: "k w_I^2",
+    typical: Typical {
+        low: 1e-10,
+        high: 1e-7,
+        source: "IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate",
+    },
+    needs: "four or more rates in both senses",
+    confused_with: &[Effect::ScaleAsymmetry, Effect::Anisoinertia],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/(deg/h)^2" }],
+    missing: nothing_missing,
+    shapes: linear,
+    columns: |s, j, _| vec![input_rate(s, j, |w| w * w)],
+};
+
+pub const SCALE_CUBIC: Entry = Entry {
+    effect: Effect::ScaleCubic,
+    id: "scale_cubic",
+    cause: "saturation of the torquer: the scale factor depends on rate, oddly",
+    equation: "k w_I^3",
+    typical: Typical {
+        low: 1e-14,
+        high: 1e-11,
+        source: "IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate",
+    },
+    needs: "four or more rates in both senses",
+    confused_with: &[Effect::TemperatureScale],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/(deg/h)^3" }],
+    missing: nothing_missing,
+    shapes: linear,
+    columns: |s, j, _| vec![input_rate(s, j, |w| w.powi(3))],
+};
+
+/// S about I is known to the mounting's tolerance only (some arc-minutes), and where w_I w_S nearly vanishes on the
+/// table's axes the clocking decides the pattern: it is profiled over a few milliradians.
+pub const ANISOINERTIA: Entry = Entry {
+    effect: Effect::Anisoinertia,
+    id: "anisoinertia",
+    cause: "the float's moments of inertia about its input and spin axes differ",
+    equation: "k w_I w_S",
+    typical: Typical { low: 1e-10, high: 1e-7, source: "IEEE 517, anisoinertia of floated gyros" },
+    needs: "rates about axes that have components along both I and S",
+    confused_with: &[Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/(deg/h)^2" }],
+    missing: nothing_missing,
+    shapes: |_| CLOCKINGS.iter().map(|&(phi, weight)| (Shape::Clocking(phi), weight)).collect(),
+    columns: |s, j, shape| {
+        let Shape::Clocking(phi) = shape else { return Vec::new() };
+        let gyro = &s.gyros[j];
+        let spin = gyro.spin * phi.cos() + gyro.output * phi.sin();
+        vec![s.column(|k| s.rate[k].dot(&gyro.input) * s.rate[k].dot(&spin))]
+    },
+};
+
+pub const G_RATE_COUPLING: Entry = Entry {
+    effect: Effect::GRateCoupling,
+    id: "g_rate_coupling",
+    cause: "specific force along the input axis loads the torquer's gap: scale factor depends on it",
+    equation: "k a_I w_I: scale factor x (1 + k a_I)",
+    typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, acceleration sensitivity of scale factor" },
+    needs: "each rate axis with its up-direction both ways",
+    confused_with: &[Effect::ScaleAsymmetry],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "1/g0" }],
+    missing: nothing_missing,
+    shapes: linear,
+    columns: |s, j, _| {
+        let input = &s.gyros[j].input;
+        vec![s.column(|k| s.force[k].dot(input) * s.rate[k].dot(input))]
+    },
+};
+
+/// Clocking angles, rad, and weights of a normal distribution with 1.5 mrad.
+const CLOCKINGS: [(f64, f64); 7] =
+    [(0.0, 0.4), (1e-3, 0.32), (-1e-3, 0.32), (2e-3, 0.16), (-2e-3, 0.16), (4e-3, 0.02), (-4e-3, 0.02)];
+
+fn input_rate(s: &Setting, j: usize, of: impl Fn(f64) -> f64) -> Vec<f64> {
+    s.column(|k| of(s.rate[k].dot(&s.gyros[j].input)))
+}

@@ -1,0 +1,132 @@
+//! What the regressors are made of: the commanded and read quantities of a campaign, column by column.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use crate::core::campaign::{Campaign, Phase};
+use crate::core::frames::{Nav, Vector};
+use crate::core::mounting::Slot;
+use crate::core::units::EARTH_RATE_DEG_H;
+
+/// Axes and first-order parameters of one gyro as the campaign shows them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroAxes {
+    pub slot: Slot,
+    /// |E|, pulse/arcsec.
+    pub scale: f64,
+    /// Unit vectors in body axes; S and O are the nominal ones carried along with I.
+    pub input: Vector3<f64>,
+    pub spin: Vector3<f64>,
+    pub output: Vector3<f64>,
+    /// G/|E|, deg/(h g0), body axes.
+    pub g: Vector3<f64>,
+}
+
+impl GyroAxes {
+    /// Carries the nominal triad along by the smallest rotation that takes the nominal I to the direction of `e`.
+    pub fn carried(slot: Slot, nominal: Matrix3<f64>, e: Vector3<f64>, g: Vector3<f64>) -> Self {
+        let scale = e.norm();
+        let (i0, s0) = (nominal.row(0).transpose(), nominal.row(1).transpose());
+        let turn = Rotation3::rotation_between(&i0, &e).unwrap_or_else(Rotation3::identity);
+        let (input, spin) = (turn * i0, turn * s0);
+        Self { slot, scale, input, spin, output: input.cross(&spin), g: g / scale }
+    }
+}
+
+/// The dwells as columns. `n` dwells, `gyros` gyros.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Specific force, g0, body axes.
+    pub force: Vec<Vector3<f64>>,
+    /// Inertial rate, arcsec/s = deg/h, body axes.
+    pub rate: Vec<Vector3<f64>>,
+    pub phase: Vec<Phase>,
+    /// Middle of each dwell, s.
+    pub time: Vec<f64>,
+    pub duration: Vec<f64>,
+    /// Temperature minus its mean, K.
+    pub temperature: Option<Vec<f64>>,
+    /// C(q) of each dwell, where all dwells carry an attitude.
+    pub nav_to_body: Option<Vec<Matrix3<f64>>>,
+    /// Earth rate in nav, deg/h.
+    pub earth_nav: Vector3<f64>,
+    /// Plumb-line specific force, g0.
+    pub gravity: f64,
+    pub field_nav: Option<Vector3<f64>>,
+    pub gyros: Vec<GyroAxes>,
+}
+
+impl Setting {
+    pub fn of(campaign: &Campaign, gyros: Vec<GyroAxes>) -> Self {
+        let dwells = &campaign.dwells;
+        let nav_to_body: Option<Vec<_>> = dwells.iter().map(|d| d.attitude.map(|c| *c.matrix())).collect();
+        let force: Vec<_> = dwells.iter().map(|d| d.specific_force_g0).collect();
+        let rate: Vec<_> = dwells.iter().map(|d| d.rate_arcsec_s).collect();
+        let phase: Vec<_> = dwells.iter().map(|d| d.phase).collect();
+        let earth_nav = campaign.site.map(|s| earth_rate_nav(s.latitude)).unwrap_or_else(|| {
+            nav_to_body.as_deref().map(|c| mean_static_rate_nav(c, &rate, &phase)).unwrap_or_default()
+        });
+        let gravity = campaign.site.map(|s| s.gravity_g0).unwrap_or_else(|| mean_norm(&force));
+        Self {
+            time: dwells.iter().map(|d| d.mid_s()).collect(),
+            duration: dwells.iter().map(|d| d.duration_s).collect(),
+            temperature: dwells.iter().map(|d| d.temperature_c).collect::<Option<Vec<_>>>().map(centred),
+            field_nav: campaign.site.and_then(|s| s.magnetic_field_nav),
+            force,
+            rate,
+            phase,
+            nav_to_body,
+            earth_nav,
+            gravity,
+            gyros,
+        }
+    }
+
+    pub fn dwells(&self) -> usize {
+        self.force.len()
+    }
+
+    /// One number a dwell.
+    pub fn column(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
+        (0..self.dwells()).map(value).collect()
+    }
+
+    /// From the first dwell's middle to the last's, s.
+    pub fn span(&self) -> f64 {
+        self.time.last().copied().unwrap_or(0.0) - self.time.first().copied().unwrap_or(0.0)
+    }
+
+    /// Time since the first dwell's middle, s.
+    pub fn elapsed(&self, k: usize) -> f64 {
+        self.time[k] - self.time[0]
+    }
+
+    /// Median interval between the middles of neighbouring dwells, s.
+    pub fn interval(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+    }
+}
+
+/// Earth rate in East, North, Up at a geodetic latitude, deg/h.
+pub fn earth_rate_nav(latitude: f64) -> Vector3<f64> {
+    EARTH_RATE_DEG_H * Vector3::new(0.0, latitude.cos(), latitude.sin())
+}
+
+fn mean_static_rate_nav(c: &[Matrix3<f64>], rate: &[Vector3<f64>], phase: &[Phase]) -> Vector3<f64> {
+    let nav: Vec<_> = (0..c.len()).filter(|&k| phase[k] == Phase::Static).map(|k| c[k].transpose() * rate[k]).collect();
+    if nav.is_empty() {
+        Vector::<Nav>::from_array([0.0; 3]).0
+    } else {
+        nav.iter().sum::<Vector3<f64>>() / nav.len() as f64
+    }
+}
+
+fn mean_norm(vectors: &[Vector3<f64>]) -> f64 {
+    vectors.iter().map(Vector3::norm).sum::<f64>() / vectors.len().max(1) as f64
+}
+
+fn centred(values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.into_iter().map(|x| x - mean).collect()
+}

@@ -1,0 +1,106 @@
+//! Effects of the station: its table's vertical and north, and its magnetic field.
+//!
+//! A small rotation `d` (East, North, Up; radians) of the commanded attitudes against the true ones changes what the
+//! gyros see by `C(d x f)` and `C(d x w)`. In a rate dwell over whole turns two cases part. Where the *table* is tilted
+//! it turns about its own tilted vertical: horizontal parts of Earth rate and gravity average away, and of `d x w`
+//! only the vertical part stays. Where the *IMU on the table* is tilted, the table's rate itself is seen turned by `d`.
+
+use nalgebra::Vector3;
+
+use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, no_attitude};
+use crate::core::campaign::Phase;
+
+pub const LEVELLING: Entry = Entry {
+    effect: Effect::Levelling,
+    id: "levelling",
+    cause: "the table's vertical is tilted about east and north; all gyros see the same tilt",
+    equation: "G.C(d x f)/|E| + E.C(d x w)/|E|, d = (d_E, d_N, 0)",
+    typical: Typical { low: 5e-6, high: 1e-3, source: "levelling of two-axis tables, 1 to 200 arcsec" },
+    needs: "attitudes, with several azimuths a face",
+    confused_with: &[Effect::Azimuth, Effect::Magnetic],
+    scope: Scope::Common,
+    coefficients: |_| ["east", "north"].into_iter().map(|name| Coefficient { name, unit: "rad" }).collect(),
+    missing: no_attitude,
+    shapes: |_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
+    columns: |s, j, shape| {
+        let with_rate = shape == Shape::Tilt { with_rate: true };
+        vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]
+    },
+};
+
+pub const AZIMUTH: Entry = Entry {
+    effect: Effect::Azimuth,
+    id: "azimuth",
+    cause: "the table's north is misaligned; all gyros see the same angle",
+    equation: "E.C(d x w)/|E|, d = (0, 0, d_U)",
+    typical: Typical { low: 5e-6, high: 3e-3, source: "north alignment of tables, 1 to 600 arcsec" },
+    needs: "attitudes, with several azimuths a face",
+    confused_with: &[Effect::Levelling, Effect::Magnetic],
+    scope: Scope::Common,
+    coefficients: |_| vec![Coefficient { name: "up", unit: "rad" }],
+    missing: no_attitude,
+    shapes: linear,
+    columns: |s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+};
+
+pub const MAGNETIC: Entry = Entry {
+    effect: Effect::Magnetic,
+    id: "magnetic",
+    cause: "the ambient field acts on the motor and torquer: drift fixed to a direction in nav",
+    equation: "k . C b, b the horizontal direction of the field; its vertical part lies inside G",
+    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, magnetic sensitivity, per 0.5 gauss" },
+    needs: "attitudes and rate dwells: without them it is Earth rate",
+    confused_with: &[Effect::Azimuth, Effect::Levelling, Effect::Scale],
+    scope: Scope::Gyro,
+    coefficients: |_| ["k_x", "k_y", "k_z"].into_iter().map(|name| Coefficient { name, unit: "deg/h" }).collect(),
+    missing: no_attitude,
+    shapes: field_directions,
+    columns: |s, _, shape| {
+        let Shape::Azimuth(angle) = shape else { return Vec::new() };
+        let field = Vector3::new(angle.sin(), angle.cos(), 0.0);
+        let body = in_body(s, field);
+        (0..3).map(|i| body.iter().map(|b| b[i]).collect()).collect()
+    },
+};
+
+/// Declinations rarely exceed 20 degrees; iron in the building can turn the field anywhere.
+fn field_directions(s: &Setting) -> Vec<(Shape, f64)> {
+    let stated = s.field_nav.filter(|b| b.xy().norm() > 1e-6 * b.norm()).map(|b| b.x.atan2(b.y));
+    match stated {
+        Some(angle) => vec![(Shape::Azimuth(angle), 1.0)],
+        None => {
+            let weight = |degrees: f64| {
+                if degrees == 0.0 {
+                    8.0
+                } else if degrees.abs() <= 20.0 {
+                    1.0
+                } else {
+                    0.25
+                }
+            };
+            [-60.0, -40.0, -20.0, -10.0, 0.0, 10.0, 20.0, 40.0, 60.0, 90.0_f64]
+                .into_iter()
+                .map(|d| (Shape::Azimuth(d.to_radians()), weight(d)))
+                .collect()
+        }
+    }
+}
+
+/// A horizontal nav vector in body axes; nothing of it stays in a rate dwell.
+fn in_body(s: &Setting, horizontal: Vector3<f64>) -> Vec<Vector3<f64>> {
+    let Some(c) = &s.nav_to_body else { return vec![Vector3::zeros(); s.dwells()] };
+    (0..s.dwells()).map(|k| if s.phase[k] == Phase::Static { c[k] * horizontal } else { Vector3::zeros() }).collect()
+}
+
+/// Drift of gyro `j` for a unit rotation about `axis` (nav); `with_rate` when the table's rate is seen turned too.
+fn tilted(s: &Setting, j: usize, axis: Vector3<f64>, with_rate: bool) -> Vec<f64> {
+    let Some(c) = &s.nav_to_body else { return vec![0.0; s.dwells()] };
+    let gyro = &s.gyros[j];
+    let force = axis.cross(&Vector3::new(0.0, 0.0, s.gravity));
+    let earth = axis.cross(&s.earth_nav);
+    s.column(|k| match s.phase[k] {
+        Phase::Static => gyro.input.dot(&(c[k] * earth)) + gyro.g.dot(&(c[k] * force)),
+        Phase::Rate if with_rate => gyro.input.dot(&(c[k] * axis.cross(&(c[k].transpose() * s.rate[k])))),
+        Phase::Rate => gyro.input.dot(&(c[k] * Vector3::new(0.0, 0.0, earth.z))),
+    })
+}

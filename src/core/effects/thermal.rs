@@ -1,0 +1,69 @@
+//! Effects of temperature, T = temperature minus the campaign's mean, K.
+
+use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, no_temperature};
+
+pub const TEMPERATURE_BIAS: Entry = Entry {
+    effect: Effect::TemperatureBias,
+    id: "temperature_bias",
+    cause: "buoyancy, flex leads and electronics change with temperature: bias follows it",
+    equation: "k T",
+    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of bias of floated gyros" },
+    needs: "a temperature column whose course differs from time's",
+    confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/K" }],
+    missing: no_temperature,
+    shapes: linear,
+    columns: |s, _, _| vec![temperature_times(s, |_| 1.0)],
+};
+
+pub const TEMPERATURE_G: Entry = Entry {
+    effect: Effect::TemperatureG,
+    id: "temperature_g",
+    cause: "thermal expansion shifts the centres of mass and buoyancy: mass unbalance follows temperature",
+    equation: "T (k_x a_x + k_y a_y + k_z a_z), or T (k_I a_I + k_S a_S)",
+    typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of mass unbalance" },
+    needs: "a temperature column that varies within each orientation family",
+    confused_with: &[Effect::TemperatureBias, Effect::TemperatureScale],
+    scope: Scope::Gyro,
+    coefficients: |shape| {
+        let names: &[_] = if shape == Shape::InputSpin { &["k_I", "k_S"] } else { &["k_x", "k_y", "k_z"] };
+        names.iter().map(|name| Coefficient { name, unit: "deg/(h g0 K)" }).collect()
+    },
+    missing: no_temperature,
+    shapes: |_| vec![(Shape::InputSpin, 1.0), (Shape::Linear, 1.0)],
+    columns: |s, j, shape| match shape {
+        Shape::InputSpin => {
+            let gyro = &s.gyros[j];
+            vec![
+                temperature_times(s, |k| s.force[k].dot(&gyro.input)),
+                temperature_times(s, |k| s.force[k].dot(&gyro.spin)),
+            ]
+        }
+        _ => (0..3).map(|i| temperature_times(s, |k| s.force[k][i])).collect(),
+    },
+};
+
+pub const TEMPERATURE_SCALE: Entry = Entry {
+    effect: Effect::TemperatureScale,
+    id: "temperature_scale",
+    cause: "torquer magnet and resistor change with temperature: scale factor follows it",
+    equation: "k T w_I",
+    typical: Typical {
+        low: 1e-6,
+        high: 1e-3,
+        source: "temperature coefficient of torquer magnets, 2e-5 to 5e-4 per K",
+    },
+    needs: "a temperature column and rate dwells",
+    confused_with: &[Effect::TemperatureG, Effect::ScaleCubic],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "1/K" }],
+    missing: no_temperature,
+    shapes: linear,
+    columns: |s, j, _| vec![temperature_times(s, |k| s.rate[k].dot(&s.gyros[j].input))],
+};
+
+/// T times `factor`, dwell by dwell. Zero where there is no temperature, which `missing` has told before.
+fn temperature_times(s: &Setting, factor: impl Fn(usize) -> f64) -> Vec<f64> {
+    s.column(|k| s.temperature.as_ref().map_or(0.0, |t| t[k] * factor(k)))
+}

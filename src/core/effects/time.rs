@@ -1,0 +1,128 @@
+//! Effects of time and of the order of dwells.
+
+use std::f64::consts::TAU as FULL_TURN;
+
+use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, nothing_missing};
+
+pub const WARMUP: Entry = Entry {
+    effect: Effect::Warmup,
+    id: "warmup",
+    cause: "the gyro and its electronics settle after power-up",
+    equation: "k exp(-t/tau), tau unknown",
+    typical: Typical { low: 0.01, high: 1.0, source: "IEEE 517, warm-up of floated gyros; tau of minutes to hours" },
+    needs: "dwells early after power-up, several within tau",
+    confused_with: &[Effect::TimeRamp, Effect::TemperatureBias, Effect::OutlierDwell],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![DRIFT],
+    missing: nothing_missing,
+    shapes: time_constants,
+    columns: |s, _, shape| {
+        let Shape::Tau(tau) = shape else { return Vec::new() };
+        vec![s.column(|k| (-s.elapsed(k) / tau).exp())]
+    },
+};
+
+pub const TIME_RAMP: Entry = Entry {
+    effect: Effect::TimeRamp,
+    id: "time_ramp",
+    cause: "steady ageing or settling through the campaign",
+    equation: "k t",
+    typical: Typical {
+        low: 1e-4,
+        high: 0.1,
+        source: "day-to-day bias stability of floated gyros over a campaign of hours",
+    },
+    needs: "an order of dwells that specific force, rate and temperature do not follow",
+    confused_with: &[Effect::Warmup, Effect::TemperatureBias, Effect::Periodic, Effect::GLinear],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/h" }],
+    missing: nothing_missing,
+    shapes: linear,
+    columns: |s, _, _| vec![s.column(|k| s.elapsed(k) / 3600.0)],
+};
+
+pub const BIAS_STEP: Entry = Entry {
+    effect: Effect::BiasStep,
+    id: "bias_step",
+    cause: "a mass shift, a power interruption or a reconnected plug changes the bias once",
+    equation: "k after an unknown instant",
+    typical: Typical { low: 1e-3, high: 1.0, source: "turn-on to turn-on bias of floated gyros" },
+    needs: "several dwells on either side",
+    confused_with: &[Effect::TimeRamp, Effect::OutlierDwell, Effect::Periodic],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![DRIFT],
+    missing: nothing_missing,
+    shapes: instants,
+    columns: |s, _, shape| {
+        let Shape::Instant(instant) = shape else { return Vec::new() };
+        vec![s.column(|k| if s.time[k] > instant { 1.0 } else { 0.0 })]
+    },
+};
+
+pub const OUTLIER_DWELL: Entry = Entry {
+    effect: Effect::OutlierDwell,
+    id: "outlier_dwell",
+    cause: "one dwell was disturbed: a shock, a wrong position, a lost count",
+    equation: "k in one unknown dwell",
+    typical: Typical { low: 0.01, high: 100.0, source: "station logs: any size" },
+    needs: "enough dwells that one is not needed for the fit",
+    confused_with: &[Effect::BiasStep, Effect::Warmup],
+    scope: Scope::Gyro,
+    coefficients: |_| vec![DRIFT],
+    missing: nothing_missing,
+    shapes: |s| (0..s.dwells()).map(|k| (Shape::Dwell(k), 1.0)).collect(),
+    columns: |s, _, shape| {
+        let Shape::Dwell(dwell) = shape else { return Vec::new() };
+        vec![s.column(|k| if k == dwell { 1.0 } else { 0.0 })]
+    },
+};
+
+pub const PERIODIC: Entry = Entry {
+    effect: Effect::Periodic,
+    id: "periodic",
+    cause: "air conditioning, a thermostat's cycle or the mains beat with the dwells",
+    equation: "k_s sin(2 pi t/period) + k_c cos(2 pi t/period), period unknown",
+    typical: Typical { low: 1e-3, high: 0.1, source: "thermostat cycles of minutes to hours" },
+    needs: "periods longer than two intervals between dwells and shorter than the campaign",
+    confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep],
+    scope: Scope::Gyro,
+    coefficients: |_| ["k_sin", "k_cos"].into_iter().map(|name| Coefficient { name, unit: "deg/h" }).collect(),
+    missing: nothing_missing,
+    shapes: periods,
+    columns: |s, _, shape| {
+        let Shape::Period(period) = shape else { return Vec::new() };
+        let phase = |k: usize| FULL_TURN * s.elapsed(k) / period;
+        vec![s.column(|k| phase(k).sin()), s.column(|k| phase(k).cos())]
+    },
+};
+
+const DRIFT: Coefficient = Coefficient { name: "k", unit: "deg/h" };
+
+/// From half an interval between dwells to the whole campaign: longer ones are a ramp, shorter ones one dwell.
+fn time_constants(s: &Setting) -> Vec<(Shape, f64)> {
+    const COUNT: usize = 14;
+    let (low, high) = (0.5 * s.interval(), s.span().max(s.interval()));
+    let ratio = (high / low).powf(1.0 / (COUNT - 1) as f64);
+    (0..COUNT).map(|i| (Shape::Tau(low * ratio.powi(i as i32)), 1.0)).collect()
+}
+
+/// Between neighbouring dwells, two dwells or more from either end: a change of one dwell alone is an outlier.
+fn instants(s: &Setting) -> Vec<(Shape, f64)> {
+    let n = s.dwells();
+    let between = |k: usize| 0.5 * (s.time[k - 1] + s.time[k]);
+    let found: Vec<_> = (2..n.saturating_sub(1)).map(|k| (Shape::Instant(between(k)), 1.0)).collect();
+    if found.is_empty() { vec![(Shape::Instant(s.time[0]), 1.0)] } else { found }
+}
+
+/// Frequencies from one cycle a campaign to the Nyquist frequency of the dwells, 2.5 to a resolution cell.
+/// Long periods are as likely as short ones decade by decade: the weight falls as 1/frequency, flat at the low end.
+fn periods(s: &Setting) -> Vec<(Shape, f64)> {
+    let span = s.span().max(s.interval());
+    let (lowest, highest) = (1.0 / span, 0.5 / s.interval());
+    let step = 0.4 / span;
+    let count = (((highest - lowest) / step).floor() as usize).clamp(1, 200);
+    (0..count)
+        .map(|i| lowest + step * i as f64)
+        .map(|f| (Shape::Period(1.0 / f), 1.0 / (1.0 + f / (8.0 * lowest))))
+        .collect()
+}

@@ -1,0 +1,340 @@
+//! The diagnosis of a campaign as `diagnose --format json` and `GET /v1/campaigns/{id}/diagnosis` answer it.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::core::diagnose as core;
+use crate::core::effects::Effect;
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DiagnosisBody {
+    /// `no_gap`, `explained`, `partly_explained` or `unexplained`.
+    pub verdict: String,
+    pub noise_floor: NoiseFloorBody,
+    pub gap: GapBody,
+    #[serde(rename = "where")]
+    pub located: WhereBody,
+    /// Adopted effects in the order of adoption.
+    pub effects: Vec<EffectBody>,
+    /// Closure by all adopted effects together.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub closure: Option<HeldOutBody>,
+    pub remaining: RemainingBody,
+    pub candidates: Vec<CandidateBody>,
+    pub not_identifiable: Vec<NotIdentifiableBody>,
+    pub impact: Vec<ImpactBody>,
+    pub next_dwells: Vec<NextDwellBody>,
+    pub residuals: Vec<ResidualBody>,
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NoiseFloorBody {
+    pub deg_per_h: f64,
+    pub source: String,
+    pub sem_factor: f64,
+    pub gyros: Vec<GyroFloorBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroFloorBody {
+    pub slot: String,
+    pub deg_per_h: f64,
+    pub repeat_dof: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GapBody {
+    pub rms_deg_per_h: f64,
+    pub reduced_chi2: f64,
+    pub p_value: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct WhereBody {
+    pub gyros: Vec<GyroShareBody>,
+    pub phases: Vec<PhaseShareBody>,
+    pub dwells: Vec<DwellShareBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroShareBody {
+    pub slot: String,
+    pub share: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PhaseShareBody {
+    pub phase: String,
+    pub share: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DwellShareBody {
+    pub index: usize,
+    pub slot: String,
+    pub residual_deg_per_h: f64,
+    pub share: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EffectBody {
+    pub effect: String,
+    /// Every entry that this campaign cannot tell from it, itself included.
+    pub class: Vec<String>,
+    pub gyros: Vec<String>,
+    pub estimates: Vec<EstimateBody>,
+    pub held_out: HeldOutBody,
+    pub p_value_adjusted: f64,
+    pub detectability: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EstimateBody {
+    /// `all` for a coefficient that the gyros share.
+    pub slot: String,
+    pub name: String,
+    pub value: f64,
+    pub sd: f64,
+    pub unit: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct HeldOutBody {
+    pub before_deg_per_h: f64,
+    pub after_deg_per_h: f64,
+    pub closure: f64,
+    pub interval: [f64; 2],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RemainingBody {
+    pub rms_deg_per_h: f64,
+    pub reduced_chi2: f64,
+    pub p_value: f64,
+    pub signs: Vec<SignBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SignBody {
+    pub kind: String,
+    pub gyros: Vec<String>,
+    pub p_value: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CandidateBody {
+    pub effect: String,
+    /// Fraction of the reducible gap that it closes alone; null where it could not be tried.
+    pub closure: Option<f64>,
+    pub p_value_adjusted: f64,
+    pub gyros: Vec<String>,
+    pub why_not: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NotIdentifiableBody {
+    pub effect: String,
+    pub visible_fraction: f64,
+    pub reason: String,
+    pub needs: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ImpactBody {
+    pub slot: String,
+    pub coefficient: String,
+    pub plain: f64,
+    pub augmented: f64,
+    pub augmented_sd: f64,
+    pub shift: f64,
+    pub of_budget: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NextDwellBody {
+    pub phase: String,
+    pub specific_force_g0: [f64; 3],
+    pub rate_arcsec_s: [f64; 3],
+    pub separates: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ResidualBody {
+    pub index: usize,
+    pub slot: String,
+    pub before_deg_per_h: f64,
+    pub after_deg_per_h: f64,
+    pub sd_deg_per_h: f64,
+}
+
+fn ids(effects: &[Effect]) -> Vec<String> {
+    effects.iter().map(|e| e.id().to_owned()).collect()
+}
+
+fn names(slots: &[crate::core::mounting::Slot]) -> Vec<String> {
+    slots.iter().map(|s| s.name().to_owned()).collect()
+}
+
+impl From<&core::HeldOut> for HeldOutBody {
+    fn from(h: &core::HeldOut) -> Self {
+        Self {
+            before_deg_per_h: h.before_deg_per_h,
+            after_deg_per_h: h.after_deg_per_h,
+            closure: h.closure,
+            interval: h.interval,
+        }
+    }
+}
+
+impl From<&core::Diagnosis> for DiagnosisBody {
+    fn from(d: &core::Diagnosis) -> Self {
+        Self {
+            verdict: d.verdict.name().to_owned(),
+            noise_floor: NoiseFloorBody {
+                deg_per_h: d.noise_floor.deg_per_h,
+                source: d.noise_floor.source.to_owned(),
+                sem_factor: d.noise_floor.sem_factor,
+                gyros: d.noise_floor.gyros.iter().map(GyroFloorBody::from).collect(),
+            },
+            gap: GapBody {
+                rms_deg_per_h: d.gap.rms_deg_per_h,
+                reduced_chi2: d.gap.reduced_chi2,
+                p_value: d.gap.p_value,
+            },
+            located: WhereBody::from(&d.located),
+            effects: d.effects.iter().map(EffectBody::from).collect(),
+            closure: d.closure.as_ref().map(HeldOutBody::from),
+            remaining: RemainingBody::from(&d.remaining),
+            candidates: d.candidates.iter().map(CandidateBody::from).collect(),
+            not_identifiable: d.not_identifiable.iter().map(NotIdentifiableBody::from).collect(),
+            impact: d.impact.iter().map(ImpactBody::from).collect(),
+            next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
+            residuals: d.residuals.iter().map(ResidualBody::from).collect(),
+            notes: d.notes.clone(),
+        }
+    }
+}
+
+impl From<&core::GyroFloor> for GyroFloorBody {
+    fn from(g: &core::GyroFloor) -> Self {
+        Self { slot: g.slot.name().to_owned(), deg_per_h: g.deg_per_h, repeat_dof: g.repeat_dof }
+    }
+}
+
+impl From<&core::Located> for WhereBody {
+    fn from(w: &core::Located) -> Self {
+        Self {
+            gyros: w.gyros.iter().map(|&(s, share)| GyroShareBody { slot: s.name().to_owned(), share }).collect(),
+            phases: w.phases.iter().map(|&(p, share)| PhaseShareBody { phase: p.name().to_owned(), share }).collect(),
+            dwells: w
+                .dwells
+                .iter()
+                .map(|d| DwellShareBody {
+                    index: d.index,
+                    slot: d.slot.name().to_owned(),
+                    residual_deg_per_h: d.residual_deg_per_h,
+                    share: d.share,
+                })
+                .collect(),
+        }
+    }
+}
+
+impl From<&core::NamedEffect> for EffectBody {
+    fn from(e: &core::NamedEffect) -> Self {
+        Self {
+            effect: e.effect.id().to_owned(),
+            class: ids(&e.class),
+            gyros: names(&e.gyros),
+            estimates: e.estimates.iter().map(EstimateBody::from).collect(),
+            held_out: HeldOutBody::from(&e.held_out),
+            p_value_adjusted: e.p_value_adjusted,
+            detectability: e.detectability,
+        }
+    }
+}
+
+impl From<&core::Estimate> for EstimateBody {
+    fn from(e: &core::Estimate) -> Self {
+        Self {
+            slot: e.slot.map_or("all", |s| s.name()).to_owned(),
+            name: e.name.to_owned(),
+            value: e.value,
+            sd: e.sd,
+            unit: e.unit.to_owned(),
+        }
+    }
+}
+
+impl From<&core::Remaining> for RemainingBody {
+    fn from(r: &core::Remaining) -> Self {
+        let sign = |s: &core::Sign| SignBody { kind: s.kind.to_owned(), gyros: names(&s.slots), p_value: s.p_value };
+        Self {
+            rms_deg_per_h: r.rms_deg_per_h,
+            reduced_chi2: r.reduced_chi2,
+            p_value: r.p_value,
+            signs: r.signs.iter().map(sign).collect(),
+        }
+    }
+}
+
+impl From<&core::Candidate> for CandidateBody {
+    fn from(c: &core::Candidate) -> Self {
+        Self {
+            effect: c.effect.id().to_owned(),
+            closure: c.closure,
+            p_value_adjusted: c.p_value_adjusted,
+            gyros: names(&c.gyros),
+            why_not: c.why_not.clone(),
+        }
+    }
+}
+
+impl From<&core::NotIdentifiable> for NotIdentifiableBody {
+    fn from(n: &core::NotIdentifiable) -> Self {
+        Self {
+            effect: n.effect.id().to_owned(),
+            visible_fraction: n.visible_fraction,
+            reason: n.reason.clone(),
+            needs: n.needs.clone(),
+        }
+    }
+}
+
+impl From<&core::Impact> for ImpactBody {
+    fn from(i: &core::Impact) -> Self {
+        Self {
+            slot: i.slot.name().to_owned(),
+            coefficient: i.coefficient.to_owned(),
+            plain: i.plain,
+            augmented: i.augmented,
+            augmented_sd: i.augmented_sd,
+            shift: i.shift,
+            of_budget: i.of_budget,
+        }
+    }
+}
+
+impl From<&core::NextDwell> for NextDwellBody {
+    fn from(n: &core::NextDwell) -> Self {
+        Self {
+            phase: n.phase.name().to_owned(),
+            specific_force_g0: n.specific_force_g0.into(),
+            rate_arcsec_s: n.rate_arcsec_s.into(),
+            separates: ids(&n.separates),
+        }
+    }
+}
+
+impl From<&core::Residual> for ResidualBody {
+    fn from(r: &core::Residual) -> Self {
+        Self {
+            index: r.index,
+            slot: r.slot.name().to_owned(),
+            before_deg_per_h: r.before_deg_per_h,
+            after_deg_per_h: r.after_deg_per_h,
+            sd_deg_per_h: r.sd_deg_per_h,
+        }
+    }
+}

@@ -5,11 +5,14 @@ use std::io::Write;
 use super::document::table;
 use crate::experiment::{Comparison, HEADLINE, compare_many};
 
-/// Runs `count` experiments and prints the ranges of Table 5 by both methods.
-pub fn print(seed: u64, count: u64) -> anyhow::Result<()> {
+/// Runs `count` experiments and prints the ranges of Table 5 by both methods, or every result as CSV.
+pub fn print(seed: u64, count: u64, csv: bool) -> anyhow::Result<()> {
     let experiments = compare_many(seed, count).map_err(anyhow::Error::msg)?;
     let all: Vec<&Comparison> = experiments.iter().flatten().collect();
     let mut out = std::io::stdout().lock();
+    if csv {
+        return results(&mut out, seed, &experiments);
+    }
     writeln!(out, "range of bench before, IMU, bench after; {count} simulated experiments from seed {seed}")?;
     writeln!(out, "{}", ranges(&all))?;
     let whole = |range: fn(&Comparison) -> Option<f64>| {
@@ -19,6 +22,19 @@ pub fn print(seed: u64, count: u64) -> anyhow::Result<()> {
     writeln!(out, "all six ranges of an experiment below {HEADLINE:e} deg/(h g0):")?;
     writeln!(out, "  rigid      {} of {count}", whole(|c| Some(c.rigid_range())))?;
     writeln!(out, "  published  {} of {count}", whole(Comparison::published_range))?;
+    Ok(())
+}
+
+fn results(mut out: impl Write, seed: u64, experiments: &[Vec<Comparison>]) -> anyhow::Result<()> {
+    writeln!(out, "seed,slot,coefficient,bench_before,rigid,published,bench_after")?;
+    for (k, experiment) in experiments.iter().enumerate() {
+        for c in experiment {
+            let (seed, slot, published) =
+                (seed + k as u64, c.slot.name(), c.published.map_or(String::new(), |d| format!("{d:.9}")));
+            let Comparison { coefficient, bench_before, rigid, bench_after, .. } = c;
+            writeln!(out, "{seed},{slot},{coefficient},{bench_before:.9},{rigid:.9},{published},{bench_after:.9}")?;
+        }
+    }
     Ok(())
 }
 

@@ -16,7 +16,7 @@ use crate::wire;
 /// The one preset that is several campaigns.
 const PAPER_EXPERIMENT: &str = "paper-experiment";
 
-/// Simulates a station's campaign from physics, with or without a hidden cause.
+/// Simulate a station's campaign from physics, with or without a hidden cause
 ///
 /// Prints the campaign's JSON, or writes it with --out; the truth (gyros, causes, detectability) goes only where
 /// --truth says. With --count it writes that many campaigns of successive seeds and one key.json into --dir.
@@ -46,6 +46,9 @@ pub struct Simulate {
     /// Folder for --count.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "truth"])]
     dir: Option<PathBuf>,
+    /// Print every result of --preset paper-experiment as CSV instead of the table.
+    #[arg(long, conflicts_with_all = ["dir", "scenario"])]
+    csv: bool,
     /// List the presets.
     #[arg(long, conflicts_with_all = ["count", "out", "truth", "print_scenario"])]
     list: bool,
@@ -61,6 +64,9 @@ impl Simulate {
         }
         if self.preset == PAPER_EXPERIMENT && self.scenario.is_none() {
             return self.paper_experiment();
+        }
+        if self.csv {
+            bail!("--csv goes with --preset {PAPER_EXPERIMENT}");
         }
         let mut scenario = self.read()?;
         scenario.seed = self.seed.unwrap_or(scenario.seed);
@@ -89,7 +95,7 @@ impl Simulate {
                 });
                 write_all(made, dir)
             }
-            None => experiment::print(seed, self.count.unwrap_or(200)),
+            None => experiment::print(seed, self.count.unwrap_or(200), self.csv),
         }
     }
 

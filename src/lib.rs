@@ -29,5 +29,6 @@ pub mod core;
 pub mod experiment;
 pub mod http;
 pub mod simulate;
+pub mod store;
 pub mod system;
 pub mod wire;

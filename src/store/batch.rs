@@ -1,0 +1,135 @@
+//! Several statements in one round trip: many rows a statement, all statements in one transaction.
+//!
+//! A driver's call costs more than SQLite's work for a row, so the rows of a statement travel as one JSON array of
+//! arrays (numbers) and one run of bytes (everything else) that the numbers point into.
+
+use std::fmt::Write as _;
+
+use sqlx::sqlite::SqliteArguments;
+use sqlx::{Arguments, AssertSqlSafe, SqliteConnection};
+
+use super::error::StoreError;
+
+/// A transaction under construction.
+#[derive(Debug)]
+pub(super) struct Batch {
+    sql: String,
+    arguments: SqliteArguments,
+    /// Roughly how many pages of the log it takes.
+    pages: u32,
+}
+
+/// SQLite's page size.
+const PAGE: usize = 4096;
+
+impl Batch {
+    pub fn new() -> Self {
+        Self { sql: "BEGIN IMMEDIATE".to_owned(), arguments: SqliteArguments::default(), pages: 0 }
+    }
+
+    /// Appends `sql` unless there are no rows. In it `$ROWS` stands for the JSON array, `$BYTES` for the bytes.
+    pub fn add(&mut self, sql: &'static str, rows: Rows) {
+        if rows.json.is_empty() {
+            return;
+        }
+        self.pages += rows.count + (rows.bytes.len() / PAGE) as u32;
+        let (first, second) = (self.arguments.len() + 1, self.arguments.len() + 2);
+        let sql = sql.replace("$ROWS", &format!("${first}")).replace("$BYTES", &format!("${second}"));
+        self.sql.push_str("; ");
+        self.sql.push_str(&sql);
+        self.bind(rows.json + "]");
+        self.bind(rows.bytes);
+    }
+
+    fn bind<'t>(&mut self, value: impl sqlx::Encode<'t, sqlx::Sqlite> + sqlx::Type<sqlx::Sqlite> + 't) {
+        self.arguments.add(value).expect("text and bytes can always be encoded");
+    }
+
+    pub fn pages(&self) -> u32 {
+        self.pages
+    }
+
+    /// Runs everything and commits; after an error nothing of it remains.
+    pub async fn commit(mut self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
+        self.sql.push_str("; COMMIT");
+        let run = sqlx::query_with(AssertSqlSafe(self.sql), self.arguments).execute(&mut *connection).await;
+        if let Err(error) = run {
+            // Some errors have rolled back by themselves; then this one has nothing to do and says so.
+            let _nothing_left = sqlx::query("ROLLBACK").execute(connection).await;
+            return Err(error.into());
+        }
+        Ok(())
+    }
+}
+
+/// The rows of one statement.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    json: String,
+    bytes: Vec<u8>,
+    count: u32,
+}
+
+impl Rows {
+    /// Begins a row; its cells follow.
+    pub fn row(&mut self) -> Row<'_> {
+        self.count += 1;
+        self.json.push_str(if self.json.is_empty() { "[[" } else { ",[" });
+        Row { rows: self, first: true }
+    }
+}
+
+/// A row under construction; dropping it ends it.
+pub(super) struct Row<'a> {
+    rows: &'a mut Rows,
+    first: bool,
+}
+
+impl Row<'_> {
+    fn cell(&mut self, value: impl std::fmt::Display) -> &mut Self {
+        let comma = if std::mem::take(&mut self.first) { "" } else { "," };
+        write!(self.rows.json, "{comma}{value}").expect("writing to a string cannot fail");
+        self
+    }
+
+    pub fn integer(&mut self, value: i64) -> &mut Self {
+        self.cell(value)
+    }
+
+    /// Written with every digit it takes to read the same number back.
+    pub fn real(&mut self, value: Option<f64>) -> &mut Self {
+        match value.filter(|v| v.is_finite()) {
+            Some(value) => self.cell(format_args!("{value:e}")),
+            None => self.cell("null"),
+        }
+    }
+
+    /// Two cells: where in `$BYTES` it begins (counting from 1) and how long it is.
+    pub fn bytes(&mut self, value: &[u8]) -> &mut Self {
+        let start = self.rows.bytes.len() + 1;
+        self.rows.bytes.extend_from_slice(value);
+        self.cell(start).cell(value.len())
+    }
+
+    /// As [`Row::bytes`], written by `write` into the bytes directly.
+    pub fn written(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> &mut Self {
+        let start = self.rows.bytes.len();
+        write(&mut self.rows.bytes);
+        let len = self.rows.bytes.len() - start;
+        self.cell(start + 1).cell(len)
+    }
+
+    /// As [`Row::bytes`]; nothing at all has length null, and `substr` then gives null.
+    pub fn optional(&mut self, value: Option<&str>) -> &mut Self {
+        match value {
+            Some(value) => self.bytes(value.as_bytes()),
+            None => self.cell(1).cell("null"),
+        }
+    }
+}
+
+impl Drop for Row<'_> {
+    fn drop(&mut self) {
+        self.rows.json.push(']');
+    }
+}

@@ -1,0 +1,110 @@
+//! Bench results.
+
+use std::sync::Arc;
+
+use super::batch::{Batch, Rows};
+use super::commit::Writer;
+use super::error::StoreError;
+use super::history::Span;
+use super::id::Id;
+use super::open::Store;
+use crate::core::bench::BenchMethod;
+use crate::core::time::UtcMicros;
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchRow {
+    pub id: Id,
+    pub gyro: u32,
+    pub station: u32,
+    pub measured_at: UtcMicros,
+    pub method: BenchMethod,
+    /// D_I and D_S, deg/(h g0).
+    pub d: [f64; 2],
+    pub sd: [Option<f64>; 2],
+    pub received_at: UtcMicros,
+    pub body: Arc<str>,
+    pub body_sha256: [u8; 32],
+}
+
+pub(super) fn insert(benches: &[BenchRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for bench in benches {
+        rows.row()
+            .integer(bench.id.0)
+            .integer(i64::from(bench.gyro))
+            .integer(i64::from(bench.station))
+            .integer(bench.measured_at.0)
+            .bytes(bench.method.name().as_bytes())
+            .real(Some(bench.d[0]))
+            .real(Some(bench.d[1]))
+            .real(bench.sd[0])
+            .real(bench.sd[1])
+            .integer(bench.received_at.0)
+            .bytes(bench.body.as_bytes())
+            .bytes(&bench.body_sha256);
+    }
+    batch.add(
+        "INSERT INTO bench_result
+             (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256)
+         SELECT value->>0, value->>1, value->>2, value->>3, CAST(substr($BYTES, value->>4, value->>5) AS TEXT),
+                value->>6, value->>7, value->>8, value->>9, value->>10,
+                CAST(substr($BYTES, value->>11, value->>12) AS TEXT), substr($BYTES, value->>13, value->>14)
+         FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+type Row = (i64, u32, u32, i64, String, f64, f64, Option<f64>, Option<f64>, i64, String, Vec<u8>);
+
+fn row(row: Row) -> Result<BenchRow, StoreError> {
+    let (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, hash) = row;
+    let id = Id(id);
+    let damaged = |what: &str| StoreError::Damaged(format!("bench result {id}: {what}"));
+    Ok(BenchRow {
+        id,
+        gyro,
+        station,
+        measured_at: UtcMicros(measured_at),
+        method: BenchMethod::from_name(&method).ok_or_else(|| damaged("unknown method"))?,
+        d: [d_i, d_s],
+        sd: [d_i_sd, d_s_sd],
+        received_at: UtcMicros(received_at),
+        body: body.into(),
+        body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
+    })
+}
+
+impl Store {
+    pub async fn bench_result(&self, id: Id) -> Result<Option<BenchRow>, StoreError> {
+        let sql =
+            "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256
+                   FROM bench_result WHERE id = $1";
+        let found: Option<Row> = sqlx::query_as(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        found.map(row).transpose()
+    }
+
+    /// Bench results of a gyro within `span`, oldest first.
+    pub async fn bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
+        let sql =
+            "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256
+                   FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method";
+        let rows: Vec<Row> =
+            sqlx::query_as(sql).bind(gyro).bind(span.from.0).bind(span.to.0).fetch_all(&self.readers).await?;
+        rows.into_iter().map(row).collect()
+    }
+}
+
+impl Writer {
+    /// The result of a gyro by one method at an instant: its id and the hash of its body.
+    pub async fn bench_result_at(
+        &mut self,
+        gyro: u32,
+        at: UtcMicros,
+        method: BenchMethod,
+    ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        let sql = "SELECT id, body_sha256 FROM bench_result WHERE gyro = $1 AND measured_at = $2 AND method = $3";
+        let found: Option<(i64, Vec<u8>)> =
+            sqlx::query_as(sql).bind(gyro).bind(at.0).bind(method.name()).fetch_optional(&mut self.connection).await?;
+        Ok(found.map(|(id, hash)| (Id(id), hash)))
+    }
+}

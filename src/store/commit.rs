@@ -1,0 +1,137 @@
+//! The writing side: one connection, one transaction a group, and checkpoints from a second connection.
+
+use sqlx::{Connection, SqliteConnection};
+
+use super::batch::{Batch, Rows};
+use super::bench::{self, BenchRow};
+use super::checkpoint::Checkpoints;
+use super::error::StoreError;
+use super::event::{self, EventRow};
+use super::history::{self, HistoryRow};
+use super::id::{Id, IdSource};
+use super::keys::{self, KeyRow};
+use super::names::Names;
+use super::record::{self, RecordRow};
+use super::verdicts::VerdictSheet;
+use crate::core::time::UtcMicros;
+
+/// Everything that one transaction writes. Rows may refer to names of the same group.
+#[derive(Debug, Default)]
+pub struct Changes {
+    pub imus: Vec<(u32, String)>,
+    pub stations: Vec<(u32, String)>,
+    pub gyros: Vec<(u32, String)>,
+    pub records: Vec<RecordRow>,
+    pub history: Vec<HistoryRow>,
+    /// Stored rows that are judged anew.
+    pub rejudged: Rejudged,
+    pub benches: Vec<BenchRow>,
+    pub events: Vec<EventRow>,
+    pub keys: Vec<KeyRow>,
+}
+
+/// What changes on stored records when they are judged again.
+#[derive(Debug, Default)]
+pub struct Rejudged {
+    pub history: Vec<HistoryRow>,
+    pub sheets: Vec<(Id, VerdictSheet)>,
+}
+
+impl Changes {
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+            && self.benches.is_empty()
+            && self.events.is_empty()
+            && self.keys.is_empty()
+            && self.rejudged.history.is_empty()
+    }
+}
+
+/// The only one who writes.
+#[derive(Debug)]
+pub struct Writer {
+    pub(super) connection: SqliteConnection,
+    names: Names,
+    ids: IdSource,
+    checkpoints: Checkpoints,
+    /// Set once a write could not be made durable: what the log then holds is not known.
+    stopped: Option<String>,
+}
+
+impl Writer {
+    pub(super) fn new(connection: SqliteConnection, names: Names, ids: IdSource, checkpoints: Checkpoints) -> Self {
+        Self { connection, names, ids, checkpoints, stopped: None }
+    }
+
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    pub fn next_id(&mut self, now: UtcMicros) -> Id {
+        self.ids.next(now)
+    }
+
+    /// Writes all changes in one transaction; they are on disk when this returns. After an error nothing is stored.
+    ///
+    /// # Errors
+    /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
+    pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
+        if let Some(why) = &self.stopped {
+            return Err(StoreError::NotDurable(why.clone()));
+        }
+        self.checkpoints.finish(&mut self.connection).await?;
+        let batch = batch_of(changes);
+        let pages = batch.pages();
+        if let Err(error) = batch.commit(&mut self.connection).await {
+            if let StoreError::NotDurable(why) = &error {
+                self.stopped = Some(why.clone());
+            }
+            return Err(error);
+        }
+        self.names.change(|tables| {
+            tables.imus.extend(&changes.imus);
+            tables.stations.extend(&changes.stations);
+            tables.gyros.extend(&changes.gyros);
+        });
+        self.checkpoints.written(pages);
+        Ok(())
+    }
+
+    /// Copies the whole log into the database and closes it.
+    pub async fn close(mut self) -> Result<(), StoreError> {
+        sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(&mut self.connection).await?;
+        Ok(self.connection.close().await?)
+    }
+}
+
+fn batch_of(changes: &Changes) -> Batch {
+    let mut batch = Batch::new();
+    for (sql, names) in [
+        (
+            "INSERT INTO imu SELECT value->>0, CAST(substr($BYTES, value->>1, value->>2) AS TEXT) FROM json_each($ROWS)",
+            &changes.imus,
+        ),
+        (
+            "INSERT INTO station SELECT value->>0, CAST(substr($BYTES, value->>1, value->>2) AS TEXT) FROM json_each($ROWS)",
+            &changes.stations,
+        ),
+        (
+            "INSERT INTO gyro SELECT value->>0, CAST(substr($BYTES, value->>1, value->>2) AS TEXT) FROM json_each($ROWS)",
+            &changes.gyros,
+        ),
+    ] {
+        let mut rows = Rows::default();
+        for (number, name) in names {
+            rows.row().integer(i64::from(*number)).bytes(name.as_bytes());
+        }
+        batch.add(sql, rows);
+    }
+    record::insert(&changes.records, &mut batch);
+    history::insert(&changes.history, &mut batch);
+    history::update(&changes.rejudged.history, &mut batch);
+    record::update_verdicts(&changes.rejudged.sheets, &mut batch);
+    bench::insert(&changes.benches, &mut batch);
+    event::insert(&changes.events, &mut batch);
+    keys::insert(&changes.keys, &mut batch);
+    batch
+}

@@ -1,0 +1,72 @@
+//! What was done to gyros.
+
+use sqlx::SqliteExecutor;
+
+use super::batch::{Batch, Rows};
+use super::commit::Writer;
+use super::error::StoreError;
+use super::id::Id;
+use super::open::Store;
+use crate::core::judge::Event;
+use crate::core::time::UtcMicros;
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct EventRow {
+    pub id: Id,
+    pub gyro: u32,
+    pub at: UtcMicros,
+    pub event: Event,
+    pub reason: String,
+    pub author: Option<String>,
+    pub received_at: UtcMicros,
+}
+
+pub(super) fn insert(events: &[EventRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for event in events {
+        rows.row()
+            .integer(event.id.0)
+            .integer(i64::from(event.gyro))
+            .integer(event.at.0)
+            .bytes(event.event.name().as_bytes())
+            .bytes(event.reason.as_bytes())
+            .optional(event.author.as_deref())
+            .integer(event.received_at.0);
+    }
+    batch.add(
+        "INSERT INTO event (id, gyro, at, kind, reason, author, received_at)
+         SELECT value->>0, value->>1, value->>2, CAST(substr($BYTES, value->>3, value->>4) AS TEXT),
+                CAST(substr($BYTES, value->>5, value->>6) AS TEXT), CAST(substr($BYTES, value->>7, value->>8) AS TEXT),
+                value->>9
+         FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+type Row = (i64, u32, i64, String, String, Option<String>, i64);
+
+fn row((id, gyro, at, kind, reason, author, received_at): Row) -> Result<EventRow, StoreError> {
+    let event =
+        Event::from_name(&kind).ok_or_else(|| StoreError::Damaged(format!("event {}: unknown kind", Id(id))))?;
+    Ok(EventRow { id: Id(id), gyro, at: UtcMicros(at), event, reason, author, received_at: UtcMicros(received_at) })
+}
+
+async fn read(executor: impl SqliteExecutor<'_>, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
+    let sql = "SELECT id, gyro, at, kind, reason, author, received_at FROM event WHERE gyro = $1 ORDER BY at, id";
+    let rows: Vec<Row> = sqlx::query_as(sql).bind(gyro).fetch_all(executor).await?;
+    rows.into_iter().map(row).collect()
+}
+
+impl Store {
+    /// Every event of a gyro, oldest first.
+    pub async fn events(&self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
+        read(&self.readers, gyro).await
+    }
+}
+
+impl Writer {
+    /// As [`Store::events`], of what is committed.
+    pub async fn events(&mut self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
+        read(&mut self.connection, gyro).await
+    }
+}

@@ -1,0 +1,25 @@
+//! Every gyro's newest row, for lists.
+
+use super::error::StoreError;
+use super::figures::{Figures, PACKED_LEN};
+use super::open::Store;
+
+impl Store {
+    /// The newest row of each gyro whose number is greater than `after`, by number, at most `limit`; none for a gyro that only
+    /// a bench has seen.
+    pub async fn newest_of_gyros(&self, after: u32, limit: u32) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
+        let sql =
+            "SELECT id, (SELECT figures FROM history WHERE history.gyro = gyro.id ORDER BY calibrated_at DESC LIMIT 1)
+                   FROM gyro WHERE id > $1 ORDER BY id LIMIT $2";
+        let rows: Vec<(u32, Option<Vec<u8>>)> =
+            sqlx::query_as(sql).bind(after).bind(limit).fetch_all(&self.readers).await?;
+        rows.into_iter().map(|(gyro, packed)| Ok((gyro, packed.map(|bytes| one(gyro, &bytes)).transpose()?))).collect()
+    }
+}
+
+fn one(gyro: u32, bytes: &[u8]) -> Result<Figures, StoreError> {
+    let packed: &[u8; PACKED_LEN] = bytes
+        .try_into()
+        .map_err(|_| StoreError::Damaged(format!("a history row of gyro number {gyro} has a wrong length")))?;
+    Figures::unpack(gyro, packed)
+}

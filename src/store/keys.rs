@@ -1,0 +1,35 @@
+//! `Idempotency-Key` headers and what came of the requests that bore them.
+
+use super::batch::{Batch, Rows};
+use super::commit::Writer;
+use super::error::StoreError;
+use super::id::Id;
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyRow {
+    pub key: String,
+    pub item: Id,
+    pub body_sha256: [u8; 32],
+}
+
+pub(super) fn insert(keys: &[KeyRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for key in keys {
+        rows.row().bytes(key.key.as_bytes()).integer(key.item.0).bytes(&key.body_sha256);
+    }
+    batch.add(
+        "INSERT INTO idempotency_key (key, item, body_sha256)
+         SELECT CAST(substr($BYTES, value->>0, value->>1) AS TEXT), value->>2, substr($BYTES, value->>3, value->>4)
+         FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+impl Writer {
+    /// What a key was used for before: the item's id and the hash of the body.
+    pub async fn key(&mut self, key: &str) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        let sql = "SELECT item, body_sha256 FROM idempotency_key WHERE key = $1";
+        let found: Option<(i64, Vec<u8>)> = sqlx::query_as(sql).bind(key).fetch_optional(&mut self.connection).await?;
+        Ok(found.map(|(id, hash)| (Id(id), hash)))
+    }
+}

@@ -1,0 +1,36 @@
+//! What is kept, on SQLite: opening and migrating, writing in groups, reading.
+//!
+//! One connection writes ([`Writer`]), a pool reads ([`Store`]). Rows are plain types of this module; converting
+//! them to and from the core's types and the wire's is the pipeline's and the edge's work.
+
+mod batch;
+mod bench;
+mod checkpoint;
+mod commit;
+mod error;
+mod event;
+mod figures;
+mod gyro;
+mod history;
+mod id;
+mod keys;
+mod names;
+mod open;
+mod record;
+mod verdicts;
+
+pub use bench::BenchRow;
+pub use commit::{Changes, Rejudged, Writer};
+pub use error::StoreError;
+pub use event::EventRow;
+pub use figures::{Figures, PublishedFigures, States};
+pub use history::{HistoryRow, Span};
+pub use id::{Id, IdSource};
+pub use keys::KeyRow;
+pub use names::Names;
+pub use open::{Options, Store, open};
+pub use record::{Kind, RecordRow};
+pub use verdicts::{StoredVerdict, VerdictSheet};
+
+#[cfg(test)]
+mod tests;

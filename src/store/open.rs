@@ -1,0 +1,134 @@
+//! Opening the database: connect options, migrations, the names in memory.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection, SqlitePool};
+
+use super::checkpoint::Checkpoints;
+use super::commit::Writer;
+use super::error::StoreError;
+use super::id::IdSource;
+use super::names::{Names, Table, Tables};
+
+/// Where the database is, and how it is held open.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// `sqlite://path`.
+    pub url: String,
+    /// Connections that read at the same time.
+    pub readers: u32,
+    /// How long a statement waits for a lock of another process.
+    pub busy_timeout: Duration,
+    /// Page cache of each connection, KiB.
+    pub cache_kib: u32,
+    /// Pages in the write-ahead log from which on they are copied into the database.
+    pub checkpoint_pages: u32,
+}
+
+/// The reading side. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Store {
+    pub(super) readers: SqlitePool,
+    pub(super) names: Names,
+}
+
+/// Every migration ever shipped, oldest first; a shipped one is never edited.
+const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "history", include_str!("../../migrations/sqlite/0001_history.sql"))];
+
+/// Opens the database, creates it if there is none, and brings its schema up to date.
+///
+/// # Errors
+/// [`StoreError`] where the file cannot be opened, is no database, or holds a schema newer than this program.
+pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
+    let connect = connect_options(options)?;
+    let mut connection = connect.clone().connect().await?;
+    migrator().run(&mut connection).await.map_err(|error| match error {
+        sqlx::migrate::MigrateError::Execute(error) => error.into(),
+        other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
+    })?;
+    let names = Names::new(load_names(&mut connection).await?);
+    let last_id = last_id(&mut connection).await?;
+    let checkpointer = connect.clone().connect().await?;
+    // Never idle-closed: a reader's warm page cache is what makes reading fast.
+    let readers = SqlitePoolOptions::new()
+        .min_connections(1)
+        .max_connections(options.readers.max(1))
+        .idle_timeout(None)
+        .max_lifetime(None)
+        .connect_with(connect.read_only(true).create_if_missing(false))
+        .await?;
+    let store = Store { readers, names: names.clone() };
+    let checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages);
+    let writer = Writer::new(connection, names, IdSource::after(last_id), checkpoints);
+    Ok((store, writer))
+}
+
+/// WAL with `synchronous = FULL`: the log is on disk before a commit returns. Checkpoints are made by
+/// [`Writer`]'s second connection, off the committing path, so the automatic ones are switched off.
+fn connect_options(options: &Options) -> Result<SqliteConnectOptions, StoreError> {
+    let connect = SqliteConnectOptions::from_str(&options.url)?
+        .create_if_missing(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(options.busy_timeout)
+        .statement_cache_capacity(256)
+        .row_buffer_size(1024)
+        .pragma("cache_size", format!("-{}", options.cache_kib))
+        .pragma("wal_autocheckpoint", "0")
+        .pragma("temp_store", "MEMORY")
+        .disable_statement_logging();
+    Ok(connect)
+}
+
+fn migrator() -> Migrator {
+    let migrations = MIGRATIONS.map(|(version, name, sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.into())
+}
+
+async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {
+    Ok(Tables {
+        imus: load_table(connection, "SELECT id, name FROM imu ORDER BY id").await?,
+        stations: load_table(connection, "SELECT id, name FROM station ORDER BY id").await?,
+        gyros: load_table(connection, "SELECT id, serial FROM gyro ORDER BY id").await?,
+    })
+}
+
+async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Result<Table, StoreError> {
+    let rows: Vec<(u32, String)> = sqlx::query_as(sql).fetch_all(connection).await?;
+    let mut table = Table::default();
+    for (number, name) in rows {
+        if !table.add(number, &name) {
+            return Err(StoreError::Damaged(format!("the number {number} of `{name}` is out of sequence")));
+        }
+    }
+    Ok(table)
+}
+
+async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
+    let sql = "SELECT max(coalesce((SELECT max(id) FROM record), 0), coalesce((SELECT max(id) FROM bench_result), 0),
+                          coalesce((SELECT max(id) FROM event), 0))";
+    Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
+}
+
+impl Store {
+    pub fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// Whether the database answers.
+    pub async fn ping(&self) -> Result<(), StoreError> {
+        let mut connection = self.readers.acquire().await?;
+        Ok(connection.ping().await?)
+    }
+
+    /// Waits for reads under way and closes the readers.
+    pub async fn close(&self) {
+        self.readers.close().await;
+    }
+}

@@ -1,0 +1,141 @@
+//! Records as stations sent them, and what was decided about them.
+
+use std::sync::Arc;
+
+use sqlx::SqliteConnection;
+
+use super::batch::{Batch, Rows};
+use super::commit::Writer;
+use super::error::StoreError;
+use super::id::Id;
+use super::open::Store;
+use super::verdicts::VerdictSheet;
+use crate::core::time::UtcMicros;
+
+/// What a station sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Parameters that the station fitted.
+    Record,
+    /// Dwells, fitted here.
+    Campaign,
+}
+
+impl Kind {
+    fn code(self) -> i64 {
+        match self {
+            Kind::Record => 0,
+            Kind::Campaign => 1,
+        }
+    }
+
+    fn from_code(code: i64) -> Option<Self> {
+        [Kind::Record, Kind::Campaign].into_iter().find(|kind| kind.code() == code)
+    }
+}
+
+/// One record with its verdicts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordRow {
+    pub id: Id,
+    pub kind: Kind,
+    pub imu: u32,
+    pub station: u32,
+    pub calibrated_at: UtcMicros,
+    pub received_at: UtcMicros,
+    /// Word for word.
+    pub body: Arc<str>,
+    pub body_sha256: [u8; 32],
+    pub verdicts: VerdictSheet,
+}
+
+pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for record in records {
+        rows.row()
+            .integer(record.id.0)
+            .integer(record.kind.code())
+            .integer(i64::from(record.imu))
+            .integer(i64::from(record.station))
+            .integer(record.calibrated_at.0)
+            .integer(record.received_at.0)
+            .bytes(record.body.as_bytes())
+            .bytes(&record.body_sha256)
+            .written(|out| record.verdicts.pack(record.id, out));
+    }
+    batch.add(
+        "INSERT INTO record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts)
+         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5,
+                CAST(substr($BYTES, value->>6, value->>7) AS TEXT),
+                substr($BYTES, value->>8, value->>9), substr($BYTES, value->>10, value->>11)
+         FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+pub(super) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for (id, sheet) in sheets {
+        rows.row().integer(id.0).written(|out| sheet.pack(*id, out));
+    }
+    batch.add(
+        "UPDATE record SET verdicts = substr($BYTES, j.value->>1, j.value->>2)
+         FROM json_each($ROWS) AS j WHERE record.id = j.value->>0",
+        rows,
+    );
+}
+
+type Row = (i64, i64, u32, u32, i64, i64, String, Vec<u8>, Vec<u8>);
+
+fn row(row: Row) -> Result<RecordRow, StoreError> {
+    let (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts) = row;
+    let id = Id(id);
+    let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
+    Ok(RecordRow {
+        id,
+        kind: Kind::from_code(kind).ok_or_else(|| damaged("unknown kind"))?,
+        imu,
+        station,
+        calibrated_at: UtcMicros(calibrated_at),
+        received_at: UtcMicros(received_at),
+        body: body.into(),
+        body_sha256: body_sha256.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
+        verdicts: VerdictSheet::unpack(id, &verdicts)?,
+    })
+}
+
+impl Store {
+    pub async fn record(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
+        let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts
+                   FROM record WHERE id = $1";
+        let found: Option<Row> = sqlx::query_as(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        found.map(row).transpose()
+    }
+}
+
+impl Writer {
+    /// The record of an IMU at an instant: its id and the hash of its body.
+    pub async fn record_at(&mut self, imu: u32, at: UtcMicros) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        let sql = "SELECT id, body_sha256 FROM record WHERE imu = $1 AND calibrated_at = $2";
+        let found: Option<(i64, Vec<u8>)> =
+            sqlx::query_as(sql).bind(imu).bind(at.0).fetch_optional(&mut self.connection).await?;
+        Ok(found.map(|(id, hash)| (Id(id), hash)))
+    }
+
+    /// The newest record's instant of each IMU.
+    pub async fn newest_of_imus(&mut self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
+        let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
+        let rows: Vec<(u32, Option<i64>)> = sqlx::query_as(sql).fetch_all(&mut self.connection).await?;
+        Ok(rows.into_iter().filter_map(|(imu, at)| Some((imu, UtcMicros(at?)))).collect())
+    }
+
+    pub async fn verdict_sheet(&mut self, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
+        sheet(&mut self.connection, id).await
+    }
+}
+
+async fn sheet(connection: &mut SqliteConnection, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
+    let sql = "SELECT verdicts FROM record WHERE id = $1";
+    let found: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(id.0).fetch_optional(connection).await?;
+    found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
+}

@@ -1,0 +1,175 @@
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use super::*;
+use crate::core::bench::BenchMethod;
+use crate::core::judge::{Coefficient, Event, Rule, State};
+use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
+
+async fn opened(dir: &TempDir) -> (Store, Writer) {
+    let url = format!("sqlite://{}", dir.path().join("test.db").display());
+    open(&Options { url, readers: 2, busy_timeout: Duration::from_secs(1), cache_kib: 1024, checkpoint_pages: 100 })
+        .await
+        .unwrap()
+}
+
+fn record(id: Id, at: i64, note: &str) -> RecordRow {
+    let verdict = StoredVerdict {
+        coefficient: Coefficient::DI,
+        rule: Rule::Step,
+        state: State::Within,
+        value: Some(0.002),
+        limit: 0.01,
+        sd: None,
+        probability: None,
+        confirmed: false,
+    };
+    RecordRow {
+        id,
+        kind: Kind::Record,
+        imu: 1,
+        station: 1,
+        calibrated_at: UtcMicros(at),
+        received_at: UtcMicros(at + 5),
+        body: format!("{{\"note\": \"{note}\"}}").into(),
+        body_sha256: [7; 32],
+        verdicts: VerdictSheet(vec![(1, vec![verdict])]),
+    }
+}
+
+fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
+    let figures = Figures {
+        at: UtcMicros(at),
+        record,
+        imu: 1,
+        station: 1,
+        slot: Slot::G1,
+        rigid: [d_i, 4.6, 0.07],
+        rigid_sd: None,
+        published: None,
+        states: States::default(),
+    };
+    HistoryRow { gyro, figures }
+}
+
+fn first_names() -> Changes {
+    Changes {
+        imus: vec![(1, "IMU-07".into())],
+        stations: vec![(1, "站-2 'quoted'".into())],
+        gyros: vec![(1, "LFG-0101".into()), (2, "LFG-0102".into())],
+        ..Changes::default()
+    }
+}
+
+#[tokio::test]
+async fn what_is_committed_is_read_back_and_survives_reopening() {
+    let dir = TempDir::new().unwrap();
+    let (store, mut writer) = opened(&dir).await;
+    let ids = [writer.next_id(UtcMicros(1_000_000)), writer.next_id(UtcMicros(1_000_000))];
+    let bench = BenchRow {
+        id: writer.next_id(UtcMicros(0)),
+        gyro: 2,
+        station: 1,
+        measured_at: UtcMicros(-3),
+        method: BenchMethod::TorqueFeedback,
+        d: [4.193101, -0.1 - 0.2],
+        sd: [Some(3e-4), None],
+        received_at: UtcMicros(9),
+        body: "{\"é\": \"\\u0000\"}".into(),
+        body_sha256: [9; 32],
+    };
+    let event = EventRow {
+        id: writer.next_id(UtcMicros(0)),
+        gyro: 2,
+        at: UtcMicros(44),
+        event: Event::Repair,
+        reason: "bearing".into(),
+        author: None,
+        received_at: UtcMicros(50),
+    };
+    let key = KeyRow { key: "k-1".into(), item: ids[0], body_sha256: [7; 32] };
+    let records = vec![record(ids[0], 200, "b"), record(ids[1], 100, "a")];
+    let rows = vec![history(ids[0], 1, 200, 2.0), history(ids[1], 1, 100, 1.0), history(ids[0], 2, 200, 3.0)];
+    let changes = Changes {
+        records: records.clone(),
+        history: rows.clone(),
+        benches: vec![bench.clone()],
+        events: vec![event.clone()],
+        keys: vec![key],
+        ..first_names()
+    };
+    writer.commit(&changes).await.unwrap();
+    store.close().await;
+    writer.close().await.unwrap();
+
+    let (store, mut writer) = opened(&dir).await;
+    assert!(writer.next_id(UtcMicros(0)) > event.id, "identifiers go on where they were");
+    assert_eq!(store.names().read().stations.name(1).unwrap().as_ref(), "站-2 'quoted'");
+    assert_eq!(store.record(ids[1]).await.unwrap().unwrap(), records[1]);
+    assert_eq!(store.record(Id(1)).await.unwrap(), None);
+    let of_1 = store.history(1, Span::EVER, 10).await.unwrap();
+    assert_eq!(of_1, [rows[1].figures, rows[0].figures]);
+    assert_eq!(store.newest_history(1, Span::EVER, 1).await.unwrap(), [rows[0].figures]);
+    let early = Span { from: UtcMicros(0), to: UtcMicros(199) };
+    assert_eq!(store.history(1, early, 10).await.unwrap(), [rows[1].figures]);
+    assert_eq!(store.history(77, Span::EVER, 10).await.unwrap(), []);
+    assert_eq!(store.newest_of_gyros(0, 10).await.unwrap(), [(1, Some(rows[0].figures)), (2, Some(rows[2].figures))]);
+    assert_eq!(store.bench_results(2, Span::EVER).await.unwrap(), [bench]);
+    assert_eq!(store.events(2).await.unwrap(), [event]);
+    assert_eq!(writer.key("k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
+    assert_eq!(writer.record_at(1, UtcMicros(100)).await.unwrap(), Some((ids[1], vec![7; 32])));
+    assert_eq!(writer.newest_of_imus().await.unwrap(), [(1, UtcMicros(200))]);
+}
+
+#[tokio::test]
+async fn a_group_with_one_row_that_is_refused_leaves_nothing() {
+    let dir = TempDir::new().unwrap();
+    let (store, mut writer) = opened(&dir).await;
+    let (first, second) = (writer.next_id(UtcMicros(0)), writer.next_id(UtcMicros(0)));
+    let twice = Changes { records: vec![record(first, 5, "a"), record(second, 5, "b")], ..first_names() };
+    assert!(matches!(writer.commit(&twice).await, Err(StoreError::Refused(_))));
+    assert_eq!(store.record(first).await.unwrap(), None);
+    assert_eq!(store.names().read().gyros.len(), 0);
+
+    let good = Changes { records: vec![record(first, 5, "a")], ..first_names() };
+    writer.commit(&good).await.unwrap();
+    assert!(store.record(first).await.unwrap().is_some());
+}
+
+#[tokio::test]
+async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
+    let dir = TempDir::new().unwrap();
+    let (store, mut writer) = opened(&dir).await;
+    let id = writer.next_id(UtcMicros(0));
+    let row = history(id, 1, 5, 2.0);
+    writer
+        .commit(&Changes { records: vec![record(id, 5, "a")], history: vec![row.clone()], ..first_names() })
+        .await
+        .unwrap();
+    let mut sheet = writer.verdict_sheet(id).await.unwrap().unwrap();
+    assert!(sheet.replace(1, vec![]));
+    assert!(!sheet.replace(2, vec![]));
+    let mut anew = row.clone();
+    anew.figures.states = States([Some(State::Exceeded), None, None]);
+    let rejudged = Rejudged { history: vec![anew.clone()], sheets: vec![(id, sheet.clone())] };
+    writer.commit(&Changes { rejudged, ..Changes::default() }).await.unwrap();
+    assert_eq!(store.history(1, Span::EVER, 9).await.unwrap(), [anew.figures]);
+    let stored = store.record(id).await.unwrap().unwrap();
+    assert_eq!((stored.verdicts, stored.body), (sheet, record(id, 5, "a").body));
+}
+
+#[tokio::test]
+async fn the_log_is_copied_and_begun_anew_under_steady_writing() {
+    let dir = TempDir::new().unwrap();
+    let (_store, mut writer) = opened(&dir).await;
+    writer.commit(&first_names()).await.unwrap();
+    let big = "x".repeat(20_000);
+    for at in 0..2_000 {
+        let id = writer.next_id(UtcMicros(0));
+        writer.commit(&Changes { records: vec![record(id, at, &big)], ..Changes::default() }).await.unwrap();
+    }
+    let log = std::fs::metadata(dir.path().join("test.db-wal")).unwrap().len();
+    assert!(log < 20_000_000, "the log has grown to {log} bytes of 40,000,000 written");
+}

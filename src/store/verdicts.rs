@@ -1,0 +1,216 @@
+//! The verdicts of one record, packed with a checksum: what was decided, figure by figure, without the words.
+//!
+//! Words are made again from the history when somebody reads (they are ten times as long). Layout: version 1; then for
+//! each gyro its number (4 bytes), how many verdicts (1), and each verdict as rule, coefficient, flags (1 byte each),
+//! limit (8), and those of value, standard deviation and probability (8 each) that the flags announce; at the
+//! end the CRC-32 of record number (8 bytes) and all before.
+
+use super::error::StoreError;
+use super::id::Id;
+use crate::core::judge::{Coefficient, Rule, State, Verdict};
+
+const VERSION: u8 = 1;
+
+/// A verdict as it was decided, see [`Verdict`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StoredVerdict {
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub state: State,
+    pub value: Option<f64>,
+    pub limit: f64,
+    pub sd: Option<f64>,
+    pub probability: Option<f64>,
+    pub confirmed: bool,
+}
+
+impl From<&Verdict> for StoredVerdict {
+    fn from(verdict: &Verdict) -> Self {
+        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, finding: _ } = *verdict;
+        Self { coefficient, rule, state, value, limit, sd, probability, confirmed }
+    }
+}
+
+/// The verdicts of one record by gyro number, in the order of the record's gyros.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct VerdictSheet(pub Vec<(u32, Vec<StoredVerdict>)>);
+
+impl VerdictSheet {
+    /// Puts new verdicts in the place of those of `gyro`; false where the record does not hold it.
+    pub fn replace(&mut self, gyro: u32, verdicts: Vec<StoredVerdict>) -> bool {
+        let found = self.0.iter_mut().find(|(number, _)| *number == gyro);
+        found.map(|(_, old)| *old = verdicts).is_some()
+    }
+
+    pub(super) fn pack(&self, record: Id, out: &mut Vec<u8>) {
+        let start = out.len();
+        out.push(VERSION);
+        for (gyro, verdicts) in &self.0 {
+            out.extend(gyro.to_le_bytes());
+            out.push(u8::try_from(verdicts.len()).expect("a gyro has a few dozen verdicts at most"));
+            verdicts.iter().for_each(|verdict| pack_one(verdict, out));
+        }
+        out.extend(checksum(record, &out[start..]).to_le_bytes());
+    }
+
+    /// # Errors
+    /// [`StoreError::Damaged`] where the bytes are not what was packed for this record.
+    pub(super) fn unpack(record: Id, bytes: &[u8]) -> Result<Self, StoreError> {
+        Self::read(record, bytes)
+            .ok_or_else(|| StoreError::Damaged(format!("the verdicts of record {record} fail their checksum")))
+    }
+
+    fn read(record: Id, bytes: &[u8]) -> Option<Self> {
+        let (content, sum) = bytes.split_last_chunk()?;
+        if checksum(record, content) != u32::from_le_bytes(*sum) {
+            return None;
+        }
+        let mut reader = Reader(content);
+        let mut sheet = Self::default();
+        if reader.byte()? != VERSION {
+            return None;
+        }
+        while !reader.0.is_empty() {
+            let gyro = u32::from_le_bytes(reader.take()?);
+            let count = reader.byte()?;
+            let verdicts = (0..count).map(|_| reader.verdict()).collect::<Option<_>>()?;
+            sheet.0.push((gyro, verdicts));
+        }
+        Some(sheet)
+    }
+}
+
+const CONFIRMED: u8 = 4;
+const HAS_VALUE: u8 = 8;
+const HAS_SD: u8 = 16;
+const HAS_PROBABILITY: u8 = 32;
+
+fn pack_one(verdict: &StoredVerdict, out: &mut Vec<u8>) {
+    let flag = |set: bool, flag: u8| if set { flag } else { 0 };
+    let flags = place(&State::ALL, verdict.state)
+        | flag(verdict.confirmed, CONFIRMED)
+        | flag(verdict.value.is_some(), HAS_VALUE)
+        | flag(verdict.sd.is_some(), HAS_SD)
+        | flag(verdict.probability.is_some(), HAS_PROBABILITY);
+    out.extend([place(&Rule::ALL, verdict.rule), place(&Coefficient::ALL, verdict.coefficient), flags]);
+    out.extend(verdict.limit.to_le_bytes());
+    for figure in [verdict.value, verdict.sd, verdict.probability].into_iter().flatten() {
+        out.extend(figure.to_le_bytes());
+    }
+}
+
+/// The codes are the places in the core's lists, which only ever grow at their ends (a test below pins them).
+fn place<T: PartialEq>(all: &[T], one: T) -> u8 {
+    all.iter().position(|other| *other == one).expect("the list holds every variant") as u8
+}
+
+fn checksum(record: Id, bytes: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&record.0.to_le_bytes());
+    hasher.update(bytes);
+    hasher.finalize()
+}
+
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (head, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*head)
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        self.take::<1>().map(|[byte]| byte)
+    }
+
+    fn figure(&mut self) -> Option<f64> {
+        self.take().map(f64::from_le_bytes)
+    }
+
+    fn verdict(&mut self) -> Option<StoredVerdict> {
+        let [rule, coefficient, flags] = self.take()?;
+        let limit = self.figure()?;
+        let mut optional = |flag| if flags & flag == 0 { Some(None) } else { self.figure().map(Some) };
+        Some(StoredVerdict {
+            value: optional(HAS_VALUE)?,
+            sd: optional(HAS_SD)?,
+            probability: optional(HAS_PROBABILITY)?,
+            rule: *Rule::ALL.get(usize::from(rule))?,
+            coefficient: *Coefficient::ALL.get(usize::from(coefficient))?,
+            state: *State::ALL.get(usize::from(flags & 3))?,
+            confirmed: flags & CONFIRMED != 0,
+            limit,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet() -> VerdictSheet {
+        let verdict = StoredVerdict {
+            coefficient: Coefficient::DS,
+            rule: Rule::Step,
+            state: State::Exceeded,
+            value: Some(0.0123),
+            limit: 0.01,
+            sd: None,
+            probability: Some(0.99),
+            confirmed: true,
+        };
+        let bare =
+            StoredVerdict { value: None, probability: None, confirmed: false, state: State::Indeterminate, ..verdict };
+        VerdictSheet(vec![
+            (7, vec![verdict, bare]),
+            (8, vec![]),
+            (9, vec![StoredVerdict { sd: Some(1e-4), ..verdict }]),
+        ])
+    }
+
+    fn packed(sheet: &VerdictSheet) -> Vec<u8> {
+        let mut out = Vec::new();
+        sheet.pack(Id(5), &mut out);
+        out
+    }
+
+    #[test]
+    fn verdicts_come_back_as_they_were_decided() {
+        assert_eq!(VerdictSheet::unpack(Id(5), &packed(&sheet())).unwrap(), sheet());
+    }
+
+    #[test]
+    fn every_flipped_bit_a_cut_and_another_record_are_found_out() {
+        let good = packed(&sheet());
+        assert!(VerdictSheet::unpack(Id(6), &good).is_err());
+        for bit in 0..good.len() * 8 {
+            let mut bad = good.clone();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(VerdictSheet::unpack(Id(5), &bad).is_err(), "bit {bit}");
+        }
+        for len in 0..good.len() {
+            assert!(VerdictSheet::unpack(Id(5), &good[..len]).is_err(), "{len} bytes");
+        }
+    }
+
+    #[test]
+    fn the_stored_codes_never_change() {
+        let names = Rule::ALL.map(Rule::name);
+        let known = [
+            "step",
+            "range",
+            "baseline",
+            "trend",
+            "cusum",
+            "rms_successive",
+            "closure",
+            "agreement",
+            "requirement",
+            "overdue",
+        ];
+        assert_eq!(names[..known.len()], known);
+        assert_eq!(Coefficient::ALL.map(Coefficient::name)[..6], ["D_I", "D_S", "D_O", "E", "G", "all"]);
+        assert_eq!(State::ALL.map(State::name), ["within", "indeterminate", "exceeded"]);
+    }
+}

@@ -162,3 +162,91 @@ fn the_untilted_branches_are_table_2() {
         assert!((published.d_i - 2.0).abs() < 1e-12 && (published.d_s + 3.0).abs() < 1e-12, "{published:?}");
     }
 }
+
+/// Tables 3 and 4, and the separation column of Table 5.
+const E: [[f64; 3]; 3] = [[0.8473, -0.6011, 1.0367], [0.8478, -0.6000, -1.0381], [0.8533, 1.2062, -0.0008]];
+const G: [[f64; 3]; 3] = [[2.4210, 4.0554, 6.5179], [0.8634, 4.6419, -3.4081], [0.9901, 1.4495, -9.9775]];
+const TABLE_5: [[f64; 2]; 3] = [[4.192621, 5.771440], [1.584334, 6.131210], [1.686447, -9.976657]];
+
+/// S by every equation that could be meant for the slot: tilted, untilted, tilted as printed, and the rigid S^.
+fn spin_axes(slot: Slot, input: &Vector3<f64>) -> Vec<Vector3<f64>> {
+    let (i, s) = (angles_deg(&skewed(slot).input()), angles_deg(&skewed(slot).spin()));
+    let d: Vec<f64> = angles_deg(input).iter().zip(i).map(|(a, b)| a - b).collect();
+    let gains = match slot {
+        Slot::G1 => [[-18.7292, 0.8861, -1.1102], [0.0; 3], [-18.7292, 0.8861, -1.1102]],
+        Slot::G2 => [[-18.7292, 0.8861, -1.1103], [0.0; 3], [-18.7292, 0.8861, 1.1103]],
+        Slot::G3 => [[18.7292, 13.2839, 1.0], [0.0; 3], [-18.7292, -13.2839, -1.0]],
+    };
+    let tilted = gains.map(|gain| Vector3::from_fn(|r, _| cos_deg(s[r] + gain[r] * d[r])));
+    tilted.into_iter().chain([of_pair(slot, input, Vector3::x()).rigid.spin_axis]).collect()
+}
+
+/// D_I and D_S by least squares over the rows that are kept.
+fn solved(input: &Vector3<f64>, spin: &Vector3<f64>, y: &Vector3<f64>, kept: &Vector3<f64>) -> [f64; 2] {
+    let (i, s, y) = (input.component_mul(kept), spin.component_mul(kept), y.component_mul(kept));
+    let determinant = i.dot(&i) * s.dot(&s) - i.dot(&s).powi(2);
+    [
+        (s.dot(&s) * i.dot(&y) - i.dot(&s) * s.dot(&y)) / determinant,
+        (i.dot(&i) * s.dot(&y) - i.dot(&s) * i.dot(&y)) / determinant,
+    ]
+}
+
+#[test]
+fn table_5_does_not_follow_from_tables_3_and_4_in_any_reading() {
+    let permutations = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let signs = (0..8).map(|bits| Vector3::from_fn(|r, _| if bits >> r & 1 == 1 { -1.0 } else { 1.0 }));
+    let signs: Vec<Vector3<f64>> = signs.collect();
+    let kept = [[1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]].map(Vector3::from);
+    let (mut readings, mut nearest) = (0, f64::INFINITY);
+    for slot in Slot::ALL {
+        let e = Vector3::from(E[slot.index()]);
+        let input = e.normalize();
+        for (g, unit) in G.iter().flat_map(|g| [1.0 / e.norm(), 1.0, e.norm()].map(|unit| (g, unit))) {
+            for (order, sign) in permutations.iter().flat_map(|order| signs.iter().map(move |sign| (order, sign))) {
+                let y = Vector3::from_fn(|r, _| g[order[r]] * sign[r] * unit);
+                for (spin, kept) in spin_axes(slot, &input).iter().flat_map(|s| kept.iter().map(move |k| (s, k))) {
+                    let d = solved(&input, spin, &y, kept);
+                    let want = TABLE_5[slot.index()];
+                    nearest = nearest.min((d[0] - want[0]).abs().max((d[1] - want[1]).abs()));
+                    readings += 1;
+                }
+            }
+        }
+    }
+    println!("{readings} readings, the nearest misses a gyro of Table 5 by {nearest:.4} deg/(h g0)");
+    assert_eq!(readings, 20_736);
+    assert!(nearest > 1e-2, "a reading was found: {nearest}");
+}
+
+#[test]
+fn table_5_implies_another_g_than_table_4() {
+    let implied_minus_printed = |divided: bool| {
+        let mut largest = 0.0_f64;
+        for slot in Slot::ALL {
+            let e = Vector3::from(E[slot.index()]);
+            let input = e.normalize();
+            let spin = spin_axes(slot, &input)[usize::from(slot == Slot::G3)]; // (8), (10), (13)
+            let [d_i, d_s] = TABLE_5[slot.index()];
+            let scale = if divided { 1.0 } else { e.norm() };
+            let implied = (input * d_i + spin * d_s) * scale;
+            largest = largest.max((implied - Vector3::from(G[slot.index()])).amax());
+        }
+        largest
+    };
+    // Even read as already divided by |E|, Table 4 is 0.78 off; read as its unit says, 4.8.
+    assert!((implied_minus_printed(true) - 0.78).abs() < 0.005, "{}", implied_minus_printed(true));
+    assert!((implied_minus_printed(false) - 4.76).abs() < 0.02, "{}", implied_minus_printed(false));
+}
+
+#[test]
+fn the_angles_of_equation_14_are_not_those_of_table_3() {
+    let printed = [[54.7406, 114.1869, 45.0613], [54.7415, 114.1241, 134.9941], [54.7271, 35.2787, 90.0377]];
+    let mut largest = 0.0_f64;
+    for ((angles, e), sum) in printed.iter().zip(E).zip([1.00005, 1.00018, 0.99990]) {
+        let squares: f64 = angles.iter().map(|&a| cos_deg(a).powi(2)).sum();
+        assert!((squares - sum).abs() < 6e-6, "{squares}");
+        let measured = angles_deg(&Vector3::from(e).normalize());
+        largest = angles.iter().zip(measured).fold(largest, |largest, (a, b)| largest.max((a - b).abs()));
+    }
+    assert!((0.009..0.01).contains(&largest), "{largest}");
+}

@@ -22,7 +22,7 @@ impl Measured {
 
     /// `self - earlier`, the two taken as independent campaigns.
     pub(crate) fn minus(self, earlier: Self) -> Self {
-        let sd = self.sd.zip(earlier.sd).map(|(a, b)| a.hypot(b));
+        let sd = self.sd.zip(earlier.sd).map(|(a, b)| (a * a + b * b).sqrt());
         Self { value: self.value - earlier.value, sd }
     }
 

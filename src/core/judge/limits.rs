@@ -123,7 +123,7 @@ impl Default for Limits {
 /// (records per false alarm, threshold) of the two-sided sum as `rules/cusum.rs` makes it, from 4,000 simulated runs:
 /// `cargo run --release --example judging thresholds`.
 const CUSUM_THRESHOLDS: [(f64, f64); 6] =
-    [(100.0, 3.51), (200.0, 4.21), (500.0, 5.15), (1000.0, 5.87), (2000.0, 6.60), (5000.0, 7.58)];
+    [(100.0, 3.49), (200.0, 4.20), (500.0, 5.14), (1000.0, 5.85), (2000.0, 6.58), (5000.0, 7.55)];
 
 impl CusumLimits {
     /// The threshold of the sum for the wanted run length: log-linear in between, the end values beyond.

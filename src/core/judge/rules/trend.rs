@@ -146,9 +146,12 @@ impl Records {
     /// Median of x - slope t, minus the baseline: the deviation at the judged record.
     fn median_deviation(&self, baseline: f64, per_day: f64) -> f64 {
         let mut off: [f64; TREND_RECORDS] = std::array::from_fn(|i| self.x[i] - per_day * self.t[i] - baseline);
-        let off = &mut off[..self.n];
-        off.sort_unstable_by(f64::total_cmp);
-        0.5 * (off[(self.n - 1) / 2] + off[self.n / 2])
+        let (lower, &mut upper_middle, _) = off[..self.n].select_nth_unstable_by(self.n / 2, f64::total_cmp);
+        if self.n % 2 == 1 {
+            return upper_middle;
+        }
+        let lower_middle = lower.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        0.5 * (lower_middle + upper_middle)
     }
 
     /// The record at which a change of level explains the values better (by least squares) than a line does.

@@ -22,6 +22,7 @@
 // What ships never unwraps in silence: `expect` says why it cannot fail.
 #![warn(clippy::unwrap_used)]
 
+pub mod alert;
 pub mod blindcheck;
 pub mod cli;
 pub mod config;

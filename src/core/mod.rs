@@ -17,6 +17,7 @@ pub mod model;
 pub mod mounting;
 pub mod notify;
 pub mod record;
+pub mod route;
 pub mod separate;
 pub mod time;
 pub mod units;

@@ -4,6 +4,7 @@
 //! Reading has two stages: serde checks shape and types and stops at the first fault; conversion to the core
 //! type then collects every fault of content. Both name places by JSON pointers with the names on the wire.
 
+pub mod alert;
 pub mod answer;
 pub mod bench;
 pub mod campaign;

@@ -1,0 +1,270 @@
+//! One attempt to tell one target. It ends within seconds whatever the target does, reads a few kilobytes at most, and says
+//! in words how it went: what is decided from that is the caller's.
+
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+use reqwest::header::{AUTHORIZATION, CONTENT_TYPE, HeaderMap, HeaderValue, LOCATION, RETRY_AFTER};
+use reqwest::{Certificate, Client, Response, StatusCode};
+use url::Url;
+
+use super::message::HookKind;
+use super::payload::Payload;
+use super::resolver::{GuardedResolver, ResolveError};
+use super::target::TargetPolicy;
+use crate::core::time::UtcMicros;
+use crate::system;
+
+/// How long a target may take, and how much of its answer is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AttemptLimits {
+    pub connect: Duration,
+    /// From the name's resolution to the end of what is read of the answer.
+    pub whole: Duration,
+    /// For the answer's body, once its status is there: the status alone decides.
+    pub body: Duration,
+    pub body_bytes: usize,
+}
+
+impl Default for AttemptLimits {
+    fn default() -> Self {
+        Self {
+            connect: Duration::from_secs(5),
+            whole: Duration::from_secs(15),
+            body: Duration::from_secs(2),
+            body_bytes: 4096,
+        }
+    }
+}
+
+/// Where to, and with which headers beside the payload's own.
+#[derive(Clone, Copy)]
+pub struct Destination<'a> {
+    pub kind: HookKind,
+    pub url: &'a str,
+    /// The whole value of the `Authorization` header.
+    pub authorization: Option<&'a str>,
+}
+
+/// How an attempt went.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attempt {
+    pub outcome: Outcome,
+    pub status: Option<u16>,
+    /// For people; empty where nothing is worth a word.
+    pub detail: String,
+    pub took: Duration,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    Delivered,
+    /// Trying again may help.
+    Failed {
+        retry_after: Option<Duration>,
+    },
+    /// 410: the target wants to hear no more.
+    Gone,
+}
+
+/// The client that all attempts share.
+pub struct Courier {
+    client: Client,
+    policy: TargetPolicy,
+    limits: AttemptLimits,
+}
+
+impl Courier {
+    /// `extra_roots`: certificates in PEM that are trusted beside the system's, for a laboratory's own authority.
+    pub fn new(policy: TargetPolicy, limits: AttemptLimits, extra_roots: Option<&[u8]>) -> reqwest::Result<Self> {
+        Self::with_resolver(GuardedResolver::system(policy.clone()), policy, limits, extra_roots)
+    }
+
+    pub fn with_resolver(
+        resolver: GuardedResolver,
+        policy: TargetPolicy,
+        limits: AttemptLimits,
+        extra_roots: Option<&[u8]>,
+    ) -> reqwest::Result<Self> {
+        let roots = extra_roots.map(Certificate::from_pem_bundle).transpose()?.unwrap_or_default();
+        let client = system::http_client(limits.connect, limits.whole)
+            .dns_resolver(std::sync::Arc::new(resolver))
+            .pool_max_idle_per_host(4)
+            .tls_certs_merge(roots)
+            .build()?;
+        Ok(Self { client, policy, limits })
+    }
+
+    /// Sends one payload. `signature`: the headers that [`super::sign::headers`] made for it.
+    pub async fn attempt(
+        &self,
+        to: Destination<'_>,
+        signature: &[(&'static str, String)],
+        payload: Payload,
+        now: UtcMicros,
+    ) -> Attempt {
+        let started = Instant::now();
+        let (outcome, status, detail) = match self.exchange(to, signature, payload).await {
+            Ok(response) => self.read_answer(response, now).await,
+            Err(why) => (Outcome::Failed { retry_after: None }, None, why),
+        };
+        Attempt { outcome, status: status.map(|status| status.as_u16()), detail, took: started.elapsed() }
+    }
+
+    async fn exchange(
+        &self,
+        to: Destination<'_>,
+        signature: &[(&'static str, String)],
+        payload: Payload,
+    ) -> Result<Response, String> {
+        let url = endpoint(to.kind, self.policy.check_url(to.url)?);
+        let mut headers = HeaderMap::new();
+        headers.insert(CONTENT_TYPE, HeaderValue::from_static(payload.content_type));
+        for (name, value) in signature {
+            headers.insert(*name, header_value(value)?);
+        }
+        if let Some(authorization) = to.authorization {
+            let mut value = header_value(authorization)?;
+            value.set_sensitive(true);
+            headers.insert(AUTHORIZATION, value);
+        }
+        let request = self.client.post(url).headers(headers).body(payload.body);
+        request.send().await.map_err(|error| self.describe(&error))
+    }
+
+    async fn read_answer(&self, response: Response, now: UtcMicros) -> (Outcome, Option<StatusCode>, String) {
+        let status = response.status();
+        let retry_after = response.headers().get(RETRY_AFTER).and_then(|value| read_retry_after(value, now));
+        let location = response.headers().get(LOCATION).map(|to| printable(&String::from_utf8_lossy(to.as_bytes())));
+        let (text, cut) = self.read_body(response).await;
+        let detail = match location {
+            _ if status.is_success() => cut.unwrap_or_default(),
+            Some(to) if status.is_redirection() => {
+                format!("answered {status} to {to}: redirects are not followed, name the final address")
+            }
+            _ => [format!("answered {status}"), text, cut.unwrap_or_default()]
+                .into_iter()
+                .filter(|part| !part.is_empty())
+                .collect::<Vec<_>>()
+                .join(": "),
+        };
+        let outcome = match status {
+            StatusCode::GONE => Outcome::Gone,
+            _ if status.is_success() => Outcome::Delivered,
+            _ => Outcome::Failed { retry_after },
+        };
+        (outcome, Some(status), detail)
+    }
+
+    /// The beginning of the body, and why it is not the whole of it.
+    async fn read_body(&self, mut response: Response) -> (String, Option<String>) {
+        let mut bytes = Vec::new();
+        let reading = async {
+            while let Some(chunk) = response.chunk().await? {
+                let room = self.limits.body_bytes - bytes.len();
+                bytes.extend_from_slice(&chunk[..chunk.len().min(room)]);
+                if chunk.len() > room {
+                    return Ok(false);
+                }
+            }
+            Ok::<_, reqwest::Error>(true)
+        };
+        let cut = match tokio::time::timeout(self.limits.body, reading).await {
+            Ok(Ok(true)) => None,
+            Ok(Ok(false)) => Some(format!("the answer was cut off after {} bytes", self.limits.body_bytes)),
+            Ok(Err(error)) => Some(format!("the answer broke off: {}", self.describe(&error))),
+            Err(_) => Some(format!("the answer did not end within {} s", self.limits.body.as_secs_f64())),
+        };
+        (printable(&String::from_utf8_lossy(&bytes)), cut)
+    }
+
+    /// What went wrong, without the address: it may hold a secret, and whoever reads this knows the hook.
+    fn describe(&self, error: &reqwest::Error) -> String {
+        let causes: Vec<&(dyn Error + 'static)> = std::iter::successors(error.source(), |&e| e.source()).collect();
+        if let Some(refused) = causes.iter().find_map(|cause| cause.downcast_ref::<ResolveError>()) {
+            return refused.to_string();
+        }
+        let root = causes.last().map(|cause| printable(&cause.to_string())).unwrap_or_default();
+        match (error.is_timeout(), error.is_connect()) {
+            (true, true) => format!("no connection within {} s", self.limits.connect.as_secs_f64()),
+            (true, false) => format!("no answer within {} s", self.limits.whole.as_secs_f64()),
+            (false, true) if causes.iter().any(|cause| is_tls(*cause)) => format!("TLS failed: {root}"),
+            (false, true) => format!("no connection: {root}"),
+            (false, false) => format!("no HTTP answer: {root}"),
+        }
+    }
+}
+
+/// The URL that is posted to.
+pub fn endpoint(kind: HookKind, mut url: Url) -> Url {
+    const PUSH: &str = "/api/v2/alerts";
+    if kind == HookKind::Alertmanager && !url.path().ends_with(PUSH) {
+        url.set_path(&format!("{}{PUSH}", url.path().trim_end_matches('/')));
+    }
+    url
+}
+
+fn header_value(text: &str) -> Result<HeaderValue, String> {
+    HeaderValue::from_str(text).map_err(|_| "a header would hold a control character".to_owned())
+}
+
+/// rustls hides inside `io::Error`s within `io::Error`s, whose `source` skips what they wrap.
+fn is_tls(error: &(dyn Error + 'static)) -> bool {
+    let inner = error.downcast_ref::<std::io::Error>().and_then(|io| io.get_ref());
+    error.is::<rustls::Error>() || inner.is_some_and(|inner| is_tls(inner))
+}
+
+/// Seconds, or a date (RFC 9110, 10.2.3).
+fn read_retry_after(value: &HeaderValue, now: UtcMicros) -> Option<Duration> {
+    let text = value.to_str().ok()?.trim();
+    if let Ok(seconds) = text.parse() {
+        return Some(Duration::from_secs(seconds));
+    }
+    let date = jiff::fmt::rfc2822::DateTimeParser::new().parse_timestamp(text).ok()?;
+    u64::try_from(date.as_microsecond() - now.0).ok().map(Duration::from_micros)
+}
+
+/// What a target says, fit for one line of a table.
+fn printable(text: &str) -> String {
+    const MOST: usize = 300;
+    let clean = |c: char| if c.is_control() || c == '\u{fffd}' { ' ' } else { c };
+    let words: String = text.chars().map(clean).collect();
+    let mut line = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    if let Some((end, _)) = line.char_indices().nth(MOST) {
+        line.truncate(end);
+        line.push('…');
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn retry_after_is_read_as_seconds_or_as_a_date() {
+        let now = UtcMicros(784_111_777 * UtcMicros::SECOND); // Sun, 06 Nov 1994 08:49:37 GMT
+        let read = |text: &str| read_retry_after(&HeaderValue::from_str(text).unwrap(), now);
+        assert_eq!(read("120"), Some(Duration::from_secs(120)));
+        assert_eq!(read("Sun, 06 Nov 1994 08:51:37 GMT"), Some(Duration::from_secs(120)));
+        assert_eq!(read("Sun, 06 Nov 1994 08:49:36 GMT"), None);
+        assert_eq!(read("-5"), None);
+        assert_eq!(read("soon"), None);
+    }
+
+    #[test]
+    fn an_alertmanager_is_posted_to_where_it_takes_alerts() {
+        let at = |url: &str| endpoint(HookKind::Alertmanager, Url::parse(url).unwrap()).to_string();
+        assert_eq!(at("http://am:9093"), "http://am:9093/api/v2/alerts");
+        assert_eq!(at("http://am/prefix/"), "http://am/prefix/api/v2/alerts");
+        assert_eq!(at("http://am/api/v2/alerts"), "http://am/api/v2/alerts");
+        let hook = endpoint(HookKind::CloudEvents, Url::parse("http://am/x").unwrap());
+        assert_eq!(hook.to_string(), "http://am/x");
+    }
+
+    #[test]
+    fn what_a_target_says_becomes_one_short_line() {
+        assert_eq!(printable("a\r\n\x1b[31mb\u{0}\t c"), "a [31mb c");
+        assert_eq!(printable(&"x".repeat(1000)).chars().count(), 301);
+    }
+}

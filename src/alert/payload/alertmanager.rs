@@ -1,0 +1,233 @@
+//! Alertmanager's two formats: the alerts that are pushed to it, and the body (version 4) that it posts to others.
+//!
+//! An Alertmanager knows an alert by its label set, so labels hold what lasts (gyro, coefficient, rule) and the
+//! severity, by which people route; figures and the IMU of the day are annotations. When the severity rises, the
+//! label set of the lower one is resolved in the same breath.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::{Context, Payload, summary, to_json};
+use crate::alert::message::{Event, Message};
+use crate::core::judge::Severity;
+use crate::core::notify::Action;
+use crate::core::time::UtcMicros;
+use crate::wire::alert::AlertBody;
+use crate::wire::time;
+
+/// A pushed alert expires by itself when so many pushes have failed to come: then nobody watches the gyro any more.
+pub const EXPIRES_AFTER_RESENDS: i64 = 4;
+
+/// What Go's zero time looks like: an alert that has no end yet.
+const NO_END: &str = "0001-01-01T00:00:00Z";
+
+type Labels = BTreeMap<&'static str, String>;
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Alert {
+    labels: Labels,
+    annotations: Labels,
+    starts_at: String,
+    ends_at: String,
+    #[serde(rename = "generatorURL")]
+    generator_url: String,
+}
+
+#[derive(Serialize)]
+struct ReceivedAlert {
+    status: &'static str,
+    #[serde(flatten)]
+    alert: Alert,
+    fingerprint: String,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Webhook<'a> {
+    version: &'static str,
+    group_key: String,
+    truncated_alerts: u32,
+    status: &'static str,
+    receiver: &'a str,
+    group_labels: Labels,
+    common_labels: Labels,
+    common_annotations: Labels,
+    #[serde(rename = "externalURL")]
+    external_url: &'a str,
+    alerts: Vec<ReceivedAlert>,
+}
+
+/// `POST /api/v2/alerts` of a message.
+pub fn render_push(message: &Message, context: &Context<'_>) -> Payload {
+    let alerts: Vec<Alert> = alerts_of(message, context, &time::format(expiry(context)))
+        .into_iter()
+        .map(|received| received.alert)
+        .collect();
+    json_payload(&alerts)
+}
+
+/// `POST /api/v2/alerts` of everything that fires: sent again and again, so that an Alertmanager that was restarted knows
+/// it too and one that is not told any more lets it go.
+pub fn push_firing(firing: &[AlertBody], context: &Context<'_>) -> Payload {
+    let expiry = time::format(expiry(context));
+    let alerts: Vec<Alert> = firing.iter().map(|alert| of_alert(alert, &alert.severity, &expiry, context)).collect();
+    json_payload(&alerts)
+}
+
+/// The body that an Alertmanager would post to its webhook receivers.
+pub fn render_webhook(message: &Message, context: &Context<'_>) -> Payload {
+    let alerts = alerts_of(message, context, NO_END);
+    let status = if alerts.iter().any(|alert| alert.status == "firing") { "firing" } else { "resolved" };
+    let group_labels = group_labels(&message.event);
+    let body = Webhook {
+        version: "4",
+        group_key: group_key(&group_labels),
+        truncated_alerts: 0,
+        status,
+        receiver: context.hook,
+        group_labels,
+        common_labels: common(alerts.iter().map(|alert| &alert.alert.labels)),
+        common_annotations: common(alerts.iter().map(|alert| &alert.alert.annotations)),
+        external_url: context.external_url.unwrap_or_default(),
+        alerts,
+    };
+    json_payload(&body)
+}
+
+fn json_payload(body: &impl Serialize) -> Payload {
+    Payload { content_type: "application/json", body: to_json(body) }
+}
+
+fn expiry(context: &Context<'_>) -> UtcMicros {
+    UtcMicros(context.now.0.saturating_add(context.resend_every.saturating_mul(EXPIRES_AFTER_RESENDS)))
+}
+
+/// The alert of the message; when it has escalated, followed by the lower severity's, resolved.
+fn alerts_of(message: &Message, context: &Context<'_>, open_end: &str) -> Vec<ReceivedAlert> {
+    let (action, alert) = match &message.event {
+        Event::Alert(action, alert) => (*action, alert),
+        Event::Test => return vec![received("firing", test_alert(message, context, open_end))],
+    };
+    let at = time::format(message.at);
+    if action == Action::Resolve {
+        return vec![received("resolved", of_alert(alert, &alert.severity, &at, context))];
+    }
+    let mut alerts = vec![received("firing", of_alert(alert, &alert.severity, open_end, context))];
+    if action == Action::Escalate {
+        let risen_to = Severity::from_name(&alert.severity);
+        let lower = Severity::ALL.into_iter().filter(|severity| Some(*severity) < risen_to);
+        alerts.extend(lower.map(|severity| received("resolved", of_alert(alert, severity.name(), &at, context))));
+    }
+    alerts
+}
+
+fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<'_>) -> Alert {
+    let mut labels = identity(alert);
+    labels.insert("severity", severity.to_owned());
+    let finding = &alert.finding;
+    let mut annotations = Labels::from([
+        ("summary", summary(alert, alert.state == "resolved")),
+        ("description", finding.reason.clone()),
+        ("limit", format!("{} {}", finding.limit, finding.unit)),
+    ]);
+    let mut annotate = |name, text: Option<String>| {
+        if let Some(text) = text {
+            annotations.insert(name, text);
+        }
+    };
+    annotate("value", finding.value.map(|value| format!("{value} {}", finding.unit)));
+    annotate("imu", finding.imu.clone());
+    annotate("slot", finding.slot.as_ref().map(ToString::to_string));
+    annotate("station", finding.station.clone());
+    annotate("record", finding.record.clone());
+    annotate("calibrated_at", finding.calibrated_at.clone());
+    Alert {
+        labels,
+        annotations,
+        starts_at: alert.fired_at.clone(),
+        ends_at: ends_at.to_owned(),
+        generator_url: page(context, &alert.serial),
+    }
+}
+
+fn test_alert(message: &Message, context: &Context<'_>, ends_at: &str) -> Alert {
+    let summary = format!("Test of the hook {}: nothing is wrong", context.hook);
+    Alert {
+        labels: Labels::from([("alertname", "GyrowatchTest".to_owned()), ("severity", "none".to_owned())]),
+        annotations: Labels::from([("summary", summary)]),
+        starts_at: time::format(message.at),
+        ends_at: ends_at.to_owned(),
+        generator_url: context.external_url.unwrap_or_default().to_owned(),
+    }
+}
+
+/// What makes the alert this alert, whatever its severity.
+fn identity(alert: &AlertBody) -> Labels {
+    Labels::from([
+        ("alertname", alert_name(&alert.rule)),
+        ("serial", alert.serial.clone()),
+        ("coefficient", alert.coefficient.to_string()),
+        ("rule", alert.rule.to_string()),
+    ])
+}
+
+fn group_labels(event: &Event) -> Labels {
+    match event {
+        Event::Alert(_, alert) => identity(alert),
+        Event::Test => Labels::from([("alertname", "GyrowatchTest".to_owned())]),
+    }
+}
+
+/// `rms_successive` -> `GyroRmsSuccessive`.
+fn alert_name(rule: &str) -> String {
+    let mut name = "Gyro".to_owned();
+    for word in rule.split('_') {
+        let mut chars = word.chars();
+        name.extend(chars.next().map(|first| first.to_ascii_uppercase()));
+        name.push_str(chars.as_str());
+    }
+    name
+}
+
+/// `{}:{alertname="GyroStep", …}`, as Alertmanager writes a group of its root route.
+fn group_key(labels: &Labels) -> String {
+    let pairs: Vec<String> = labels.iter().map(|(name, value)| format!("{name}={value:?}")).collect();
+    format!("{{}}:{{{}}}", pairs.join(", "))
+}
+
+/// The pairs that all have.
+fn common<'l>(mut all: impl Iterator<Item = &'l Labels>) -> Labels {
+    let mut common = all.next().cloned().unwrap_or_default();
+    for other in all {
+        common.retain(|name, value| other.get(name) == Some(value));
+    }
+    common
+}
+
+fn received(status: &'static str, alert: Alert) -> ReceivedAlert {
+    let fingerprint = format!("{:016x}", fingerprint(&alert.labels));
+    ReceivedAlert { status, alert, fingerprint }
+}
+
+/// How Alertmanager knows a label set: FNV-1a (64 bit) over the sorted names and values, each followed by 0xff.
+fn fingerprint(labels: &Labels) -> u64 {
+    let bytes = labels.iter().flat_map(|(name, value)| {
+        name.bytes().chain(std::iter::once(0xff)).chain(value.bytes()).chain(std::iter::once(0xff))
+    });
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// The page of the gyro.
+fn page(context: &Context<'_>, serial: &str) -> String {
+    let Some(base) = context.external_url else { return String::new() };
+    let mut url = format!("{base}/gyros/");
+    for byte in serial.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
+            _ => url.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    url
+}

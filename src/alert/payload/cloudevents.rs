@@ -1,0 +1,39 @@
+//! CloudEvents 1.0 in the structured JSON format.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::{Context, Payload, standard, to_json};
+use crate::alert::message::{Event, Message};
+use crate::wire::time;
+
+#[derive(Serialize)]
+struct Body<'a> {
+    specversion: &'static str,
+    id: &'a str,
+    source: &'a str,
+    r#type: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    subject: Option<&'a str>,
+    time: String,
+    datacontenttype: &'static str,
+    data: Value,
+}
+
+pub fn render(message: &Message, context: &Context<'_>) -> Payload {
+    let subject = match &message.event {
+        Event::Alert(_, alert) => Some(alert.serial.as_str()),
+        Event::Test => None,
+    };
+    let body = Body {
+        specversion: "1.0",
+        id: &message.id,
+        source: context.external_url.unwrap_or("/gyrowatch"),
+        r#type: format!("gyrowatch.{}", message.event.name()),
+        subject,
+        time: time::format(message.at),
+        datacontenttype: "application/json",
+        data: standard::data(&message.event),
+    };
+    Payload { content_type: "application/cloudevents+json; charset=UTF-8", body: to_json(&body) }
+}

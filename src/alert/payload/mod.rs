@@ -1,0 +1,58 @@
+//! From a message to the body that a hook's target understands: pure mappings, one file a dialect.
+
+mod alertmanager;
+mod cloudevents;
+mod standard;
+
+use serde::Serialize;
+
+use super::message::{HookKind, Message};
+use crate::core::time::UtcMicros;
+use crate::wire::alert::AlertBody;
+
+pub use alertmanager::{EXPIRES_AFTER_RESENDS, push_firing};
+
+/// What a hook is told, ready to be sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Payload {
+    pub content_type: &'static str,
+    pub body: Vec<u8>,
+}
+
+/// What bodies say about the service and the hook itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Context<'a> {
+    /// The hook's name: the `receiver` of Alertmanager's body.
+    pub hook: &'a str,
+    /// Where people reach the service's pages, without a slash at its end; none where nobody has said.
+    pub external_url: Option<&'a str>,
+    /// How often what fires is pushed to an Alertmanager again, in microseconds.
+    pub resend_every: i64,
+    pub now: UtcMicros,
+}
+
+pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Payload {
+    match kind {
+        HookKind::StandardWebhooks => standard::render(message),
+        HookKind::AlertmanagerWebhook => alertmanager::render_webhook(message, context),
+        HookKind::Alertmanager => alertmanager::render_push(message, context),
+        HookKind::CloudEvents => cloudevents::render(message, context),
+    }
+}
+
+/// One line for people: `LFG-0101: D_I step fires (warning)`.
+fn summary(alert: &AlertBody, resolved: bool) -> String {
+    let AlertBody { serial, coefficient, rule, severity, .. } = alert;
+    if resolved {
+        format!("{serial}: {coefficient} {rule} is resolved")
+    } else {
+        format!("{serial}: {coefficient} {rule} fires ({severity})")
+    }
+}
+
+fn to_json(body: &impl Serialize) -> Vec<u8> {
+    serde_json::to_vec(body).expect("bodies have string keys, and every figure in them is finite or written as null")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,215 @@
+use insta::assert_json_snapshot;
+use serde_json::Value;
+
+use super::*;
+use crate::alert::message::Event;
+use crate::core::notify::Action;
+use crate::wire::alert::FindingBody;
+
+fn alert() -> AlertBody {
+    AlertBody {
+        id: "a1".into(),
+        serial: "LFG 01/01".into(),
+        coefficient: "D_I".into(),
+        rule: "rms_successive".into(),
+        state: "firing".into(),
+        severity: "critical".into(),
+        fired_at: "2026-03-01T08:00:00Z".into(),
+        resolved_at: None,
+        finding: FindingBody {
+            value: Some(0.0123),
+            limit: 0.01,
+            unit: "deg/(h g0)".into(),
+            sd: None,
+            probability: None,
+            reason: "D_I changed.".into(),
+            record: Some("r1".into()),
+            calibrated_at: Some("2026-02-28T08:00:00Z".into()),
+            imu: Some("IMU-07".into()),
+            slot: Some("G1".into()),
+            station: Some("ST-2".into()),
+        },
+        acknowledged: None,
+        silenced: None,
+    }
+}
+
+fn message(action: Action) -> Message {
+    let mut alert = alert();
+    if action == Action::Resolve {
+        alert.state = "resolved".into();
+        alert.resolved_at = Some("2026-03-01T09:00:00Z".into());
+    }
+    // 2026-03-01T09:00:00Z
+    Message { id: "evt_1".into(), at: UtcMicros(1_772_355_600_000_000), event: Event::Alert(action, Box::new(alert)) }
+}
+
+const CONTEXT: Context<'static> = Context {
+    hook: "pager",
+    external_url: Some("https://gyros.example"),
+    resend_every: 60_000_000,
+    now: UtcMicros(1_772_355_610_000_000),
+};
+
+fn rendered(kind: HookKind, message: &Message) -> Value {
+    serde_json::from_slice(&render(kind, message, &CONTEXT).body).unwrap()
+}
+
+#[test]
+fn a_standard_webhook_holds_type_timestamp_and_the_alert() {
+    let body = rendered(HookKind::StandardWebhooks, &message(Action::Fire));
+    assert_eq!(body["type"], "alert.fired");
+    assert_eq!(body["timestamp"], "2026-03-01T09:00:00Z");
+    assert_eq!(serde_json::from_value::<AlertBody>(body["data"].clone()).unwrap(), alert());
+    assert_eq!(body.as_object().unwrap().len(), 3);
+}
+
+#[test]
+fn a_cloud_event_is_complete() {
+    let mut body = rendered(HookKind::CloudEvents, &message(Action::Resolve));
+    assert_eq!(body["data"].take()["serial"], "LFG 01/01");
+    assert_json_snapshot!(body, @r#"
+    {
+      "data": null,
+      "datacontenttype": "application/json",
+      "id": "evt_1",
+      "source": "https://gyros.example",
+      "specversion": "1.0",
+      "subject": "LFG 01/01",
+      "time": "2026-03-01T09:00:00Z",
+      "type": "gyrowatch.alert.resolved"
+    }
+    "#);
+}
+
+#[test]
+fn a_pushed_alert_expires_when_pushes_stop() {
+    assert_json_snapshot!(rendered(HookKind::Alertmanager, &message(Action::Fire)), @r#"
+    [
+      {
+        "annotations": {
+          "calibrated_at": "2026-02-28T08:00:00Z",
+          "description": "D_I changed.",
+          "imu": "IMU-07",
+          "limit": "0.01 deg/(h g0)",
+          "record": "r1",
+          "slot": "G1",
+          "station": "ST-2",
+          "summary": "LFG 01/01: D_I rms_successive fires (critical)",
+          "value": "0.0123 deg/(h g0)"
+        },
+        "endsAt": "2026-03-01T09:04:10Z",
+        "generatorURL": "https://gyros.example/gyros/LFG%2001%2F01",
+        "labels": {
+          "alertname": "GyroRmsSuccessive",
+          "coefficient": "D_I",
+          "rule": "rms_successive",
+          "serial": "LFG 01/01",
+          "severity": "critical"
+        },
+        "startsAt": "2026-03-01T08:00:00Z"
+      }
+    ]
+    "#);
+}
+
+#[test]
+fn an_alertmanager_is_told_that_the_warning_ended_when_the_alert_became_critical() {
+    let body = rendered(HookKind::Alertmanager, &message(Action::Escalate));
+    let ends: Vec<_> = body.as_array().unwrap().iter().map(|a| (&a["labels"]["severity"], &a["endsAt"])).collect();
+    assert_eq!(ends.len(), 2);
+    assert_eq!(ends[0], (&Value::from("critical"), &Value::from("2026-03-01T09:04:10Z")));
+    assert_eq!(ends[1], (&Value::from("warning"), &Value::from("2026-03-01T09:00:00Z")));
+}
+
+#[test]
+fn labels_are_the_same_when_it_fires_and_when_it_resolves() {
+    let labels = |action| rendered(HookKind::Alertmanager, &message(action))[0]["labels"].clone();
+    assert_eq!(labels(Action::Fire), labels(Action::Resolve));
+    let ends_at = &rendered(HookKind::Alertmanager, &message(Action::Resolve))[0]["endsAt"];
+    assert_eq!(ends_at, "2026-03-01T09:00:00Z");
+}
+
+#[test]
+fn a_push_of_all_that_fires_holds_them_all() {
+    let pushed = push_firing(&[alert(), AlertBody { serial: "LFG-2".into(), ..alert() }], &CONTEXT);
+    let body: Value = serde_json::from_slice(&pushed.body).unwrap();
+    assert_eq!(body[0], rendered(HookKind::Alertmanager, &message(Action::Repeat))[0]);
+    assert_eq!(body[1]["labels"]["serial"], "LFG-2");
+}
+
+#[test]
+fn the_webhook_body_is_what_alertmanager_posts() {
+    let mut body = rendered(HookKind::AlertmanagerWebhook, &message(Action::Fire));
+    assert_eq!(body["alerts"][0]["annotations"].take(), body["commonAnnotations"].take());
+    assert_json_snapshot!(body, @r#"
+    {
+      "alerts": [
+        {
+          "annotations": null,
+          "endsAt": "0001-01-01T00:00:00Z",
+          "fingerprint": "524e15a1f4e6caa5",
+          "generatorURL": "https://gyros.example/gyros/LFG%2001%2F01",
+          "labels": {
+            "alertname": "GyroRmsSuccessive",
+            "coefficient": "D_I",
+            "rule": "rms_successive",
+            "serial": "LFG 01/01",
+            "severity": "critical"
+          },
+          "startsAt": "2026-03-01T08:00:00Z",
+          "status": "firing"
+        }
+      ],
+      "commonAnnotations": null,
+      "commonLabels": {
+        "alertname": "GyroRmsSuccessive",
+        "coefficient": "D_I",
+        "rule": "rms_successive",
+        "serial": "LFG 01/01",
+        "severity": "critical"
+      },
+      "externalURL": "https://gyros.example",
+      "groupKey": "{}:{alertname=\"GyroRmsSuccessive\", coefficient=\"D_I\", rule=\"rms_successive\", serial=\"LFG 01/01\"}",
+      "groupLabels": {
+        "alertname": "GyroRmsSuccessive",
+        "coefficient": "D_I",
+        "rule": "rms_successive",
+        "serial": "LFG 01/01"
+      },
+      "receiver": "pager",
+      "status": "firing",
+      "truncatedAlerts": 0,
+      "version": "4"
+    }
+    "#);
+    let resolved = rendered(HookKind::AlertmanagerWebhook, &message(Action::Resolve));
+    assert_eq!((&resolved["status"], &resolved["alerts"][0]["status"]), (&"resolved".into(), &"resolved".into()));
+    let escalated = rendered(HookKind::AlertmanagerWebhook, &message(Action::Escalate));
+    assert_eq!(escalated["status"], "firing");
+    assert_eq!(escalated["alerts"][1]["status"], "resolved");
+    assert!(escalated["commonLabels"].get("severity").is_none());
+}
+
+#[test]
+fn a_test_says_that_nothing_is_wrong() {
+    let test = Message { id: "evt_2".into(), at: CONTEXT.now, event: Event::Test };
+    assert_eq!(rendered(HookKind::StandardWebhooks, &test)["type"], "hook.test");
+    assert_eq!(rendered(HookKind::CloudEvents, &test)["type"], "gyrowatch.hook.test");
+    for kind in [HookKind::Alertmanager, HookKind::AlertmanagerWebhook] {
+        let body = rendered(kind, &test);
+        let alert = body.get(0).or(body.pointer("/alerts/0")).unwrap();
+        assert_eq!(alert["labels"]["alertname"], "GyrowatchTest");
+        assert_eq!(alert["annotations"]["summary"], "Test of the hook pager: nothing is wrong");
+    }
+}
+
+#[test]
+fn attempts_of_one_message_are_the_same_bytes() {
+    let later = Context { now: UtcMicros(CONTEXT.now.0 + 1_000_000), ..CONTEXT };
+    for kind in HookKind::ALL {
+        let message = message(Action::Fire);
+        let same = render(kind, &message, &CONTEXT).body == render(kind, &message, &later).body;
+        assert_eq!(same, kind != HookKind::Alertmanager, "{kind:?}");
+    }
+}

@@ -1,0 +1,71 @@
+//! Names of targets become addresses here, and only allowed ones come out.
+
+use std::io;
+use std::net::{IpAddr, SocketAddr};
+use std::pin::Pin;
+use std::sync::Arc;
+
+use reqwest::dns::{Addrs, Name, Resolve, Resolving};
+
+use super::target::TargetPolicy;
+
+type Lookup = Pin<Box<dyn Future<Output = io::Result<Vec<IpAddr>>> + Send>>;
+
+/// Asks the system, or whom a test says, and keeps what the policy allows. A pooled connection was dialled through here
+/// once, so that a name that changes its mind gains nothing.
+pub struct GuardedResolver {
+    policy: TargetPolicy,
+    lookup: Arc<dyn Fn(String) -> Lookup + Send + Sync>,
+}
+
+/// Why a name leads nowhere.
+#[derive(Debug, thiserror::Error)]
+pub enum ResolveError {
+    #[error("{name} does not resolve: {source}")]
+    Unknown { name: String, source: io::Error },
+    #[error("{name} resolves to no address")]
+    Empty { name: String },
+    #[error("{name} resolves to what is forbidden: {why}")]
+    Forbidden { name: String, why: String },
+}
+
+impl GuardedResolver {
+    pub fn system(policy: TargetPolicy) -> Self {
+        Self::with_lookup(policy, |name| {
+            Box::pin(async move { Ok(tokio::net::lookup_host((name, 0)).await?.map(|a| a.ip()).collect()) })
+        })
+    }
+
+    pub fn with_lookup(policy: TargetPolicy, lookup: impl Fn(String) -> Lookup + Send + Sync + 'static) -> Self {
+        Self { policy, lookup: Arc::new(lookup) }
+    }
+}
+
+impl Resolve for GuardedResolver {
+    fn resolve(&self, name: Name) -> Resolving {
+        let name = name.as_str().to_owned();
+        let found = (self.lookup)(name.clone());
+        let policy = self.policy.clone();
+        Box::pin(async move {
+            let addresses = found.await.map_err(|source| ResolveError::Unknown { name: name.clone(), source })?;
+            let allowed = allowed(&policy, &name, addresses)?;
+            let addrs: Addrs = Box::new(allowed.into_iter().map(|ip| SocketAddr::new(ip, 0)));
+            Ok(addrs)
+        })
+    }
+}
+
+fn allowed(policy: &TargetPolicy, name: &str, addresses: Vec<IpAddr>) -> Result<Vec<IpAddr>, ResolveError> {
+    let (mut allowed, mut refused) = (Vec::new(), None);
+    for address in addresses {
+        match policy.check(address) {
+            Ok(()) => allowed.push(address),
+            Err(why) => refused = Some(why),
+        }
+    }
+    match refused {
+        _ if !allowed.is_empty() => Ok(allowed),
+        Some(why) => Err(ResolveError::Forbidden { name: name.to_owned(), why }),
+        None => Err(ResolveError::Empty { name: name.to_owned() }),
+    }
+}

@@ -1,0 +1,233 @@
+//! Where hooks may go. Decided for the address that is dialled, at every attempt: a name may resolve to anything.
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
+
+use ipnet::IpNet;
+use url::{Host, Url};
+
+/// Longest address of a target, in characters.
+pub const MAX_URL_CHARS: usize = 2048;
+
+/// Which addresses may be dialled.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct TargetPolicy {
+    /// Only these networks, where any are given. Naming loopback here allows it.
+    pub allow: Vec<IpNet>,
+    /// Whether loopback passes where no networks are given: when the service itself listens on loopback alone, the
+    /// machine's own programs are its company; otherwise they would be exposed to whoever may set up a hook.
+    pub loopback: bool,
+}
+
+impl TargetPolicy {
+    /// Checks an address on its way to being dialled; the error says which and why.
+    ///
+    /// IPv6 forms that carry an IPv4 address are judged by the address that they carry.
+    pub fn check(&self, address: IpAddr) -> Result<(), String> {
+        let carried = match address {
+            IpAddr::V6(v6) => carried_v4(v6).map(IpAddr::V4),
+            IpAddr::V4(_) => None,
+        };
+        self.check_one(address)?;
+        carried.map_or(Ok(()), |v4| self.check_one(v4))
+    }
+
+    fn check_one(&self, address: IpAddr) -> Result<(), String> {
+        let refuse = |why: &str| Err(format!("{address} is refused: {why}"));
+        if let Some(why) = never(address) {
+            return refuse(why);
+        }
+        let carries_v4 = matches!(address, IpAddr::V6(v6) if carried_v4(v6).is_some());
+        if carries_v4 {
+            return Ok(());
+        }
+        if !self.allow.is_empty() {
+            let allowed = self.allow.iter().any(|network| network.contains(&address));
+            return if allowed { Ok(()) } else { refuse("it is in none of the configured networks") };
+        }
+        if address.is_loopback() && !self.loopback {
+            return refuse("loopback is allowed only while the service itself listens on loopback");
+        }
+        Ok(())
+    }
+
+    /// Checks what can be seen of a target without asking the name service: its form, and the address if it is one.
+    /// `url` parses IPv4 addresses in all their spellings (`0x7f.1`, `2130706433`), so that what is checked is dialled.
+    pub fn check_url(&self, text: &str) -> Result<Url, String> {
+        if text.chars().count() > MAX_URL_CHARS {
+            return Err(format!("must have at most {MAX_URL_CHARS} characters"));
+        }
+        let url = Url::parse(text).map_err(|error| format!("is no URL: {error}"))?;
+        if !matches!(url.scheme(), "http" | "https") {
+            return Err(format!("must begin with http:// or https://, not {}:", url.scheme()));
+        }
+        if !url.username().is_empty() || url.password().is_some() {
+            return Err("must not hold a user name or password: everybody who lists hooks would read it. \
+                        Use `authorization`"
+                .into());
+        }
+        if url.fragment().is_some() {
+            return Err("must not have a fragment (#…): it is never sent".into());
+        }
+        if url.port() == Some(0) {
+            return Err("must not name port 0".into());
+        }
+        self.check_host(&url)?;
+        Ok(url)
+    }
+
+    /// An address is never asked of the name service, so it is checked here, at every attempt.
+    pub fn check_host(&self, url: &Url) -> Result<(), String> {
+        match url.host() {
+            Some(Host::Ipv4(v4)) => self.check(v4.into()),
+            Some(Host::Ipv6(v6)) => self.check(v6.into()),
+            Some(Host::Domain(_)) => Ok(()),
+            None => Err("must name a host".into()),
+        }
+    }
+}
+
+/// What no configuration allows.
+fn never(address: IpAddr) -> Option<&'static str> {
+    const METADATA: &str = "it is where cloud machines keep their credentials";
+    match address {
+        IpAddr::V4(v4) if v4.is_link_local() => Some("link-local addresses hold cloud metadata"),
+        IpAddr::V4(v4) if METADATA_V4.contains(&v4) => Some(METADATA),
+        IpAddr::V4(v4) if v4.octets()[0] == 0 => Some("it is no destination"),
+        IpAddr::V4(v4) if v4.is_multicast() || v4.octets()[0] >= 240 => Some("it is no single host"),
+        IpAddr::V6(v6) if v6.is_unicast_link_local() => Some("link-local addresses hold cloud metadata"),
+        IpAddr::V6(v6) if METADATA_V6.contains(&v6) => Some(METADATA),
+        IpAddr::V6(v6) if v6.is_unspecified() => Some("it is no destination"),
+        IpAddr::V6(v6) if v6.is_multicast() => Some("it is no single host"),
+        _ => None,
+    }
+}
+
+/// Alibaba's and Oracle's metadata, Azure's wire server: outside 169.254.0.0/16.
+const METADATA_V4: [Ipv4Addr; 3] =
+    [Ipv4Addr::new(100, 100, 100, 200), Ipv4Addr::new(192, 0, 0, 192), Ipv4Addr::new(168, 63, 129, 16)];
+/// Amazon's metadata over IPv6, and Google's.
+const METADATA_V6: [Ipv6Addr; 2] =
+    [Ipv6Addr::new(0xfd00, 0xec2, 0, 0, 0, 0, 0, 0x254), Ipv6Addr::new(0xfd20, 0xce, 0, 0, 0, 0, 0, 0x254)];
+
+/// The IPv4 address inside an IPv4-mapped (RFC 4291, 2.5.5.2), IPv4-compatible (2.5.5.1), NAT64 (RFC 6052, RFC 8215),
+/// 6to4 (RFC 3056) or Teredo (RFC 4380) address.
+fn carried_v4(v6: Ipv6Addr) -> Option<Ipv4Addr> {
+    let s = v6.segments();
+    let pair = |high: u16, low: u16| Ipv4Addr::from((u32::from(high) << 16) | u32::from(low));
+    match s {
+        [0, 0, 0, 0, 0, 0xffff, high, low] => Some(pair(high, low)),
+        [0, 0, 0, 0, 0, 0, 0, 0 | 1] => None,
+        [0, 0, 0, 0, 0, 0, high, low] => Some(pair(high, low)),
+        [0x64, 0xff9b, 0 | 1, _, _, _, high, low] => Some(pair(high, low)),
+        [0x2002, high, low, ..] => Some(pair(high, low)),
+        [0x2001, 0, _, _, _, _, high, low] => Some(pair(!high, !low)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn policy(loopback: bool, allow: &[&str]) -> TargetPolicy {
+        TargetPolicy { allow: allow.iter().map(|network| network.parse().unwrap()).collect(), loopback }
+    }
+
+    #[test]
+    fn public_and_private_addresses_pass() {
+        for url in [
+            "http://alerts.example.org/hook",
+            "https://93.184.216.34/",
+            "http://192.168.7.2:9093/",
+            "http://10.0.0.1",
+            "http://100.64.0.9/",
+            "http://[fd12::7]/",
+            "https://[2606:2800:220:1::1]:8443/x?y=z",
+            "http://localhost:9093",
+        ] {
+            assert!(policy(false, &[]).check_url(url).is_ok(), "{url}");
+        }
+    }
+
+    #[test]
+    fn loopback_is_refused_in_every_spelling_unless_the_service_listens_there_too() {
+        for host in [
+            "127.0.0.1",
+            "127.9.9.9",
+            "0x7f.1",
+            "0x7f000001",
+            "2130706433",
+            "017700000001",
+            "127.1",
+            "0177.0.0.1",
+            "１２７.0.0.1",
+            "[::1]",
+            "[::ffff:127.0.0.1]",
+            "[::ffff:7f00:1]",
+            "[::127.0.0.1]",
+            "[64:ff9b::127.0.0.1]",
+            "[2002:7f00:1::]",
+        ] {
+            let url = format!("http://{host}:9/");
+            let error = policy(false, &[]).check_url(&url).unwrap_err();
+            assert!(error.contains("loopback"), "{url}: {error}");
+            assert!(policy(true, &[]).check_url(&url).is_ok(), "{url}");
+        }
+    }
+
+    #[test]
+    fn metadata_is_refused_whatever_is_configured() {
+        for host in [
+            "169.254.169.254",
+            "2852039166",
+            "0xa9fea9fe",
+            "[fe80::1]",
+            "[::ffff:169.254.169.254]",
+            "[64:ff9b::a9fe:a9fe]",
+            "[2001:0:1:2:3:4:5601:5601]",
+            "100.100.100.200",
+            "[fd00:ec2::254]",
+            "0.0.0.0",
+            "0",
+            "[::]",
+            "255.255.255.255",
+            "224.0.0.1",
+            "[ff02::1]",
+        ] {
+            let url = format!("http://{host}/latest/meta-data");
+            assert!(policy(true, &["0.0.0.0/0", "::/0"]).check_url(&url).is_err(), "{url}");
+        }
+    }
+
+    #[test]
+    fn configured_networks_are_the_only_ones() {
+        let policy = policy(true, &["10.1.0.0/16", "127.0.0.1/32", "fd12::/16"]);
+        for host in ["10.1.2.3", "127.0.0.1", "[fd12::9]", "[::ffff:10.1.0.1]"] {
+            assert!(policy.check_url(&format!("http://{host}/")).is_ok(), "{host}");
+        }
+        for host in ["10.2.0.1", "127.0.0.2", "93.184.216.34", "[::1]", "[fd13::9]", "[::ffff:10.2.0.1]"] {
+            let error = policy.check_url(&format!("http://{host}/")).unwrap_err();
+            assert!(error.contains("none of the configured networks"), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_target_says_why() {
+        for (url, says) in [
+            ("ftp://x.example/", "http://"),
+            ("file:///etc/passwd", "http://"),
+            ("alerts.example.org/hook", "no URL"),
+            ("http://", "no URL"),
+            ("http://u:p@x.example/", "authorization"),
+            ("http://x.example/#a", "fragment"),
+            ("http://x.example:0/", "port 0"),
+            ("http://256.1.1.1/", "no URL"),
+            ("http://x.example:99999/", "no URL"),
+        ] {
+            let error = policy(true, &[]).check_url(url).unwrap_err();
+            assert!(error.contains(says), "{url}: {error}");
+        }
+        let long = format!("http://x.example/{}", "a".repeat(MAX_URL_CHARS));
+        assert!(policy(true, &[]).check_url(&long).unwrap_err().contains("2048"));
+    }
+}

@@ -1,0 +1,65 @@
+//! Alerts as clients and hooks read them.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The alert of one gyro, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct AlertBody {
+    pub id: String,
+    pub serial: String,
+    pub coefficient: Cow<'static, str>,
+    pub rule: Cow<'static, str>,
+    /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time) or
+    /// `resolved`.
+    pub state: Cow<'static, str>,
+    /// `warning`, or `critical` once a second campaign has confirmed the violation of a specification.
+    pub severity: Cow<'static, str>,
+    /// When it began to fire, this time.
+    pub fired_at: String,
+    pub resolved_at: Option<String>,
+    /// The last verdict.
+    #[serde(flatten)]
+    pub finding: FindingBody,
+    pub acknowledged: Option<AcknowledgementBody>,
+    pub silenced: Option<SilenceBody>,
+}
+
+/// What an alert says of the verdict that it follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct FindingBody {
+    /// The magnitude that was compared with the limit.
+    pub value: Option<f64>,
+    pub limit: f64,
+    pub unit: Cow<'static, str>,
+    pub sd: Option<f64>,
+    /// Probability that the true value exceeds the limit, where `sd` is known.
+    pub probability: Option<f64>,
+    /// The verdict in words.
+    pub reason: String,
+    /// The record that was judged, and where it came from; none for `overdue`.
+    pub record: Option<String>,
+    pub calibrated_at: Option<String>,
+    pub imu: Option<String>,
+    pub slot: Option<Cow<'static, str>>,
+    pub station: Option<String>,
+}
+
+/// Somebody knows: no more repeats.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct AcknowledgementBody {
+    pub by: String,
+    pub reason: String,
+    pub at: String,
+}
+
+/// Nothing is told before `until`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct SilenceBody {
+    pub by: String,
+    pub reason: String,
+    pub at: String,
+    pub until: String,
+}

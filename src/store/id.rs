@@ -58,7 +58,7 @@ impl IdSource {
     }
 
     pub fn next(&mut self, now: UtcMicros) -> Id {
-        let from_clock = now.0.max(0) / 1000 << SEQUENCE_BITS;
+        let from_clock = (now.0.max(0) / 1000) << SEQUENCE_BITS;
         self.last = from_clock.max(self.last + 1);
         Id(self.last)
     }

@@ -45,6 +45,7 @@ pub(super) struct Block {
     /// Sum of ln(1 + power x length) over the columns, for each of the hypothesis' powers.
     pub log_dets: Vec<f64>,
     /// Share of the raw columns' whitened power that is left.
+    #[expect(dead_code, reason = "what a campaign cannot see is answered from it")]
     pub visible: f64,
 }
 
@@ -207,7 +208,7 @@ fn keep_as_is(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, before: 
         matrix.set_column(kept + i, &column);
     }
     let visible = if raw > 0.0 { left / raw } else { 0.0 };
-    if !(visible > INVISIBLE) {
+    if visible.is_nan() || visible <= INVISIBLE {
         return Block { start: kept, len: 0, lengths: Vec::new(), log_dets: Vec::new(), visible };
     }
     Block { start: kept, len, lengths: vec![0.0; len], log_dets: Vec::new(), visible }
@@ -220,7 +221,7 @@ fn keep_orthonormal(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, ke
     for c in range {
         let mut column = matrix.column(c).into_owned();
         visible += column.norm_squared() / count;
-        if !(column.norm_squared() > INVISIBLE) {
+        if column.norm_squared().is_nan() || column.norm_squared() <= INVISIBLE {
             continue;
         }
         let before = column.norm_squared();

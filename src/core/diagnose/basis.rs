@@ -43,7 +43,7 @@ impl Basis {
         let before = dot(&column, &column);
         self.project_out(&mut column);
         let after = dot(&column, &column);
-        if !(after > DEPENDENT * before) {
+        if after.is_nan() || after <= DEPENDENT * before {
             return 0.0;
         }
         scale(1.0 / after.sqrt(), &mut column);

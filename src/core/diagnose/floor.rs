@@ -35,6 +35,7 @@ pub(super) fn pure_error(frame: &Frame, gyro: &GyroFrame) -> PureError {
 
 /// Variance factor of one gyro. `rss` over `dof` is what the best model leaves; it joins where nothing significant
 /// remains in it, otherwise only repeats and stated errors count.
+#[expect(dead_code, reason = "the floor after adoption takes it")]
 pub(super) fn variance(stated: bool, pure: PureError, left: Option<(f64, f64)>) -> f64 {
     let prior = if stated { STATED_DOF } else { 0.0 };
     match left {

@@ -54,7 +54,8 @@ fn shares(parts: &[f64]) -> Vec<f64> {
 /// Residuals of every gyro in every dwell, before and `after` adoption (whitened), deg/h.
 pub(super) fn residuals(frame: &Frame, after: &[Vec<f64>], variances: &[f64]) -> Vec<Residual> {
     let mut list = Vec::with_capacity(frame.gyros.len() * frame.dwells());
-    for k in 0..frame.dwells() {
+    let dwells = 0..frame.dwells();
+    for k in dwells {
         for (j, gyro) in frame.gyros.iter().enumerate() {
             list.push(Residual {
                 index: k,

@@ -29,6 +29,7 @@ pub mod config;
 pub mod core;
 pub mod experiment;
 pub mod http;
+pub mod pipeline;
 pub mod simulate;
 pub mod store;
 pub mod system;

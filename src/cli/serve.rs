@@ -11,6 +11,8 @@ use tracing_subscriber::EnvFilter;
 
 use crate::config::{Config, Log, LogFormat};
 use crate::http::{self, App};
+use crate::pipeline::Pipeline;
+use crate::store;
 use crate::system::Clock;
 
 /// Runs the service.
@@ -37,11 +39,16 @@ async fn serve(config: Config) -> anyhow::Result<()> {
         .await
         .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
     let address = listener.local_addr().context("cannot tell the address listened on")?;
-    let app = App { config: Arc::clone(&config), clock: Clock::System };
-    let router = http::router(app);
+    let database = || format!("cannot use the database {} (database.url)", config.database.url);
+    let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
+    let (pipeline, writing) =
+        Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
+    let router = http::router(App { config: Arc::clone(&config), clock: Clock::System, pipeline });
     tracing::info!(%address, database = %config.database.url, "listening");
     println!("gyrowatch listens on http://{address}");
     http::server::serve(listener, router, &config.server, stop).await;
+    // The router is gone, and with it the last sender: the writer finishes what is queued and closes the database.
+    writing.await.context("the writer failed")?;
     tracing::info!("stopped");
     Ok(())
 }

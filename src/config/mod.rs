@@ -4,11 +4,13 @@ mod judging;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use config::{Config as Layers, Environment, File, FileFormat};
 use serde::Deserialize;
 
 use crate::core::record::Plausibility;
+use crate::store::Options;
 
 pub use judging::{JudgedMethod, Judging, Override};
 
@@ -43,8 +45,23 @@ pub struct Server {
 pub struct Database {
     pub url: String,
     pub readers: u32,
+    pub busy_timeout_s: f64,
+    pub cache_kib: u32,
+    pub checkpoint_pages: u32,
     pub max_waiting_writes: usize,
     pub max_group: usize,
+}
+
+impl Database {
+    pub fn options(&self) -> Options {
+        Options {
+            url: self.url.clone(),
+            readers: self.readers,
+            busy_timeout: Duration::from_secs_f64(self.busy_timeout_s),
+            cache_kib: self.cache_kib,
+            checkpoint_pages: self.checkpoint_pages,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -136,6 +153,8 @@ impl Config {
             ("server.max_import_bytes", self.server.max_import_bytes as f64),
             ("server.max_import_line_bytes", self.server.max_import_line_bytes as f64),
             ("server.max_connections", self.server.max_connections as f64),
+            ("database.busy_timeout_s", self.database.busy_timeout_s),
+            ("database.checkpoint_pages", f64::from(self.database.checkpoint_pages)),
             ("database.readers", f64::from(self.database.readers)),
             ("database.max_waiting_writes", self.database.max_waiting_writes as f64),
             ("database.max_group", self.database.max_group as f64),

@@ -4,10 +4,20 @@
 //! `application/problem+json`; what axum and its layers refuse by themselves is put into that form in one place
 //! ([`problem::as_problem`]).
 
+mod agreement;
+mod baseline;
+mod bench_results;
 mod docs;
+mod document;
+mod gyros;
 mod health;
+mod import;
 pub mod problem;
+mod query;
+mod records;
+mod refusal;
 pub mod server;
+mod trend;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,6 +33,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::config::Config;
+use crate::pipeline::Pipeline;
 use crate::system::Clock;
 
 /// What every handler may use. Cheap to clone.
@@ -30,6 +41,7 @@ use crate::system::Clock;
 pub struct App {
     pub config: Arc<Config>,
     pub clock: Clock,
+    pub pipeline: Pipeline,
 }
 
 /// The whole service as one router.
@@ -38,11 +50,17 @@ pub fn router(app: App) -> Router {
     let timed = OpenApiRouter::with_openapi(docs::head())
         .routes(routes!(health::healthz))
         .routes(routes!(health::readyz))
+        .merge(records::routes())
+        .merge(bench_results::routes())
+        .merge(gyros::routes())
+        .merge(trend::routes())
+        .merge(agreement::routes())
+        .merge(baseline::routes())
         .layer(TimeoutLayer::with_status_code(
             StatusCode::SERVICE_UNAVAILABLE,
             Duration::from_secs_f64(server.request_timeout_s),
         ));
-    let (router, openapi) = timed.split_for_parts();
+    let (router, openapi) = timed.merge(import::routes()).split_for_parts();
     router
         .merge(docs::router(openapi))
         .fallback(problem::no_such_path)

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::batch::{Batch, Rows};
-use super::commit::Writer;
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
@@ -92,19 +91,17 @@ impl Store {
             sqlx::query_as(sql).bind(gyro).bind(span.from.0).bind(span.to.0).fetch_all(&self.readers).await?;
         rows.into_iter().map(row).collect()
     }
-}
 
-impl Writer {
     /// The result of a gyro by one method at an instant: its id and the hash of its body.
     pub async fn bench_result_at(
-        &mut self,
+        &self,
         gyro: u32,
         at: UtcMicros,
         method: BenchMethod,
     ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
         let sql = "SELECT id, body_sha256 FROM bench_result WHERE gyro = $1 AND measured_at = $2 AND method = $3";
         let found: Option<(i64, Vec<u8>)> =
-            sqlx::query_as(sql).bind(gyro).bind(at.0).bind(method.name()).fetch_optional(&mut self.connection).await?;
+            sqlx::query_as(sql).bind(gyro).bind(at.0).bind(method.name()).fetch_optional(&self.readers).await?;
         Ok(found.map(|(id, hash)| (Id(id), hash)))
     }
 }

@@ -50,7 +50,7 @@ impl Changes {
 /// The only one who writes.
 #[derive(Debug)]
 pub struct Writer {
-    pub(super) connection: SqliteConnection,
+    connection: SqliteConnection,
     names: Names,
     ids: IdSource,
     checkpoints: Checkpoints,

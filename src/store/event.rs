@@ -1,9 +1,6 @@
 //! What was done to gyros.
 
-use sqlx::SqliteExecutor;
-
 use super::batch::{Batch, Rows};
-use super::commit::Writer;
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -51,22 +48,11 @@ fn row((id, gyro, at, kind, reason, author, received_at): Row) -> Result<EventRo
     Ok(EventRow { id: Id(id), gyro, at: UtcMicros(at), event, reason, author, received_at: UtcMicros(received_at) })
 }
 
-async fn read(executor: impl SqliteExecutor<'_>, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
-    let sql = "SELECT id, gyro, at, kind, reason, author, received_at FROM event WHERE gyro = $1 ORDER BY at, id";
-    let rows: Vec<Row> = sqlx::query_as(sql).bind(gyro).fetch_all(executor).await?;
-    rows.into_iter().map(row).collect()
-}
-
 impl Store {
     /// Every event of a gyro, oldest first.
     pub async fn events(&self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
-        read(&self.readers, gyro).await
-    }
-}
-
-impl Writer {
-    /// As [`Store::events`], of what is committed.
-    pub async fn events(&mut self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
-        read(&mut self.connection, gyro).await
+        let sql = "SELECT id, gyro, at, kind, reason, author, received_at FROM event WHERE gyro = $1 ORDER BY at, id";
+        let rows: Vec<Row> = sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
+        rows.into_iter().map(row).collect()
     }
 }

@@ -1,9 +1,8 @@
 //! The history of one gyro: a row a record, in order of time.
 
-use sqlx::SqliteExecutor;
+use sqlx::SqlitePool;
 
 use super::batch::{Batch, Rows};
-use super::commit::Writer;
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::open::Store;
@@ -59,7 +58,7 @@ fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
 
 /// Rows of `gyro` within `span`: the oldest `limit` of them, oldest first; or the newest, newest first.
 async fn read(
-    executor: impl SqliteExecutor<'_>,
+    readers: &SqlitePool,
     gyro: u32,
     span: Span,
     limit: usize,
@@ -77,7 +76,7 @@ async fn read(
         .bind(span.from.0)
         .bind(span.to.0)
         .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .fetch_one(executor)
+        .fetch_one(readers)
         .await?;
     unpack(gyro, &packed.unwrap_or_default())
 }
@@ -104,23 +103,9 @@ impl Store {
         Ok(rows)
     }
 
-    /// How many rows a gyro has, and the newest of them: what tells whether a trend has changed.
-    pub async fn history_state(&self, gyro: u32) -> Result<(i64, Option<i64>), StoreError> {
-        let sql = "SELECT count(*), max(calibrated_at) FROM history WHERE gyro = $1";
-        Ok(sqlx::query_as(sql).bind(gyro).fetch_one(&self.readers).await?)
-    }
-}
-
-impl Writer {
-    /// As [`Store::history`], of what is committed.
-    pub async fn history(&mut self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        read(&mut self.connection, gyro, span, limit, false).await
-    }
-
-    /// As [`Store::newest_history`], of what is committed.
-    pub async fn newest_history(&mut self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        let mut rows = read(&mut self.connection, gyro, span, limit, true).await?;
-        rows.reverse();
-        Ok(rows)
+    /// How many rows a gyro has.
+    pub async fn count_history(&self, gyro: u32) -> Result<i64, StoreError> {
+        let sql = "SELECT count(*) FROM history WHERE gyro = $1";
+        Ok(sqlx::query_scalar(sql).bind(gyro).fetch_one(&self.readers).await?)
     }
 }

@@ -1,9 +1,9 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
 use super::batch::{Batch, Rows};
-use super::commit::Writer;
 use super::error::StoreError;
 use super::id::Id;
+use super::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {
@@ -25,11 +25,11 @@ pub(super) fn insert(keys: &[KeyRow], batch: &mut Batch) {
     );
 }
 
-impl Writer {
+impl Store {
     /// What a key was used for before: the item's id and the hash of the body.
-    pub async fn key(&mut self, key: &str) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+    pub async fn key(&self, key: &str) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
         let sql = "SELECT item, body_sha256 FROM idempotency_key WHERE key = $1";
-        let found: Option<(i64, Vec<u8>)> = sqlx::query_as(sql).bind(key).fetch_optional(&mut self.connection).await?;
+        let found: Option<(i64, Vec<u8>)> = sqlx::query_as(sql).bind(key).fetch_optional(&self.readers).await?;
         Ok(found.map(|(id, hash)| (Id(id), hash)))
     }
 }

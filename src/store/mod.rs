@@ -27,7 +27,7 @@ pub use figures::{Figures, PublishedFigures, States};
 pub use history::{HistoryRow, Span};
 pub use id::{Id, IdSource};
 pub use keys::KeyRow;
-pub use names::Names;
+pub use names::{Names, Tables};
 pub use open::{Options, Store, open};
 pub use record::{Kind, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};

@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use sqlx::SqliteConnection;
-
 use super::batch::{Batch, Rows};
-use super::commit::Writer;
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -17,20 +14,17 @@ use crate::core::time::UtcMicros;
 pub enum Kind {
     /// Parameters that the station fitted.
     Record,
-    /// Dwells, fitted here.
-    Campaign,
 }
 
 impl Kind {
     fn code(self) -> i64 {
         match self {
             Kind::Record => 0,
-            Kind::Campaign => 1,
         }
     }
 
     fn from_code(code: i64) -> Option<Self> {
-        [Kind::Record, Kind::Campaign].into_iter().find(|kind| kind.code() == code)
+        [Kind::Record].into_iter().find(|kind| kind.code() == code)
     }
 }
 
@@ -111,31 +105,25 @@ impl Store {
         let found: Option<Row> = sqlx::query_as(sql).bind(id.0).fetch_optional(&self.readers).await?;
         found.map(row).transpose()
     }
-}
 
-impl Writer {
     /// The record of an IMU at an instant: its id and the hash of its body.
-    pub async fn record_at(&mut self, imu: u32, at: UtcMicros) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+    pub async fn record_at(&self, imu: u32, at: UtcMicros) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
         let sql = "SELECT id, body_sha256 FROM record WHERE imu = $1 AND calibrated_at = $2";
         let found: Option<(i64, Vec<u8>)> =
-            sqlx::query_as(sql).bind(imu).bind(at.0).fetch_optional(&mut self.connection).await?;
+            sqlx::query_as(sql).bind(imu).bind(at.0).fetch_optional(&self.readers).await?;
         Ok(found.map(|(id, hash)| (Id(id), hash)))
     }
 
     /// The newest record's instant of each IMU.
-    pub async fn newest_of_imus(&mut self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
+    pub async fn newest_of_imus(&self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
         let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
-        let rows: Vec<(u32, Option<i64>)> = sqlx::query_as(sql).fetch_all(&mut self.connection).await?;
+        let rows: Vec<(u32, Option<i64>)> = sqlx::query_as(sql).fetch_all(&self.readers).await?;
         Ok(rows.into_iter().filter_map(|(imu, at)| Some((imu, UtcMicros(at?)))).collect())
     }
 
-    pub async fn verdict_sheet(&mut self, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
-        sheet(&mut self.connection, id).await
+    pub async fn verdict_sheet(&self, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
+        let sql = "SELECT verdicts FROM record WHERE id = $1";
+        let found: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
     }
-}
-
-async fn sheet(connection: &mut SqliteConnection, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
-    let sql = "SELECT verdicts FROM record WHERE id = $1";
-    let found: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(id.0).fetch_optional(connection).await?;
-    found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
 }

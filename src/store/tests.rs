@@ -118,9 +118,9 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     assert_eq!(store.newest_of_gyros(0, 10).await.unwrap(), [(1, Some(rows[0].figures)), (2, Some(rows[2].figures))]);
     assert_eq!(store.bench_results(2, Span::EVER).await.unwrap(), [bench]);
     assert_eq!(store.events(2).await.unwrap(), [event]);
-    assert_eq!(writer.key("k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
-    assert_eq!(writer.record_at(1, UtcMicros(100)).await.unwrap(), Some((ids[1], vec![7; 32])));
-    assert_eq!(writer.newest_of_imus().await.unwrap(), [(1, UtcMicros(200))]);
+    assert_eq!(store.key("k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
+    assert_eq!(store.record_at(1, UtcMicros(100)).await.unwrap(), Some((ids[1], vec![7; 32])));
+    assert_eq!(store.newest_of_imus().await.unwrap(), [(1, UtcMicros(200))]);
 }
 
 #[tokio::test]
@@ -148,7 +148,7 @@ async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
         .commit(&Changes { records: vec![record(id, 5, "a")], history: vec![row.clone()], ..first_names() })
         .await
         .unwrap();
-    let mut sheet = writer.verdict_sheet(id).await.unwrap().unwrap();
+    let mut sheet = store.verdict_sheet(id).await.unwrap().unwrap();
     assert!(sheet.replace(1, vec![]));
     assert!(!sheet.replace(2, vec![]));
     let mut anew = row.clone();

@@ -10,6 +10,7 @@ pub mod bench;
 pub mod campaign;
 pub mod campaign_csv;
 pub mod diagnosis;
+pub mod document;
 pub mod geometry;
 pub mod history;
 pub mod json;

@@ -42,3 +42,15 @@ impl Problem {
         Self { errors, ..Self::new(status, title, detail) }
     }
 }
+
+impl Problem {
+    pub fn with_existing(mut self, id: impl ToString) -> Self {
+        self.existing = Some(id.to_string());
+        self
+    }
+
+    pub fn with_place(mut self, place: Place) -> Self {
+        self.errors.push(place);
+        self
+    }
+}

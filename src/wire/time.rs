@@ -22,9 +22,70 @@ pub fn parse(text: &str) -> Result<UtcMicros, String> {
 
 /// Writes an instant in UTC with as many digits as it needs.
 pub fn format(instant: UtcMicros) -> String {
-    match Timestamp::from_microsecond(instant.0) {
-        Ok(timestamp) => timestamp.to_string(),
-        Err(_) => format!("{} us after 1970", instant.0),
+    Stamp::of(instant).as_str().to_owned()
+}
+
+/// An instant in UTC as text, without a place on the heap: a trend holds thousands of them.
+#[derive(Clone, Copy)]
+pub struct Stamp {
+    text: [u8; 32],
+    len: usize,
+}
+
+impl Stamp {
+    pub fn of(instant: UtcMicros) -> Self {
+        let date = instant.date();
+        let micros = instant.0.rem_euclid(UtcMicros::DAY);
+        let second = micros / UtcMicros::SECOND;
+        let mut stamp = Self { text: [0; 32], len: 0 };
+        // Years beyond 0 to 9999 cannot be sent; should one be stored, its sign is kept.
+        if date.year < 0 {
+            stamp.push(b'-');
+        }
+        stamp.digits(date.year.unsigned_abs(), 4);
+        stamp.push(b'-');
+        stamp.digits(date.month.into(), 2);
+        stamp.push(b'-');
+        stamp.digits(date.day.into(), 2);
+        for (mark, value) in [(b'T', second / 3600), (b':', second / 60 % 60), (b':', second % 60)] {
+            stamp.push(mark);
+            stamp.digits(value as u64, 2);
+        }
+        let mut fraction = micros % UtcMicros::SECOND;
+        if fraction != 0 {
+            let mut width = 6;
+            while fraction % 10 == 0 {
+                fraction /= 10;
+                width -= 1;
+            }
+            stamp.push(b'.');
+            stamp.digits(fraction as u64, width);
+        }
+        stamp.push(b'Z');
+        stamp
+    }
+
+    pub fn as_str(&self) -> &str {
+        std::str::from_utf8(&self.text[..self.len]).expect("only ASCII is put in")
+    }
+
+    fn push(&mut self, byte: u8) {
+        self.text[self.len] = byte;
+        self.len += 1;
+    }
+
+    /// At least `width` digits.
+    fn digits(&mut self, value: u64, width: u32) {
+        let width = width.max(value.checked_ilog10().unwrap_or(0) + 1);
+        for place in (0..width).rev() {
+            self.push(b'0' + (value / 10_u64.pow(place) % 10) as u8);
+        }
+    }
+}
+
+impl serde::Serialize for Stamp {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
     }
 }
 
@@ -91,6 +152,17 @@ mod tests {
         assert_eq!(written("2026-03-01T16:00:00+08:00"), "2026-03-01T08:00:00Z");
         assert_eq!(written("2026-03-01t08:00:00.250z"), "2026-03-01T08:00:00.25Z");
         assert_eq!(parse("1970-01-01T00:00:00.000001999Z"), Ok(UtcMicros(1)));
+    }
+
+    #[test]
+    fn instants_are_written_as_the_calendar_has_them() {
+        for step in -30_000..30_000 {
+            let instant = UtcMicros(step * 1_048_576_123_457 / if step % 3 == 0 { 1 } else { 1000 } * 10);
+            let by_jiff = Timestamp::from_microsecond(instant.0).unwrap().to_string();
+            assert_eq!(format(instant), by_jiff);
+        }
+        assert_eq!(format(UtcMicros(i64::MAX)).len(), 29);
+        assert!(format(UtcMicros(i64::MIN)).starts_with("-290308"));
     }
 
     #[test]

@@ -1,0 +1,116 @@
+//! `/v1/gyros/{serial}/agreement`: the results of every method side by side, and their range (Table 5 of the paper).
+
+use axum::Json;
+use axum::extract::{Path, State};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::query::{self, Parameters};
+use crate::pipeline::{Compared, Comparison};
+use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_agreement))
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct AgreementQuery {
+    /// Oldest instant, RFC 3339, itself included. With `from` or `to`, all results in between are compared.
+    from: Option<String>,
+    /// Newest instant, itself included.
+    to: Option<String>,
+}
+
+/// Results of every method. Without `from` and `to`: the separation nearest in time to the newest bench result, and of each
+/// bench method the nearest result before and after it (or the two nearest, where all lie on one side).
+#[derive(Serialize, ToSchema)]
+struct Agreement {
+    serial: String,
+    /// `deg/(h*g0)`.
+    unit: &'static str,
+    /// Oldest first.
+    results: Vec<ResultBody>,
+    /// max - min over the results that count.
+    range: RangeBody,
+    /// The ranges against their limits, over the results that are not too far apart in time to agree.
+    verdicts: Vec<VerdictBody>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct ResultBody {
+    /// `rigid`, `published`, `torque_feedback` or `turntable_servo`.
+    method: &'static str,
+    measured_at: String,
+    station: String,
+    /// The IMU and slot of a separation.
+    imu: Option<String>,
+    slot: Option<&'static str>,
+    /// Identifier of the record or of the bench result.
+    id: String,
+    d_i: FigureBody,
+    d_s: FigureBody,
+    /// Whether it counts in the range: of a separation, only the judged method's figures do.
+    counts: bool,
+}
+
+/// Null with fewer than two results.
+#[derive(Serialize, ToSchema)]
+struct RangeBody {
+    #[serde(rename = "D_I")]
+    d_i: Option<f64>,
+    #[serde(rename = "D_S")]
+    d_s: Option<f64>,
+}
+
+/// Results of every method for the gyro side by side, and their range.
+#[utoipa::path(get, path = "/v1/gyros/{serial}/agreement", tag = "gyros",
+    params(("serial" = String, Path, description = "serial number of the gyro"), AgreementQuery),
+    responses(
+        (status = 200, description = "the results", body = Agreement),
+        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+async fn get_agreement(
+    State(app): State<App>,
+    Path(serial): Path<String>,
+    Parameters(asked): Parameters<AgreementQuery>,
+) -> Result<Json<Agreement>, Problem> {
+    let gyro = query::gyro(&app, &serial)?;
+    let span = match (&asked.from, &asked.to) {
+        (None, None) => None,
+        (from, to) => Some(query::span(from.as_deref(), to.as_deref())?),
+    };
+    let Comparison { results, range, verdicts } = app.pipeline.compare_methods(gyro, span).await?;
+    let verdicts = verdicts.iter().map(|verdict| VerdictBody::of(&serial, verdict)).collect();
+    let [d_i, d_s] = range;
+    Ok(Json(Agreement {
+        unit: "deg/(h*g0)",
+        results: results.into_iter().map(ResultBody::of).collect(),
+        range: RangeBody { d_i, d_s },
+        verdicts,
+        serial,
+    }))
+}
+
+impl ResultBody {
+    fn of(result: Compared) -> Self {
+        let [d_i, d_s] = result.d.map(|measured| FigureBody { value: measured.value, sd: measured.sd });
+        Self {
+            method: result.method,
+            measured_at: time::format(result.at),
+            station: result.station,
+            imu: result.seat.as_ref().map(|(imu, _)| imu.clone()),
+            slot: result.seat.map(|(_, slot)| slot.name()),
+            id: result.id.to_string(),
+            d_i,
+            d_s,
+            counts: result.counts,
+        }
+    }
+}

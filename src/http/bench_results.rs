@@ -1,0 +1,84 @@
+//! `/v1/bench-results`: what single-gyro benches measured.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::header::LOCATION;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use serde_json::value::RawValue;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::{Document, idempotency_key};
+use crate::pipeline::{Accepted, Sent, Submission};
+use crate::store::Id;
+use crate::wire::bench::BenchBody;
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(post_bench_result)).routes(routes!(get_bench_result))
+}
+
+/// The answer to a bench result.
+#[derive(Serialize, ToSchema)]
+struct BenchAnswer {
+    id: String,
+    serial: String,
+}
+
+/// Stores a bench result; the same rules as for records.
+#[utoipa::path(post, path = "/v1/bench-results", tag = "bench results", request_body = BenchBody,
+    params(("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again")),
+    responses(
+        (status = 201, description = "stored", body = BenchAnswer, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = BenchAnswer),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "the same gyro, time and method with other content", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
+        (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
+async fn post_bench_result(State(app): State<App>, headers: HeaderMap, body: Document) -> Result<Response, Problem> {
+    let bytes = body.0;
+    let mut bench = app.pipeline.read_bench_result(&bytes).map_err(|faults| Document::problem(&bytes, faults))?;
+    bench.idempotency_key = idempotency_key(&headers)?;
+    let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
+    let accepted = app.pipeline.submit(Submission::Bench(Box::new(bench))).await?;
+    let status = match accepted {
+        Accepted::Stored { .. } => StatusCode::CREATED,
+        Accepted::There { .. } => StatusCode::OK,
+    };
+    let id = app.pipeline.settle(&accepted, Sent::Bench(&body)).await?;
+    let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
+    Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())
+}
+
+/// A stored bench result.
+#[derive(Serialize, ToSchema)]
+struct StoredBench {
+    id: String,
+    received_at: String,
+    /// The result word for word as it was sent.
+    #[schema(value_type = BenchBody)]
+    bench_result: Box<RawValue>,
+}
+
+/// A stored bench result, as it was sent.
+#[utoipa::path(get, path = "/v1/bench-results/{id}", tag = "bench results",
+    params(("id" = String, Path, description = "identifier of the bench result")),
+    responses(
+        (status = 200, description = "the bench result", body = StoredBench),
+        (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json")))]
+async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
+    let no_such = || Problem::new(404, "No such bench result", format!("there is no bench result {id}"));
+    let number: Id = id.parse().map_err(|_| no_such())?;
+    let row = app.pipeline.store().bench_result(number).await?.ok_or_else(no_such)?;
+    let bench_result = RawValue::from_string(row.body.to_string())
+        .map_err(|_| Problem::new(500, "Damaged database", format!("the body of bench result {id} is no JSON")))?;
+    Ok(Json(StoredBench { id: number.to_string(), received_at: time::format(row.received_at), bench_result }))
+}

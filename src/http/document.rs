@@ -1,0 +1,61 @@
+//! The body of a request: one JSON document, as bytes.
+
+use axum::extract::{FromRequest, Request};
+use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE};
+use axum::http::{HeaderMap, HeaderName};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+
+use crate::core::fault::Faults;
+use crate::wire::json::is_json;
+use crate::wire::problem::Problem;
+
+/// A whole JSON body within the size limit. Anything that does not call itself JSON is answered 415.
+pub struct Document(pub Bytes);
+
+impl<S: Send + Sync> FromRequest<S> for Document {
+    type Rejection = Response;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
+        check_media_type(request.headers(), &["application/json"]).map_err(IntoResponse::into_response)?;
+        Bytes::from_request(request, state).await.map(Self).map_err(IntoResponse::into_response)
+    }
+}
+
+impl Document {
+    /// The answer to a document with faults: 400 where it is no JSON at all, 422 where it says what cannot be.
+    pub fn problem(bytes: &[u8], faults: Faults) -> Problem {
+        if is_json(bytes) {
+            Problem::of_faults(422, "Cannot be stored as it is", faults)
+        } else {
+            Problem::of_faults(400, "Not JSON", faults)
+        }
+    }
+}
+
+/// Refuses bodies that are sent as something else than one of `accepted`, or compressed.
+pub fn check_media_type(headers: &HeaderMap, accepted: &[&str]) -> Result<(), Problem> {
+    let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?").trim().to_owned());
+    let media_type = text(CONTENT_TYPE);
+    let essence = media_type.as_deref().map(|t| t.split(';').next().unwrap_or(t).trim().to_ascii_lowercase());
+    let wanted = accepted.join(" or ");
+    if !essence.as_deref().is_some_and(|essence| accepted.contains(&essence)) {
+        let found = media_type.map_or_else(|| "there is none".to_owned(), |t| format!("it is {t}"));
+        return Err(Problem::new(415, "Unsupported media type", format!("Content-Type must be {wanted}, {found}")));
+    }
+    match text(CONTENT_ENCODING).filter(|encoding| !encoding.eq_ignore_ascii_case("identity")) {
+        None => Ok(()),
+        Some(encoding) => {
+            let detail = format!("Content-Encoding {encoding} is not taken; send the body as it is");
+            Err(Problem::new(415, "Unsupported media type", detail))
+        }
+    }
+}
+
+/// The `Idempotency-Key` header, at most 255 visible characters.
+pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
+    let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
+    let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
+    key.map(|key| Some(key.to_owned()))
+        .ok_or_else(|| Problem::new(400, "Bad Idempotency-Key", "must be 1 to 255 visible ASCII characters"))
+}

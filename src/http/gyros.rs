@@ -1,0 +1,184 @@
+//! `/v1/gyros`: every gyro with its newest figures, and one with what has happened to it.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::query::{self, Parameters};
+use crate::config::JudgedMethod;
+use crate::core::judge::State as Judgement;
+use crate::core::judge::history::Measured;
+use crate::pipeline::sample_of;
+use crate::store::{Figures, Span, Tables};
+use crate::wire::answer::{FigureBody, VerdictBody};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_gyros)).routes(routes!(get_gyro))
+}
+
+const MOST_GYROS: usize = 10_000;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct GyrosQuery {
+    /// At most so many; 1000 unless it is given.
+    limit: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct Gyros {
+    /// In the order in which they were first seen.
+    gyros: Vec<Gyro>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// A gyro and its newest calibration.
+#[derive(Serialize, ToSchema)]
+struct Gyro {
+    serial: String,
+    /// Null for a gyro that only a bench has seen.
+    latest: Option<Latest>,
+    /// The worst of the coefficients' states; null before the first calibration.
+    state: Option<&'static str>,
+}
+
+/// The newest calibration, deg/(h g0).
+#[derive(Serialize, ToSchema)]
+struct Latest {
+    calibrated_at: String,
+    imu: String,
+    slot: &'static str,
+    station: String,
+    record: String,
+    method: &'static str,
+    d_i: FigureBody,
+    d_s: FigureBody,
+    /// The closure.
+    d_o: FigureBody,
+    states: StatesBody,
+}
+
+/// `within`, `exceeded`, or `indeterminate`.
+#[derive(Serialize, ToSchema)]
+struct StatesBody {
+    #[serde(rename = "D_I")]
+    d_i: &'static str,
+    #[serde(rename = "D_S")]
+    d_s: &'static str,
+    #[serde(rename = "D_O")]
+    d_o: &'static str,
+}
+
+/// Every gyro, with its newest figures and state.
+#[utoipa::path(get, path = "/v1/gyros", tag = "gyros", params(GyrosQuery), responses(
+    (status = 200, description = "the gyros", body = Gyros),
+    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQuery>) -> Result<Json<Gyros>, Problem> {
+    let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
+    let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
+    let after = u32::try_from(after).map_err(|_| query::bad("cursor is none that this service has given out"))?;
+    let store = app.pipeline.store();
+    let mut rows = store.newest_of_gyros(after, limit as u32 + 1).await?;
+    let more = rows.len() > limit;
+    rows.truncate(limit);
+    let next = rows.last().filter(|_| more).map(|(number, _)| query::cursor(i64::from(*number)));
+    let tables = store.names().read();
+    let gyros = rows.iter().map(|(number, figures)| {
+        let serial = tables.gyros.name(*number).map_or_else(String::new, |name| name.to_string());
+        Gyro::of(serial, figures.as_ref(), app.config.judging.method, &tables)
+    });
+    Ok(Json(Gyros { gyros: gyros.collect(), next }))
+}
+
+/// One gyro.
+#[derive(Serialize, ToSchema)]
+struct GyroDetail {
+    #[serde(flatten)]
+    gyro: Gyro,
+    /// Verdicts on its newest record.
+    verdicts: Vec<VerdictBody>,
+    /// What was done to it, oldest first.
+    events: Vec<EventBody>,
+    /// How many calibrations and bench results there are.
+    calibrations: i64,
+    bench_results: usize,
+}
+
+#[derive(Serialize, ToSchema)]
+struct EventBody {
+    id: String,
+    at: String,
+    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware` or `note`.
+    event: &'static str,
+    reason: String,
+    author: Option<String>,
+}
+
+/// One gyro: its newest figures, how they are judged, and what was done to it.
+#[utoipa::path(get, path = "/v1/gyros/{serial}", tag = "gyros",
+    params(("serial" = String, Path, description = "serial number of the gyro")),
+    responses(
+        (status = 200, description = "the gyro", body = GyroDetail),
+        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
+    let number = query::gyro(&app, &serial)?;
+    let store = app.pipeline.store();
+    let newest = store.newest_history(number, Span::EVER, 1).await?.pop();
+    let verdicts = match &newest {
+        Some(figures) => app.pipeline.stored_record(figures.record).await?.map(|stored| stored.answer.verdicts),
+        None => None,
+    };
+    let verdicts = verdicts.into_iter().flatten().filter(|verdict| verdict.serial == serial).collect();
+    let events = store.events(number).await?.into_iter().map(|event| EventBody {
+        id: event.id.to_string(),
+        at: time::format(event.at),
+        event: event.event.name(),
+        reason: event.reason,
+        author: event.author,
+    });
+    let calibrations = store.count_history(number).await?;
+    let bench_results = store.bench_results(number, Span::EVER).await?.len();
+    let gyro = Gyro::of(serial, newest.as_ref(), app.config.judging.method, &store.names().read());
+    Ok(Json(GyroDetail { gyro, verdicts, events: events.collect(), calibrations, bench_results }))
+}
+
+impl Gyro {
+    fn of(serial: String, figures: Option<&Figures>, method: JudgedMethod, tables: &Tables) -> Self {
+        let state = figures.map(|f| f.states.worst().unwrap_or(Judgement::Indeterminate).name());
+        Self { serial, latest: figures.map(|figures| Latest::of(figures, method, tables)), state }
+    }
+}
+
+impl Latest {
+    fn of(figures: &Figures, method: JudgedMethod, tables: &Tables) -> Self {
+        let [d_i, d_s, d_o] = sample_of(figures, method).d.map(|Measured { value, sd }| FigureBody { value, sd });
+        let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(Judgement::Indeterminate).name());
+        let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
+        Self {
+            calibrated_at: time::format(figures.at),
+            imu: name(tables.imus.name(figures.imu)),
+            slot: figures.slot.name(),
+            station: name(tables.stations.name(figures.station)),
+            record: figures.record.to_string(),
+            method: if method == JudgedMethod::Published && figures.published.is_some() {
+                "published"
+            } else {
+                "rigid"
+            },
+            d_i,
+            d_s,
+            d_o,
+            states: StatesBody { d_i: i, d_s: s, d_o: o },
+        }
+    }
+}

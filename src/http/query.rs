@@ -1,0 +1,88 @@
+//! What several queries have in common: checked parameters, opaque cursors.
+
+use axum::extract::{FromRequestParts, Query};
+use axum::http::request::Parts;
+use base64::Engine;
+use base64::prelude::BASE64_URL_SAFE_NO_PAD;
+use serde::de::DeserializeOwned;
+
+use super::App;
+use crate::core::time::UtcMicros;
+use crate::store::Span;
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+/// Query parameters whose faults are answered 400 in the common form.
+pub struct Parameters<T>(pub T);
+
+impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let Query(parameters) =
+            Query::from_request_parts(parts, state).await.map_err(|rejection| bad(&rejection.body_text()))?;
+        Ok(Self(parameters))
+    }
+}
+
+/// The answer to a parameter that cannot be used.
+pub fn bad(detail: &str) -> Problem {
+    Problem::new(400, "Bad query", detail)
+}
+
+/// `limit`: how many items at most.
+pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize, Problem> {
+    match asked.unwrap_or(default) {
+        limit if (1..=most).contains(&limit) => Ok(limit),
+        limit => Err(bad(&format!("limit must be 1 to {most}, is {limit}"))),
+    }
+}
+
+/// `from` and `to`: a stretch of time, both ends included.
+pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
+    let instant = |name: &str, text: Option<&str>, or: UtcMicros| match text {
+        None => Ok(or),
+        Some(text) => time::parse(text).map_err(|why| bad(&format!("{name} {why}"))),
+    };
+    Ok(Span { from: instant("from", from, Span::EVER.from)?, to: instant("to", to, Span::EVER.to)? })
+}
+
+/// Where the next page begins, as text that means nothing to clients.
+pub fn cursor(position: i64) -> String {
+    let mut bytes = [0; 9];
+    bytes[0] = CURSOR_VERSION;
+    bytes[1..].copy_from_slice(&position.to_be_bytes());
+    BASE64_URL_SAFE_NO_PAD.encode(bytes)
+}
+
+const CURSOR_VERSION: u8 = 1;
+
+pub fn position(cursor: &str) -> Result<i64, Problem> {
+    let bytes = BASE64_URL_SAFE_NO_PAD.decode(cursor).ok();
+    let position = bytes.as_deref().and_then(|bytes| match bytes.split_first() {
+        Some((&CURSOR_VERSION, position)) => position.try_into().ok().map(i64::from_be_bytes),
+        _ => None,
+    });
+    position.ok_or_else(|| bad("cursor is none that this service has given out"))
+}
+
+/// The number of a gyro by its serial.
+pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
+    let number = app.pipeline.store().names().read().gyros.number(serial);
+    number.ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cursor_comes_back_and_a_made_up_one_is_refused() {
+        for at in [0, -1, 1_772_352_000_000_000, i64::MAX, i64::MIN] {
+            assert_eq!(position(&cursor(at)).unwrap(), at);
+        }
+        for made_up in ["", "x", "AAAA", "AgAAAAAAAAAA", "????"] {
+            assert_eq!(position(made_up).unwrap_err().status, 400, "{made_up}");
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! `/v1/records`: calibration records in, and as they are stored.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::header::LOCATION;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use serde_json::value::RawValue;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::{Document, idempotency_key};
+use crate::pipeline::{Accepted, Sent, StoredRecord, Submission};
+use crate::store::{Id, Kind};
+use crate::wire::answer::RecordAnswer;
+use crate::wire::problem::Problem;
+use crate::wire::record::RecordBody;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(post_record)).routes(routes!(get_record))
+}
+
+/// Separates, stores and judges a calibration record.
+///
+/// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and time with
+/// other content 409.
+#[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
+    params(("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again")),
+    responses(
+        (status = 201, description = "stored and judged", body = RecordAnswer, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = RecordAnswer),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
+        (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
+async fn post_record(State(app): State<App>, headers: HeaderMap, body: Document) -> Result<Response, Problem> {
+    let bytes = body.0;
+    let mut calibration = app.pipeline.read_record(&bytes).map_err(|faults| Document::problem(&bytes, faults))?;
+    calibration.idempotency_key = idempotency_key(&headers)?;
+    let body = calibration.body.clone();
+    let separations = app.pipeline.separations(&calibration.gyros);
+    let accepted = app.pipeline.submit(Submission::Calibration(Box::new(calibration))).await?;
+    match &accepted {
+        Accepted::Stored { id, judged } => {
+            let answer = app.pipeline.answer(*id, separations, judged);
+            Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/records/{id}"))], Json(answer)).into_response())
+        }
+        Accepted::There { .. } => {
+            let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
+            let stored = stored(&app, id).await?;
+            Ok(([(LOCATION, format!("/v1/records/{id}"))], Json(stored.answer)).into_response())
+        }
+    }
+}
+
+/// A stored record.
+#[derive(Serialize, ToSchema)]
+struct StoredRecordBody {
+    #[serde(flatten)]
+    answer: RecordAnswer,
+    received_at: String,
+    /// The record word for word as it was sent.
+    #[schema(value_type = RecordBody)]
+    record: Box<RawValue>,
+}
+
+/// A stored record: what was sent, what was separated from it, and how it is judged.
+#[utoipa::path(get, path = "/v1/records/{id}", tag = "records", params(("id" = String, Path, description = "identifier of the record")),
+    responses(
+        (status = 200, description = "the record", body = StoredRecordBody),
+        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
+async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredRecordBody>, Problem> {
+    let no_such = || Problem::new(404, "No such record", format!("there is no record {id}"));
+    let id: Id = id.parse().map_err(|_| no_such())?;
+    let StoredRecord { row, answer } = stored(&app, id).await?;
+    let record = RawValue::from_string(row.body.to_string())
+        .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
+    Ok(Json(StoredRecordBody { answer, received_at: time::format(row.received_at), record }))
+}
+
+async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {
+    let stored = app.pipeline.stored_record(id).await?;
+    stored.ok_or_else(|| Problem::new(404, "No such record", format!("there is no record {id}")))
+}

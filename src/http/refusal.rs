@@ -1,0 +1,57 @@
+//! Which failure of the pipeline or the store leaves as which status, said once.
+
+use crate::pipeline::Refused;
+use crate::store::StoreError;
+use crate::wire::problem::{Place, Problem};
+
+impl From<Refused> for Problem {
+    fn from(refused: Refused) -> Self {
+        let detail = refused.to_string();
+        match refused {
+            Refused::Differs { existing, pointer } => {
+                let place = Place { pointer, detail: "differs from what is stored".into() };
+                Self::new(409, "Already stored with other content", detail).with_existing(existing).with_place(place)
+            }
+            Refused::KeyReused { existing } => {
+                Self::new(409, "Idempotency-Key used for other content", detail).with_existing(existing)
+            }
+            Refused::GyroElsewhere { existing, index, .. } => {
+                let place = Place { pointer: format!("/gyros/{index}/serial"), detail: detail.clone() };
+                Self::new(409, "Gyro calibrated elsewhere at the same time", detail)
+                    .with_existing(existing)
+                    .with_place(place)
+            }
+            Refused::UnknownGyro { .. } => Self::new(404, "Unknown gyro", detail),
+            Refused::Busy | Refused::Stopping => Self::new(503, "Try again", detail),
+            Refused::Store(error) => Self::from(&*error),
+        }
+    }
+}
+
+impl From<&StoreError> for Problem {
+    fn from(error: &StoreError) -> Self {
+        match error {
+            StoreError::Full => Self::new(507, "No room left", "the service's disk is full; nothing was stored"),
+            StoreError::ReadOnly(_) | StoreError::Busy => {
+                Self::new(503, "Cannot store", "the service's database cannot be written now; nothing was stored")
+            }
+            StoreError::NotDurable(_) => Self::new(
+                503,
+                "Cannot store",
+                "the service's disk failed; nothing is accepted until it is looked after",
+            ),
+            StoreError::Damaged(what) => Self::new(500, "Damaged database", format!("the database is damaged: {what}")),
+            StoreError::Refused(_) | StoreError::Other(_) => {
+                Self::new(500, "Internal error", "the service failed; its log says why")
+            }
+        }
+    }
+}
+
+/// A failure to read: logged here, once.
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
+        tracing::error!(%error, "a query failed");
+        Self::from(&error)
+    }
+}

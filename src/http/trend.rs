@@ -1,0 +1,360 @@
+//! `/v1/gyros/{serial}/trend`: the history of one coefficient.
+
+use std::fmt::Write as _;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use axum::extract::{Path, State};
+use axum::http::header::{ACCEPT, CONTENT_TYPE, ETAG, IF_NONE_MATCH, LINK, VARY};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::query::{self, Parameters, bad};
+use crate::config::JudgedMethod;
+use crate::core::bench::BenchMethod;
+use crate::core::judge::{Coefficient, State as Judgement};
+use crate::core::time::UtcMicros;
+use crate::pipeline::sample_of;
+use crate::store::{BenchRow, Figures, Names, Span, Tables};
+use crate::wire::problem::Problem;
+use crate::wire::time::Stamp;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_trend))
+}
+
+/// Points of one JSON answer unless `limit` says otherwise, and at the most.
+const DEFAULT_POINTS: usize = 1000;
+const MOST_POINTS: usize = 100_000;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct TrendQuery {
+    /// `D_I` (the default), `D_S` or `D_O`, the closure.
+    coefficient: Option<String>,
+    /// `rigid`, `published`, `torque_feedback` or `turntable_servo`; the judged method, where it is left out.
+    method: Option<String>,
+    /// Oldest instant, RFC 3339, itself included.
+    from: Option<String>,
+    /// Newest instant, itself included.
+    to: Option<String>,
+    /// At most so many points, oldest first; 1000 in JSON, all in CSV unless it is given.
+    limit: Option<usize>,
+    /// Instead of `limit`: the newest so many points, still oldest first.
+    last: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+    /// `json` or `csv`; without it, `Accept` decides.
+    format: Option<String>,
+}
+
+/// The history of one coefficient, oldest first.
+#[derive(Serialize, ToSchema)]
+struct Trend<'a> {
+    serial: &'a str,
+    coefficient: &'static str,
+    /// `deg/(h*g0)`.
+    unit: &'static str,
+    points: Vec<Point<'a>>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct Point<'a> {
+    #[serde(serialize_with = "stamp")]
+    #[schema(value_type = String)]
+    calibrated_at: UtcMicros,
+    value: f64,
+    sd: Option<f64>,
+    method: &'static str,
+    /// IMU and slot; null on a bench.
+    imu: Option<&'a str>,
+    slot: Option<&'static str>,
+    station: &'a str,
+    /// Identifier of the record, or of the bench result.
+    record: String,
+    /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
+    state: Option<&'static str>,
+}
+
+fn stamp<S: serde::Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
+    Stamp::of(*at).serialize(serializer)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Method {
+    Separated(JudgedMethod),
+    Bench(BenchMethod),
+}
+
+/// The history of one coefficient of a gyro, oldest first.
+#[utoipa::path(get, path = "/v1/gyros/{serial}/trend", tag = "gyros",
+    params(("serial" = String, Path, description = "serial number of the gyro"), TrendQuery),
+    responses(
+        (status = 200, description = "the points", content((Trend = "application/json"), (String = "text/csv")),
+            headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
+        (status = 304, description = "as it was"),
+        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+async fn get_trend(
+    State(app): State<App>,
+    Path(serial): Path<String>,
+    Parameters(asked): Parameters<TrendQuery>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let gyro = query::gyro(&app, &serial)?;
+    let request = Request::read(&app, &asked, &headers)?;
+    let tag;
+    let body = match request.method {
+        Method::Separated(method) => {
+            let (rows, next) = request.history(&app, gyro).await?;
+            tag = etag(&request, rows.iter().map(|f| (f.record.0, f.states.worst().map(Judgement::name))), &next);
+            if is_known(&headers, &tag) {
+                return Ok(not_modified(&tag));
+            }
+            let names = app.pipeline.store().names();
+            request.written(&serial, names, next, |tables| {
+                rows.iter().map(|f| separated_point(f, request.coefficient, method, tables)).collect()
+            })?
+        }
+        Method::Bench(method) => {
+            let (rows, next) = request.benches(&app, gyro, method).await?;
+            tag = etag(&request, rows.iter().map(|row| (row.id.0, None)), &next);
+            if is_known(&headers, &tag) {
+                return Ok(not_modified(&tag));
+            }
+            let names = app.pipeline.store().names();
+            request.written(&serial, names, next, |tables| {
+                rows.iter().filter_map(|row| bench_point(row, request.coefficient, tables)).collect()
+            })?
+        }
+    };
+    Ok(answer(body, &tag, &uri))
+}
+
+/// The query, checked.
+#[derive(Debug)]
+struct Request {
+    coefficient: Coefficient,
+    method: Method,
+    span: Span,
+    limit: usize,
+    newest: bool,
+    csv: bool,
+}
+
+/// The points as text.
+struct Written {
+    text: Vec<u8>,
+    csv: bool,
+    next: Option<String>,
+}
+
+impl Request {
+    fn read(app: &App, asked: &TrendQuery, headers: &HeaderMap) -> Result<Self, Problem> {
+        let coefficient = asked.coefficient.as_deref().unwrap_or("D_I");
+        let coefficient = Coefficient::from_name(coefficient)
+            .filter(|c| c.column().is_some())
+            .ok_or_else(|| bad(&format!("coefficient must be D_I, D_S or D_O, is {coefficient}")))?;
+        let method = match asked.method.as_deref() {
+            None => Method::Separated(app.config.judging.method),
+            Some("rigid") => Method::Separated(JudgedMethod::Rigid),
+            Some("published") => Method::Separated(JudgedMethod::Published),
+            Some(name) => Method::Bench(BenchMethod::from_name(name).ok_or_else(|| {
+                bad(&format!("method must be rigid, published, torque_feedback or turntable_servo, is {name}"))
+            })?),
+        };
+        let csv = match asked.format.as_deref() {
+            Some("csv") => true,
+            Some("json") => false,
+            Some(other) => return Err(bad(&format!("format must be json or csv, is {other}"))),
+            None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
+        };
+        if asked.last.is_some() && (asked.limit.is_some() || asked.cursor.is_some()) {
+            return Err(bad("last goes with neither limit nor cursor"));
+        }
+        let default = if csv { MOST_POINTS } else { DEFAULT_POINTS };
+        let limit = query::limit(asked.last.or(asked.limit), default, MOST_POINTS)?;
+        let mut span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
+        if let Some(cursor) = &asked.cursor {
+            span.from = span.from.max(UtcMicros(query::position(cursor)?.saturating_add(1)));
+        }
+        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), csv })
+    }
+
+    /// One page of rows, and where the next begins.
+    async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Figures>, Option<String>), Problem> {
+        let store = app.pipeline.store();
+        if self.newest {
+            return Ok((store.newest_history(gyro, self.span, self.limit).await?, None));
+        }
+        let mut rows = store.history(gyro, self.span, self.limit + 1).await?;
+        let next = cut(&mut rows, self.limit, |figures| figures.at);
+        Ok((rows, next))
+    }
+
+    async fn benches(
+        &self,
+        app: &App,
+        gyro: u32,
+        method: BenchMethod,
+    ) -> Result<(Vec<BenchRow>, Option<String>), Problem> {
+        let mut rows = app.pipeline.store().bench_results(gyro, self.span).await?;
+        rows.retain(|row| row.method == method);
+        if self.newest {
+            rows.drain(..rows.len().saturating_sub(self.limit));
+            return Ok((rows, None));
+        }
+        let next = cut(&mut rows, self.limit, |row| row.measured_at);
+        Ok((rows, next))
+    }
+
+    fn written(
+        &self,
+        serial: &str,
+        names: &Names,
+        next: Option<String>,
+        points: impl for<'t> FnOnce(&'t Tables) -> Vec<Point<'t>>,
+    ) -> Result<Written, Problem> {
+        let tables = names.read();
+        let trend = Trend {
+            serial,
+            coefficient: self.coefficient.name(),
+            unit: "deg/(h*g0)",
+            points: points(&tables),
+            next: next.clone(),
+        };
+        let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
+        let text = text.ok_or_else(|| Problem::new(500, "Internal error", "the points could not be written"))?;
+        Ok(Written { text, csv: self.csv, next })
+    }
+}
+
+/// Cuts one page off; the cursor of the next, where something is left.
+fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
+    if rows.len() <= limit {
+        return None;
+    }
+    rows.truncate(limit);
+    rows.last().map(|last| query::cursor(at(last).0))
+}
+
+fn separated_point<'t>(
+    figures: &Figures,
+    coefficient: Coefficient,
+    method: JudgedMethod,
+    tables: &'t Tables,
+) -> Point<'t> {
+    let column = coefficient.column().unwrap_or_default();
+    let measured = sample_of(figures, method).d[column];
+    let name = match (method, figures.published) {
+        (JudgedMethod::Published, Some(_)) => "published",
+        _ => "rigid",
+    };
+    Point {
+        calibrated_at: figures.at,
+        value: measured.value,
+        sd: measured.sd,
+        method: name,
+        imu: tables.imus.name(figures.imu).map(|name| &**name),
+        slot: Some(figures.slot.name()),
+        station: tables.stations.name(figures.station).map_or("", |name| &**name),
+        record: figures.record.to_string(),
+        state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
+    }
+}
+
+fn bench_point<'t>(row: &BenchRow, coefficient: Coefficient, tables: &'t Tables) -> Option<Point<'t>> {
+    let column = coefficient.column().filter(|&column| column < 2)?;
+    Some(Point {
+        calibrated_at: row.measured_at,
+        value: row.d[column],
+        sd: row.sd[column],
+        method: row.method.name(),
+        imu: None,
+        slot: None,
+        station: tables.stations.name(row.station).map_or("", |name| &**name),
+        record: row.id.to_string(),
+        state: None,
+    })
+}
+
+/// RFC 4180: one header line, times in UTC, every point at full precision.
+fn csv(trend: &Trend<'_>) -> Option<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer
+        .write_record([
+            "serial",
+            "coefficient",
+            "unit",
+            "calibrated_at",
+            "value",
+            "sd",
+            "method",
+            "imu",
+            "slot",
+            "station",
+            "record",
+            "state",
+        ])
+        .ok()?;
+    for point in &trend.points {
+        let (at, value) = (Stamp::of(point.calibrated_at), point.value.to_string());
+        let sd = point.sd.map(|sd| sd.to_string()).unwrap_or_default();
+        let (imu, slot) = (point.imu.unwrap_or_default(), point.slot.unwrap_or_default());
+        let state = point.state.unwrap_or_default();
+        let head = [trend.serial, trend.coefficient, trend.unit, at.as_str(), &value, &sd, point.method];
+        writer.write_record(head.into_iter().chain([imu, slot, point.station, &point.record, state])).ok()?;
+    }
+    writer.into_inner().ok()
+}
+
+/// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
+fn etag<'a>(
+    request: &Request,
+    rows: impl Iterator<Item = (i64, Option<&'a str>)>,
+    next: &Option<String>,
+) -> HeaderValue {
+    let mut hasher = DefaultHasher::new();
+    (request.coefficient, request.csv, next, format!("{:?}", request.method)).hash(&mut hasher);
+    rows.for_each(|row| row.hash(&mut hasher));
+    let mut tag = String::new();
+    write!(tag, "\"{:016x}\"", hasher.finish()).expect("writing to a string cannot fail");
+    HeaderValue::from_str(&tag).expect("hexadecimal digits in quotes are a valid header")
+}
+
+fn is_known(headers: &HeaderMap, tag: &HeaderValue) -> bool {
+    let known = headers.get(IF_NONE_MATCH).and_then(|known| known.to_str().ok());
+    let tag = tag.to_str().unwrap_or_default();
+    // A proxy that compresses may weaken the tag.
+    known.is_some_and(|known| known.split(',').any(|k| k.trim().trim_start_matches("W/") == tag || k.trim() == "*"))
+}
+
+fn not_modified(tag: &HeaderValue) -> Response {
+    (StatusCode::NOT_MODIFIED, [(ETAG, tag.clone())]).into_response()
+}
+
+fn answer(body: Written, tag: &HeaderValue, uri: &Uri) -> Response {
+    let media_type = if body.csv { "text/csv; charset=utf-8" } else { "application/json" };
+    let link = body.next.and_then(|next| HeaderValue::from_str(&link_to(uri, &next)).ok());
+    let mut response = ([(CONTENT_TYPE, media_type), (VARY, "accept")], body.text).into_response();
+    response.headers_mut().insert(ETAG, tag.clone());
+    if let Some(link) = link {
+        response.headers_mut().insert(LINK, link);
+    }
+    response
+}
+
+/// The same address with another cursor (RFC 8288).
+fn link_to(uri: &Uri, next: &str) -> String {
+    let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
+    let query: Vec<String> = kept.map(str::to_owned).chain([format!("cursor={next}")]).collect();
+    format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&"))
+}

@@ -1,0 +1,321 @@
+//! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::read::{BenchTest, Calibration, GyroEvent, Submission};
+use super::{Accepted, Refused};
+use crate::core::bench::BenchMethod;
+use crate::core::separate::{Branch, Separation};
+use crate::core::time::UtcMicros;
+use crate::store::{
+    BenchRow, Changes, EventRow, Figures, HistoryRow, Id, KeyRow, Names, PublishedFigures, RecordRow, Span, States,
+    Store, StoreError, StoredVerdict, VerdictSheet, Writer,
+};
+
+/// A group under construction: what is to be written, and what it already holds besides what is stored.
+#[derive(Debug, Default)]
+pub(super) struct Group {
+    pub changes: Changes,
+    imus: HashMap<String, u32>,
+    stations: HashMap<String, u32>,
+    gyros: HashMap<String, u32>,
+    records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
+    rows: HashMap<(u32, UtcMicros), Id>,
+    benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
+    keys: HashMap<String, (Id, [u8; 32])>,
+}
+
+/// The newest record of each IMU and of each gyro: what is newer still is new, without asking the database.
+#[derive(Debug, Default)]
+pub(super) struct Newest {
+    imus: HashMap<u32, UtcMicros>,
+    gyros: HashMap<u32, UtcMicros>,
+}
+
+impl Newest {
+    pub async fn load(store: &Store) -> Result<Self, StoreError> {
+        let imus = store.newest_of_imus().await?.into_iter().collect();
+        let gyros = store.newest_of_gyros(0, u32::MAX).await?.into_iter();
+        Ok(Self { imus, gyros: gyros.filter_map(|(gyro, figures)| Some((gyro, figures?.at))).collect() })
+    }
+
+    /// Takes note of what has been committed.
+    pub fn learn(&mut self, changes: &Changes) {
+        let later = |map: &mut HashMap<u32, UtcMicros>, key: u32, at: UtcMicros| {
+            map.entry(key).and_modify(|newest| *newest = at.max(*newest)).or_insert(at);
+        };
+        changes.records.iter().for_each(|record| later(&mut self.imus, record.imu, record.calibrated_at));
+        changes.history.iter().for_each(|row| later(&mut self.gyros, row.gyro, row.figures.at));
+    }
+}
+
+/// What admission may ask.
+pub(super) struct Desk<'a> {
+    pub store: &'a Store,
+    pub writer: &'a mut Writer,
+    pub newest: &'a Newest,
+    pub now: UtcMicros,
+}
+
+impl Desk<'_> {
+    /// Takes one item into the group. Verdicts are added when the whole group is judged.
+    pub async fn admit(&mut self, item: &Submission, group: &mut Group) -> Result<Accepted, Refused> {
+        match item {
+            Submission::Calibration(calibration) => self.calibration(calibration, group).await,
+            Submission::Bench(bench) => self.bench(bench, group).await,
+            Submission::Event(event) => self.event(event, group).await,
+        }
+    }
+
+    async fn calibration(&mut self, sent: &Calibration, group: &mut Group) -> Result<Accepted, Refused> {
+        if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
+            return Ok(there);
+        }
+        let at = sent.calibrated_at;
+        let imu = self.number(Table::Imus, sent.imu.as_str(), group);
+        if let Some((id, hash)) = self.record_at(imu, at, group).await? {
+            return Ok(Accepted::There { id, same_bytes: hash == sent.body_sha256 });
+        }
+        for (index, gyro) in sent.gyros.iter().enumerate() {
+            let known = self.number(Table::Gyros, gyro.serial.as_str(), group);
+            if let Some(existing) = self.row_at(known, at, group).await? {
+                return Err(Refused::GyroElsewhere { existing, index, serial: gyro.serial.to_string() });
+            }
+        }
+        let id = self.writer.next_id(self.now);
+        let imu = self.take_number(Table::Imus, sent.imu.as_str(), group);
+        let station = self.take_number(Table::Stations, sent.station.as_str(), group);
+        let mut sheet = VerdictSheet::default();
+        for gyro in &sent.gyros {
+            let number = self.take_number(Table::Gyros, gyro.serial.as_str(), group);
+            let figures = figures_of(&gyro.separation, id, at, imu, station);
+            group.changes.history.push(HistoryRow { gyro: number, figures });
+            group.rows.insert((number, at), id);
+            sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
+        }
+        group.records.insert((imu, at), (id, sent.body_sha256));
+        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        group.changes.records.push(RecordRow {
+            id,
+            kind: sent.kind,
+            imu,
+            station,
+            calibrated_at: at,
+            received_at: self.now,
+            body: Arc::clone(&sent.body),
+            body_sha256: sent.body_sha256,
+            verdicts: sheet,
+        });
+        Ok(Accepted::Stored { id, judged: Vec::new() })
+    }
+
+    async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
+        if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
+            return Ok(there);
+        }
+        let result = &sent.result;
+        let (at, method) = (result.measured_at, result.method);
+        if let Some(gyro) = self.number(Table::Gyros, result.serial.as_str(), group) {
+            let there = match group.benches.get(&(gyro, at, method)) {
+                Some((id, hash)) => Some((*id, hash.to_vec())),
+                None => self.store.bench_result_at(gyro, at, method).await?,
+            };
+            if let Some((id, hash)) = there {
+                return Ok(Accepted::There { id, same_bytes: hash == sent.body_sha256 });
+            }
+        }
+        let id = self.writer.next_id(self.now);
+        let gyro = self.take_number(Table::Gyros, result.serial.as_str(), group);
+        let station = self.take_number(Table::Stations, result.station.as_str(), group);
+        group.benches.insert((gyro, at, method), (id, sent.body_sha256));
+        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        group.changes.benches.push(BenchRow {
+            id,
+            gyro,
+            station,
+            measured_at: at,
+            method,
+            d: [result.d_i, result.d_s],
+            sd: [result.d_i_sd, result.d_s_sd],
+            received_at: self.now,
+            body: Arc::clone(&sent.body),
+            body_sha256: sent.body_sha256,
+        });
+        Ok(Accepted::Stored { id, judged: Vec::new() })
+    }
+
+    async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
+        let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
+        let gyro = self.number(Table::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
+        let stored = self.store.events(gyro).await?;
+        let there = stored
+            .iter()
+            .chain(&group.changes.events)
+            .find(|event| event.gyro == gyro && event.at == sent.at && event.event == sent.event);
+        if let Some(event) = there {
+            let same_bytes = event.reason == sent.reason && event.author == sent.author;
+            return Ok(Accepted::There { id: event.id, same_bytes });
+        }
+        let id = self.writer.next_id(self.now);
+        group.changes.events.push(EventRow {
+            id,
+            gyro,
+            at: sent.at,
+            event: sent.event,
+            reason: sent.reason.clone(),
+            author: sent.author.clone(),
+            received_at: self.now,
+        });
+        Ok(Accepted::Stored { id, judged: Vec::new() })
+    }
+
+    async fn by_key(&self, key: Option<&str>, hash: &[u8; 32], group: &Group) -> Result<Option<Accepted>, Refused> {
+        let Some(key) = key else { return Ok(None) };
+        let used = match group.keys.get(key) {
+            Some((id, hash)) => Some((*id, hash.to_vec())),
+            None => self.store.key(key).await?,
+        };
+        match used {
+            None => Ok(None),
+            Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::There { id, same_bytes: true })),
+            Some((existing, _)) => Err(Refused::KeyReused { existing }),
+        }
+    }
+
+    async fn record_at(
+        &self,
+        imu: Option<u32>,
+        at: UtcMicros,
+        group: &Group,
+    ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        let Some(imu) = imu else { return Ok(None) };
+        if let Some((id, hash)) = group.records.get(&(imu, at)) {
+            return Ok(Some((*id, hash.to_vec())));
+        }
+        if self.newest.imus.get(&imu).is_none_or(|newest| *newest < at) {
+            return Ok(None);
+        }
+        self.store.record_at(imu, at).await
+    }
+
+    /// The record that holds a row of the gyro at that very instant.
+    async fn row_at(&self, gyro: Option<u32>, at: UtcMicros, group: &Group) -> Result<Option<Id>, StoreError> {
+        let Some(gyro) = gyro else { return Ok(None) };
+        if let Some(id) = group.rows.get(&(gyro, at)) {
+            return Ok(Some(*id));
+        }
+        if self.newest.gyros.get(&gyro).is_none_or(|newest| *newest < at) {
+            return Ok(None);
+        }
+        let row = self.store.history(gyro, Span { from: at, to: at }, 1).await?;
+        Ok(row.first().map(|figures| figures.record))
+    }
+
+    fn number(&self, table: Table, name: &str, group: &Group) -> Option<u32> {
+        table.stored(self.store.names(), name).or_else(|| table.of(group).get(name).copied())
+    }
+
+    /// The name's number; a new one where it has none yet.
+    fn take_number(&self, table: Table, name: &str, group: &mut Group) -> u32 {
+        if let Some(number) = self.number(table, name, group) {
+            return number;
+        }
+        let number = (table.stored_len(self.store.names()) + table.of(group).len() + 1) as u32;
+        table.of_mut(group).insert(name.to_owned(), number);
+        table.new_rows(&mut group.changes).push((number, name.to_owned()));
+        number
+    }
+}
+
+impl Group {
+    fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {
+        if let Some(key) = key {
+            self.keys.insert(key.to_owned(), (item, body_sha256));
+            self.changes.keys.push(KeyRow { key: key.to_owned(), item, body_sha256 });
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Table {
+    Imus,
+    Stations,
+    Gyros,
+}
+
+impl Table {
+    fn stored(self, names: &Names, name: &str) -> Option<u32> {
+        let tables = names.read();
+        match self {
+            Self::Imus => tables.imus.number(name),
+            Self::Stations => tables.stations.number(name),
+            Self::Gyros => tables.gyros.number(name),
+        }
+    }
+
+    fn stored_len(self, names: &Names) -> usize {
+        let tables = names.read();
+        match self {
+            Self::Imus => tables.imus.len(),
+            Self::Stations => tables.stations.len(),
+            Self::Gyros => tables.gyros.len(),
+        }
+    }
+
+    fn of(self, group: &Group) -> &HashMap<String, u32> {
+        match self {
+            Self::Imus => &group.imus,
+            Self::Stations => &group.stations,
+            Self::Gyros => &group.gyros,
+        }
+    }
+
+    fn of_mut(self, group: &mut Group) -> &mut HashMap<String, u32> {
+        match self {
+            Self::Imus => &mut group.imus,
+            Self::Stations => &mut group.stations,
+            Self::Gyros => &mut group.gyros,
+        }
+    }
+
+    fn new_rows(self, changes: &mut Changes) -> &mut Vec<(u32, String)> {
+        match self {
+            Self::Imus => &mut changes.imus,
+            Self::Stations => &mut changes.stations,
+            Self::Gyros => &mut changes.gyros,
+        }
+    }
+}
+
+fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {
+    let rigid = &separation.rigid;
+    let published = separation.published.as_ref().ok().map(|p| PublishedFigures {
+        branch: equation(p.branch),
+        d: [p.d_i, p.d_s],
+        closure_rms: p.closure_rms,
+        sd: p.sd(),
+    });
+    Figures {
+        at,
+        record,
+        imu,
+        station,
+        slot: separation.slot,
+        rigid: [rigid.d_i, rigid.d_s, rigid.d_o],
+        rigid_sd: rigid.sd(),
+        published,
+        states: States::default(),
+    }
+}
+
+fn equation(branch: Branch) -> u8 {
+    match branch {
+        Branch::Eq8 => 8,
+        Branch::Eq9 => 9,
+        Branch::Eq10 => 10,
+        Branch::Eq11 => 11,
+        Branch::Eq12 => 12,
+        Branch::Eq13 => 13,
+    }
+}

@@ -1,0 +1,164 @@
+//! Which results of a gyro are put side by side, and how far they are apart.
+
+use super::Pipeline;
+use super::line::{load_marks, sample_of};
+use crate::config::JudgedMethod;
+use crate::core::bench::BenchMethod;
+use crate::core::judge::history::{Mark, Measured};
+use crate::core::judge::{Coefficient, Event, Source, SourcedResult, Verdict, agreement};
+use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
+use crate::store::{BenchRow, Figures, Id, Span, Store, StoreError, Tables};
+
+/// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    pub results: Vec<Compared>,
+    /// max - min, deg/(h g0); none with fewer than two results.
+    pub range: [Option<f64>; 2],
+    pub verdicts: Vec<Verdict>,
+}
+
+/// One result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    pub method: &'static str,
+    pub source: Source,
+    pub at: UtcMicros,
+    pub station: String,
+    /// IMU and slot of a separation.
+    pub seat: Option<(String, Slot)>,
+    pub id: Id,
+    /// D_I and D_S.
+    pub d: [Measured; 2],
+    pub counts: bool,
+}
+
+impl Pipeline {
+    /// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
+    /// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
+    /// Nothing from before the last repair.
+    pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StoreError> {
+        let (benches, separations) = match span {
+            Some(span) => {
+                (self.store.bench_results(gyro, span).await?, self.store.history(gyro, span, usize::MAX).await?)
+            }
+            None => self.made_to_be_compared(gyro).await?,
+        };
+        let judged = self.config.judging.method;
+        let tables = self.store.names().read();
+        let mut results: Vec<Compared> = benches.iter().map(|bench| of_bench(bench, &tables)).collect();
+        for figures in &separations {
+            results.push(of_separation(figures, JudgedMethod::Rigid, judged, &tables));
+            if figures.published.is_some() {
+                results.push(of_separation(figures, JudgedMethod::Published, judged, &tables));
+            }
+        }
+        let imu = separations.last().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
+        let serial = tables.gyros.name(gyro).map_or("", |name| &**name);
+        let limits = self.config.judging.limits(imu, serial);
+        results.sort_by_key(|result| (result.at, result.id, result.method));
+        let range = [0, 1].map(|column| range(&results, column));
+        let newest = results.iter().map(|result| result.at).max();
+        let recent: Vec<&Compared> = results
+            .iter()
+            .filter(|r| r.counts && newest.is_some_and(|newest| newest.days_since(r.at) <= limits.agreement_days))
+            .collect();
+        let drifts = [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)];
+        let verdicts = drifts.into_iter().enumerate().filter_map(|(column, (coefficient, drift))| {
+            let of = |r: &&Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
+            let sourced: Vec<SourcedResult> = recent.iter().map(of).collect();
+            drift.agreement.map(|limit| agreement(coefficient, &sourced, limit, limits.confidence))
+        });
+        Ok(Comparison { range, verdicts: verdicts.collect(), results })
+    }
+
+    async fn made_to_be_compared(&self, gyro: u32) -> Result<(Vec<BenchRow>, Vec<Figures>), StoreError> {
+        let benches = self.store.bench_results(gyro, Span::EVER).await?;
+        let newest_bench = benches.last().map(|bench| bench.measured_at);
+        let separation = match newest_bench {
+            Some(at) => nearest(&self.store, gyro, at).await?,
+            None => self.store.newest_history(gyro, Span::EVER, 1).await?.pop(),
+        };
+        let marks = load_marks(&self.store, gyro).await?;
+        let since = last_repair(&marks, newest_bench.max(separation.as_ref().map(|figures| figures.at)));
+        let separation = separation.filter(|figures| figures.at >= since);
+        let benches: Vec<BenchRow> = benches.into_iter().filter(|bench| bench.measured_at >= since).collect();
+        let around = separation.as_ref().map(|figures| figures.at);
+        let benches = BenchMethod::ALL.into_iter().flat_map(|method| {
+            let of_method = benches.iter().filter(|bench| bench.method == method).cloned().collect();
+            around_it(of_method, around)
+        });
+        Ok((benches.collect(), separation.into_iter().collect()))
+    }
+}
+
+/// The last repair up to `at`: what was before belongs, in effect, to another gyro.
+fn last_repair(marks: &[Mark], at: Option<UtcMicros>) -> UtcMicros {
+    let repairs = marks.iter().filter(|mark| mark.event == Event::Repair && Some(mark.at) <= at);
+    repairs.map(|mark| mark.at).max().unwrap_or(Span::EVER.from)
+}
+
+/// The record nearest in time; of two as near, the later.
+async fn nearest(store: &Store, gyro: u32, at: UtcMicros) -> Result<Option<Figures>, StoreError> {
+    let before = store.newest_history(gyro, Span { to: at, ..Span::EVER }, 1).await?.pop();
+    let after = store.history(gyro, Span { from: at, ..Span::EVER }, 1).await?.pop();
+    Ok(match (before, after) {
+        (Some(before), Some(after)) if at.0 - before.at.0 < after.at.0 - at.0 => Some(before),
+        (before, after) => after.or(before),
+    })
+}
+
+/// The nearest results before and after `at`, or the two nearest where all lie on one side; the newest three
+/// where there is nothing to be near to. `benches` oldest first.
+fn around_it(benches: Vec<BenchRow>, at: Option<UtcMicros>) -> Vec<BenchRow> {
+    let end = benches.len();
+    let kept = match at {
+        None => end.saturating_sub(3)..end,
+        Some(at) => match benches.partition_point(|bench| bench.measured_at <= at) {
+            0 => 0..end.min(2),
+            split if split == end => end.saturating_sub(2)..end,
+            split => split - 1..split + 1,
+        },
+    };
+    benches[kept].to_vec()
+}
+
+fn of_bench(bench: &BenchRow, tables: &Tables) -> Compared {
+    Compared {
+        method: bench.method.name(),
+        source: Source::Bench(bench.method),
+        at: bench.measured_at,
+        station: tables.stations.name(bench.station).map_or_else(String::new, |name| name.to_string()),
+        seat: None,
+        id: bench.id,
+        d: [0, 1].map(|i| Measured { value: bench.d[i], sd: bench.sd[i] }),
+        counts: true,
+    }
+}
+
+fn of_separation(figures: &Figures, method: JudgedMethod, judged: JudgedMethod, tables: &Tables) -> Compared {
+    let [d_i, d_s, _] = sample_of(figures, method).d;
+    let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
+    Compared {
+        method: match method {
+            JudgedMethod::Rigid => "rigid",
+            JudgedMethod::Published => "published",
+        },
+        source: Source::Separation,
+        at: figures.at,
+        station: name(tables.stations.name(figures.station)),
+        seat: Some((name(tables.imus.name(figures.imu)), figures.slot)),
+        id: figures.record,
+        d: [d_i, d_s],
+        counts: method == judged || figures.published.is_none(),
+    }
+}
+
+/// max - min of those that count.
+fn range(results: &[Compared], column: usize) -> Option<f64> {
+    let values: Vec<f64> = results.iter().filter(|r| r.counts).map(|r| r.d[column].value).collect();
+    let highest = values.iter().copied().reduce(f64::max)?;
+    let lowest = values.iter().copied().reduce(f64::min)?;
+    (values.len() > 1).then_some(highest - lowest)
+}

@@ -1,0 +1,104 @@
+//! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
+
+use sha2::{Digest, Sha256};
+
+use super::line::Line;
+use super::read::{CalibratedGyro, Calibration};
+use super::{Judged, Pipeline};
+use crate::config::JudgedMethod;
+use crate::core::fault::Faults;
+use crate::core::judge::Verdict;
+use crate::core::judge::history::Need;
+use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
+use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody};
+
+/// A stored record with its answer.
+#[derive(Debug, Clone)]
+pub struct StoredRecord {
+    pub row: RecordRow,
+    pub answer: RecordAnswer,
+}
+
+impl Pipeline {
+    /// The answer to a calibration that has just been stored.
+    pub fn answer(&self, id: Id, separations: Vec<SeparationBody>, judged: &[Judged]) -> RecordAnswer {
+        let verdicts = judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v)));
+        RecordAnswer { id: Some(id.to_string()), separations, verdicts: verdicts.collect() }
+    }
+
+    pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
+        let method = match self.config.judging.method {
+            JudgedMethod::Rigid => MethodBody::Rigid,
+            JudgedMethod::Published => MethodBody::Published,
+        };
+        gyros.iter().map(|gyro| SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method)).collect()
+    }
+
+    /// A stored record and what is answered to it.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
+    pub async fn stored_record(&self, id: Id) -> Result<Option<StoredRecord>, StoreError> {
+        let Some(row) = self.store.record(id).await? else { return Ok(None) };
+        let hash: [u8; 32] = Sha256::digest(row.body.as_bytes()).into();
+        if hash != row.body_sha256 {
+            return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
+        }
+        let calibration = self
+            .read_again(row.kind, &row.body)
+            .map_err(|faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}")))?;
+        let verdicts = self.verdicts_in_words(&row, &calibration).await?;
+        let separations = self.separations(&calibration.gyros);
+        let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
+        Ok(Some(StoredRecord { row, answer }))
+    }
+
+    fn read_again(&self, kind: Kind, body: &str) -> Result<Calibration, Faults> {
+        match kind {
+            Kind::Record => self.reread_record(body),
+        }
+    }
+
+    /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
+    /// (the limits have changed since), the figures stand and say so.
+    async fn verdicts_in_words(
+        &self,
+        row: &RecordRow,
+        calibration: &Calibration,
+    ) -> Result<Vec<VerdictBody>, StoreError> {
+        let mut bodies = Vec::new();
+        for (number, stored) in &row.verdicts.0 {
+            let serial = self.store.names().read().gyros.name(*number).cloned();
+            let Some(serial) = serial else {
+                return Err(StoreError::Damaged(format!("gyro number {number} has no name")));
+            };
+            let limits = self.config.judging.limits(calibration.imu.as_str(), &serial);
+            let line =
+                Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), self.config.judging.method);
+            let mut again = line.await?.judge_newest(&limits);
+            let gyro = calibration.gyros.iter().find(|gyro| gyro.serial.as_str() == serial.as_ref());
+            again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
+            bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &again)));
+        }
+        Ok(bodies)
+    }
+}
+
+fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> VerdictBody {
+    match again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored) {
+        Some(verdict) => VerdictBody::of(serial, verdict),
+        None => VerdictBody {
+            serial: serial.to_owned(),
+            coefficient: stored.coefficient.name().into(),
+            rule: stored.rule.name().into(),
+            state: stored.state.name().into(),
+            value: stored.value,
+            limit: stored.limit,
+            sd: stored.sd,
+            probability: stored.probability,
+            confirmed: stored.confirmed,
+            reason: "As it was decided when the record was judged; the limits or the history have changed since."
+                .into(),
+        },
+    }
+}

@@ -1,0 +1,146 @@
+//! From what was sent to what is stored and judged, readable top to bottom.
+//!
+//! ```text
+//! read      bytes -> Calibration | Bench | Event      whatever can be refused is refused here, by the caller's task
+//! submit    a bounded queue to the one writer          full: 503 with Retry-After
+//! admit     new, the same again, or in conflict        ┐
+//! judge     each gyro touched, late arrivals in place  │ one group at a time, by the writer
+//! commit    one transaction, on disk                   ┘
+//! answer    the verdicts, or what stands in the way
+//! ```
+//!
+//! The writer takes all that has queued up while the last group was committed, so that many senders share one flush
+//! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival.
+
+mod admit;
+mod agreement;
+mod answer;
+mod compare;
+mod judging;
+mod line;
+mod read;
+mod writer;
+
+use std::sync::Arc;
+
+use tokio::sync::{mpsc, oneshot};
+use tokio::task::JoinHandle;
+
+use crate::config::Config;
+use crate::core::judge::Verdict;
+use crate::store::{Id, Store, StoreError, Writer};
+use crate::system::Clock;
+
+pub use agreement::{Compared, Comparison};
+pub use answer::StoredRecord;
+pub use compare::Sent;
+pub use line::sample_of;
+pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
+
+/// The way in, and the way back to what is stored. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Pipeline {
+    store: Store,
+    config: Arc<Config>,
+    clock: Clock,
+    jobs: mpsc::Sender<Job>,
+}
+
+/// Submissions that are to be answered together, in order.
+#[derive(Debug)]
+struct Job {
+    items: Vec<Submission>,
+    reply: oneshot::Sender<Vec<Reply>>,
+}
+
+/// The answer to one submission.
+pub type Reply = Result<Accepted, Refused>;
+
+/// What has become of a submission.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Accepted {
+    /// It is on disk.
+    Stored { id: Id, judged: Vec<Judged> },
+    /// An item with the same key has been there before; whether it says the same is for [`Pipeline::settle`] to find out.
+    There { id: Id, same_bytes: bool },
+}
+
+/// A gyro's verdicts on the record that was submitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    pub serial: Arc<str>,
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Why a submission was not taken.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum Refused {
+    #[error("an item with the same key is stored with other content (id {existing}); they differ at {pointer}")]
+    Differs { existing: Id, pointer: String },
+    #[error("the Idempotency-Key was used before for other content (id {existing})")]
+    KeyReused { existing: Id },
+    #[error("gyro {serial} has another calibration at the same time (id {existing})")]
+    GyroElsewhere { existing: Id, index: usize, serial: String },
+    #[error("no gyro with the serial {serial} is known")]
+    UnknownGyro { serial: String },
+    #[error("too many writes are waiting")]
+    Busy,
+    #[error("the service is stopping")]
+    Stopping,
+    #[error(transparent)]
+    Store(Arc<StoreError>),
+}
+
+impl From<StoreError> for Refused {
+    fn from(error: StoreError) -> Self {
+        Self::Store(Arc::new(error))
+    }
+}
+
+impl Pipeline {
+    /// Starts the writer. It ends, and closes the database, when the last clone of the pipeline is gone.
+    pub async fn start(
+        store: Store,
+        writer: Writer,
+        config: Arc<Config>,
+        clock: Clock,
+    ) -> Result<(Self, JoinHandle<()>), StoreError> {
+        let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
+        let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone()).await?;
+        let handle = tokio::spawn(task.run(queue));
+        Ok((Self { store, config, clock, jobs }, handle))
+    }
+
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Whether the writer still takes work.
+    pub fn is_alive(&self) -> bool {
+        !self.jobs.is_closed()
+    }
+
+    /// Stores and judges one item; returns once it is on disk.
+    ///
+    /// # Errors
+    /// [`Refused`]; then nothing of it is stored.
+    pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
+        let (reply, answer) = oneshot::channel();
+        self.jobs.try_send(Job { items: vec![item], reply }).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => Refused::Busy,
+            mpsc::error::TrySendError::Closed(_) => Refused::Stopping,
+        })?;
+        let mut replies = answer.await.map_err(|_| Refused::Stopping)?;
+        replies.pop().unwrap_or(Err(Refused::Stopping))
+    }
+
+    /// As [`Pipeline::submit`] for many, each with an answer of its own. Waits for room in the queue; what it then returns waits
+    /// for the disk, so that the next items can be made ready meanwhile.
+    pub async fn enqueue(&self, items: Vec<Submission>) -> impl Future<Output = Vec<Reply>> + use<> {
+        let count = items.len();
+        let (reply, answer) = oneshot::channel();
+        // Where the writer is gone, the reply is dropped with the job, and the answer says so.
+        let _queued = self.jobs.send(Job { items, reply }).await;
+        async move { answer.await.unwrap_or_else(|_| vec![Err(Refused::Stopping); count]) }
+    }
+}

@@ -1,0 +1,163 @@
+//! What can be submitted, and reading it: parsed, checked and separated before anything queues.
+
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use super::Pipeline;
+use crate::core::bench::BenchResult;
+use crate::core::fault::{Fault, Faults};
+use crate::core::judge::limits::Requirement;
+use crate::core::judge::{Event, Verdict, requirement};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::record::{GyroParameters, Name, Plausibility, Record};
+use crate::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate};
+use crate::core::time::UtcMicros;
+use crate::store::Kind;
+use crate::wire::bench::parse_bench_result;
+use crate::wire::record::parse_record;
+
+/// Something to store.
+#[derive(Debug, Clone)]
+pub enum Submission {
+    Calibration(Box<Calibration>),
+    Bench(Box<BenchTest>),
+    Event(GyroEvent),
+}
+
+/// An IMU's calibration, separated: from a record, or from a campaign that was fitted here.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    pub kind: Kind,
+    pub imu: Name,
+    pub station: Name,
+    pub calibrated_at: UtcMicros,
+    pub gyros: Vec<CalibratedGyro>,
+    pub body: Arc<str>,
+    pub body_sha256: [u8; 32],
+    pub idempotency_key: Option<String>,
+}
+
+#[derive(Debug, Clone)]
+pub struct CalibratedGyro {
+    pub slot: Slot,
+    pub serial: Name,
+    pub separation: Separation,
+    /// On E and G, which need no history.
+    pub requirements: [Option<Verdict>; 2],
+}
+
+#[derive(Debug, Clone)]
+pub struct BenchTest {
+    pub result: BenchResult,
+    pub body: Arc<str>,
+    pub body_sha256: [u8; 32],
+    pub idempotency_key: Option<String>,
+}
+
+/// Something that was done to a gyro.
+#[derive(Debug, Clone)]
+pub struct GyroEvent {
+    pub serial: Name,
+    pub at: UtcMicros,
+    pub event: Event,
+    pub reason: String,
+    pub author: Option<String>,
+}
+
+impl Pipeline {
+    /// Reads, checks and separates a record.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer.
+    pub fn read_record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
+        let record = parse_record(bytes, &self.config.plausibility.limits())?;
+        self.check_time("/calibrated_at", record.calibrated_at)?;
+        self.separated(record, bytes)
+    }
+
+    /// Reads a stored record: it was plausible once, whatever today's limits are.
+    pub(super) fn reread_record(&self, body: &str) -> Result<Calibration, Faults> {
+        self.separated(parse_record(body.as_bytes(), &anything())?, body.as_bytes())
+    }
+
+    fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
+        let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
+            let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+            self.calibrated(&record.geometry, gyro, covariance.as_ref())
+                .map_err(|detail| Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), detail }.into())
+        });
+        let gyros = gyros.collect::<Result<_, Faults>>()?;
+        let Record { imu, station, calibrated_at, .. } = record;
+        let (body, body_sha256) = kept(bytes)?;
+        Ok(Calibration {
+            kind: Kind::Record,
+            imu,
+            station,
+            calibrated_at,
+            gyros,
+            body,
+            body_sha256,
+            idempotency_key: None,
+        })
+    }
+
+    /// Separates one gyro and holds it to the requirements.
+    ///
+    /// # Errors
+    /// In words, why E and G cannot be separated.
+    pub fn calibrated(
+        &self,
+        geometry: &Geometry,
+        gyro: &GyroParameters,
+        covariance: Option<&CovarianceEg>,
+    ) -> Result<CalibratedGyro, String> {
+        let separation =
+            separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance).map_err(|error| error.to_string())?;
+        let required = match geometry {
+            Geometry::Skewed if self.config.judging.requirements => Requirement::tables_3_and_4()[gyro.slot.index()],
+            _ => Requirement::default(),
+        };
+        let confidence = self.config.judging.confidence;
+        let requirements = requirement(&required, &gyro.e, &gyro.g, gyro.e_sd.as_ref(), gyro.g_sd.as_ref(), confidence);
+        Ok(CalibratedGyro { slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
+    }
+
+    /// Reads and checks a bench result.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer.
+    pub fn read_bench_result(&self, bytes: &[u8]) -> Result<BenchTest, Faults> {
+        let result = parse_bench_result(bytes, self.config.plausibility.max_drift_deg_per_h_g0)?;
+        self.check_time("/measured_at", result.measured_at)?;
+        let (body, body_sha256) = kept(bytes)?;
+        Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
+    }
+
+    /// Refuses a time that lies too far ahead of the clock: the sender's clock is wrong, and the item would stay the newest for
+    /// as long.
+    pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
+        let hours = self.config.plausibility.max_future_hours;
+        if at > self.clock.now().plus_days(hours / 24.0) {
+            let detail = format!("lies more than {hours} hours in the future of the service's clock");
+            return Err(Fault { pointer: pointer.to_owned(), detail }.into());
+        }
+        Ok(())
+    }
+}
+
+/// The body as it is kept, and its hash.
+pub(super) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
+    let text = std::str::from_utf8(bytes)
+        .map_err(|error| Faults::from(Fault { pointer: String::new(), detail: format!("is not UTF-8: {error}") }))?;
+    Ok((text.into(), Sha256::digest(bytes).into()))
+}
+
+/// Limits that refuse nothing that was ever stored.
+pub(super) fn anything() -> Plausibility {
+    Plausibility {
+        scale_factor: (f64::MIN_POSITIVE, f64::MAX),
+        max_misalignment: f64::INFINITY,
+        max_drift: f64::INFINITY,
+    }
+}

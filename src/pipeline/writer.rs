@@ -1,0 +1,127 @@
+//! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
+
+use std::sync::Arc;
+
+use tokio::sync::mpsc;
+
+use super::admit::{Desk, Group, Newest};
+use super::judging::{Judge, Verdicts};
+use super::read::{Calibration, Submission};
+use super::{Accepted, Job, Judged, Refused, Reply};
+use crate::config::Config;
+use crate::store::{Id, Store, StoreError, Writer};
+use crate::system::Clock;
+
+/// Most items of one transaction: more would hold up others for longer than it saves.
+const MAX_ITEMS: usize = 8192;
+
+pub(super) struct Task {
+    store: Store,
+    writer: Writer,
+    clock: Clock,
+    max_group: usize,
+    newest: Newest,
+    judge: Judge,
+}
+
+impl Task {
+    pub async fn new(store: Store, writer: Writer, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
+        let newest = Newest::load(&store).await?;
+        let judge = Judge::new(store.clone(), config.judging.clone());
+        Ok(Self { store, writer, clock, max_group: config.database.max_group, newest, judge })
+    }
+
+    /// Works until every sender is gone and the queue is empty, then closes the database.
+    pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) {
+        let mut jobs = Vec::with_capacity(self.max_group);
+        while queue.recv_many(&mut jobs, self.max_group).await > 0 {
+            let (mut group, mut items) = (Vec::new(), 0);
+            for job in jobs.drain(..) {
+                if items + job.items.len() > MAX_ITEMS && items > 0 {
+                    self.process(std::mem::take(&mut group)).await;
+                    items = 0;
+                }
+                items += job.items.len();
+                group.push(job);
+            }
+            self.process(group).await;
+        }
+        self.store.close().await;
+        if let Err(error) = self.writer.close().await {
+            tracing::error!(%error, "the database could not be closed in order; its log is kept and read at the next start");
+        }
+    }
+
+    async fn process(&mut self, jobs: Vec<Job>) {
+        let items: Vec<&Submission> = jobs.iter().flat_map(|job| &job.items).collect();
+        let mut replies = self.store_all(&items).await.into_iter();
+        for job in jobs {
+            let replies = replies.by_ref().take(job.items.len()).collect();
+            // A sender that has gone away is answered when it sends the same again.
+            let _gone = job.reply.send(replies);
+        }
+    }
+
+    /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.
+    async fn store_all(&mut self, items: &[&Submission]) -> Vec<Reply> {
+        let mut replies = Vec::with_capacity(items.len());
+        match self.store_group(items).await {
+            Ok(stored) => return stored,
+            Err(StoreError::Refused(why)) if items.len() > 1 => {
+                tracing::warn!(%why, items = items.len(), "a group was refused; its items are stored one by one");
+                for item in items {
+                    let reply = self.store_group(&[item]).await;
+                    replies.extend(reply.unwrap_or_else(|error| vec![Err(error.into())]));
+                }
+            }
+            Err(error) => {
+                tracing::error!(%error, items = items.len(), "a group could not be stored");
+                let error = Arc::new(error);
+                replies.resize(items.len(), Err(Refused::Store(error)));
+            }
+        }
+        replies
+    }
+
+    async fn store_group(&mut self, items: &[&Submission]) -> Result<Vec<Reply>, StoreError> {
+        let stored = self.try_group(items).await;
+        match &stored {
+            Ok(_) => self.judge.tidy(),
+            // What was remembered of the gyros is ahead of what is stored.
+            Err(_) => self.judge.forget(),
+        }
+        stored
+    }
+
+    async fn try_group(&mut self, items: &[&Submission]) -> Result<Vec<Reply>, StoreError> {
+        let mut group = Group::default();
+        let mut replies = Vec::with_capacity(items.len());
+        let now = self.clock.now();
+        let mut desk = Desk { store: &self.store, writer: &mut self.writer, newest: &self.newest, now };
+        for item in items {
+            replies.push(desk.admit(item, &mut group).await);
+        }
+        let verdicts = self.judge.judge(&mut group.changes).await?;
+        if !group.changes.is_empty() {
+            self.writer.commit(&group.changes).await?;
+            self.newest.learn(&group.changes);
+        }
+        for (item, reply) in items.iter().zip(&mut replies) {
+            if let (Submission::Calibration(sent), Ok(Accepted::Stored { id, judged })) = (item, reply) {
+                *judged = self.judged(sent, *id, &verdicts);
+            }
+        }
+        Ok(replies)
+    }
+
+    fn judged(&self, sent: &Calibration, id: Id, verdicts: &Verdicts) -> Vec<Judged> {
+        let tables = self.store.names().read();
+        let of = |gyro: &super::CalibratedGyro| {
+            let serial: Arc<str> = gyro.serial.as_str().into();
+            let by_history = tables.gyros.number(&serial).and_then(|number| verdicts.get(&(id, number)));
+            let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
+            Judged { serial, verdicts: verdicts.copied().collect() }
+        };
+        sent.gyros.iter().map(of).collect()
+    }
+}

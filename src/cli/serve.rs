@@ -1,5 +1,6 @@
 //! `gyrowatch serve`: the service, until it is told to stop.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use crate::pipeline::Pipeline;
 use crate::store;
 use crate::system::Clock;
 
-/// Runs the service.
+/// Run the service: HTTP API and pages
 #[derive(Debug, Args)]
 pub struct Serve {
     /// Configuration file; repeat for several, later ones win [default: config/*.toml].
@@ -65,7 +66,8 @@ fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
 
 fn start_log(log: &Log) -> anyhow::Result<()> {
     let filter = EnvFilter::try_new(&log.filter).with_context(|| format!("log.filter: {:?}", log.filter))?;
-    let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    let colours = std::io::stderr().is_terminal();
+    let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours);
     let started = match log.format {
         LogFormat::Text => builder.try_init(),
         LogFormat::Json => builder.json().try_init(),

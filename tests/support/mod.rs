@@ -1,0 +1,219 @@
+//! The real service in a process of its own, on a free port, with a database in a fresh directory.
+//!
+//! Every test file takes what it needs of this, so some of it is unused in each.
+#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use gyrowatch::system;
+use reqwest::header::{HeaderMap, HeaderName, HeaderValue};
+use serde_json::Value;
+use sqlx::{ConnectOptions, Row};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+/// A file of `tests/data`.
+pub fn data(name: &str) -> String {
+    std::fs::read_to_string(data_path(name)).unwrap()
+}
+
+pub fn data_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// The command line program, free of the tester's own GYROWATCH_ variables.
+pub fn gyrowatch() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gyrowatch"));
+    for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("GYROWATCH_")) {
+        command.env_remove(name);
+    }
+    command
+}
+
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub content_type: String,
+    pub headers: HeaderMap,
+    pub body: Vec<u8>,
+}
+
+impl Answer {
+    pub fn text(&self) -> String {
+        String::from_utf8(self.body.clone()).unwrap()
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&self.body)))
+    }
+}
+
+pub struct Server {
+    child: Child,
+    address: String,
+    dir: tempfile::TempDir,
+    settings: Vec<(String, String)>,
+    http: reqwest::Client,
+}
+
+impl Server {
+    pub async fn start() -> Self {
+        Self::start_with(&[]).await
+    }
+
+    /// With `GYROWATCH_…` variables beside the address and the database.
+    pub async fn start_with(settings: &[(&str, &str)]) -> Self {
+        system::install_crypto();
+        let dir = tempfile::tempdir().unwrap();
+        let settings: Vec<_> = settings.iter().map(|&(name, value)| (name.to_owned(), value.to_owned())).collect();
+        let (child, address) = spawn(dir.path(), "127.0.0.1:0", &settings);
+        Self { child, address, dir, settings, http: client() }
+    }
+
+    /// `host:port`.
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    pub fn url(&self, path: &str) -> String {
+        format!("http://{}{path}", self.address)
+    }
+
+    pub fn dir(&self) -> &Path {
+        self.dir.path()
+    }
+
+    /// What the service has logged so far.
+    pub fn log(&self) -> String {
+        std::fs::read_to_string(self.dir.path().join("log")).unwrap()
+    }
+
+    /// kill -9: nothing is finished, nothing is flushed.
+    pub fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// SIGTERM; returns how the service ended, and after how long.
+    pub fn terminate(&mut self) -> (std::process::ExitStatus, Duration) {
+        let started = Instant::now();
+        let pid = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
+        (self.child.wait().unwrap(), started.elapsed())
+    }
+
+    /// Starts again on the same address and database.
+    pub fn restart(&mut self) {
+        let (child, address) = spawn(self.dir.path(), &self.address, &self.settings);
+        (self.child, self.address) = (child, address);
+        self.http = client(); // the old one holds connections to the dead
+    }
+
+    pub async fn get(&self, path: &str) -> Answer {
+        self.call("GET", path, &[], Vec::new()).await
+    }
+
+    pub async fn post(&self, path: &str, content_type: &str, body: impl Into<reqwest::Body>) -> Answer {
+        self.call("POST", path, &[("content-type", content_type)], body).await
+    }
+
+    pub async fn post_json(&self, path: &str, body: &Value) -> Answer {
+        self.post(path, "application/json", body.to_string()).await
+    }
+
+    /// Without a declared length.
+    pub async fn post_chunked(&self, path: &str, content_type: &str, body: String) -> Answer {
+        let parts: Vec<Result<Vec<u8>, std::io::Error>> =
+            body.into_bytes().chunks(64 * 1024).map(|part| Ok(part.to_vec())).collect();
+        let body = reqwest::Body::wrap_stream(futures::stream::iter(parts));
+        self.post(path, content_type, body).await
+    }
+
+    /// An empty header value leaves the header out.
+    pub async fn call(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: impl Into<reqwest::Body>,
+    ) -> Answer {
+        let mut map = HeaderMap::new();
+        for (name, value) in headers.iter().filter(|(_, value)| !value.is_empty()) {
+            map.insert(name.parse::<HeaderName>().unwrap(), HeaderValue::from_str(value).unwrap());
+        }
+        let request = self.http.request(method.parse().unwrap(), self.url(path)).headers(map).body(body);
+        let answer = request.send().await.unwrap_or_else(|e| panic!("{method} {path}: {e:?}\n{}", self.log()));
+        let (status, headers) = (answer.status().as_u16(), answer.headers().clone());
+        let content_type = headers.get("content-type").map_or(String::new(), |v| v.to_str().unwrap().to_owned());
+        Answer { status, content_type, headers, body: answer.bytes().await.unwrap().to_vec() }
+    }
+
+    /// Opens a connection and sends raw text.
+    pub async fn open_and_send(&self, text: &str) -> TcpStream {
+        let mut stream = TcpStream::connect(&self.address).await.unwrap();
+        stream.write_all(text.as_bytes()).await.unwrap();
+        stream
+    }
+
+    /// How many rows each table of the database holds: what is "stored", seen from below.
+    pub async fn holdings(&self) -> Vec<(String, i64)> {
+        let path = self.dir.path().join("gyrowatch.db");
+        let options = sqlx::sqlite::SqliteConnectOptions::new().filename(path).read_only(true);
+        let mut connection = options.connect().await.unwrap();
+        let tables = "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%' ORDER BY name";
+        let mut holdings = Vec::new();
+        for row in sqlx::query(tables).fetch_all(&mut connection).await.unwrap() {
+            let table: String = row.get(0);
+            let count = sqlx::AssertSqlSafe(format!("SELECT count(*) FROM \"{table}\""));
+            let count: i64 = sqlx::query_scalar(count).fetch_one(&mut connection).await.unwrap();
+            holdings.push((table, count));
+        }
+        holdings
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _already_gone = self.child.kill();
+        let _reaped = self.child.wait();
+        if std::thread::panicking() {
+            eprintln!("--- log of the service\n{}", self.log());
+        }
+    }
+}
+
+fn client() -> reqwest::Client {
+    system::http_client(Duration::from_secs(5), Duration::from_secs(60)).build().unwrap()
+}
+
+/// Reads until the other end closes.
+pub async fn closed(mut stream: TcpStream) {
+    let mut rest = Vec::new();
+    let _reset_counts_too = stream.read_to_end(&mut rest).await;
+}
+
+/// Starts `gyrowatch serve`, and waits for the line that names its address.
+fn spawn(dir: &Path, listen: &str, settings: &[(String, String)]) -> (Child, String) {
+    let log = File::options().create(true).append(true).open(dir.join("log")).unwrap();
+    let mut child = gyrowatch()
+        .arg("serve")
+        .current_dir(dir)
+        .env("GYROWATCH_LISTEN", listen)
+        .env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.join("gyrowatch.db").display()))
+        .envs(settings.iter().map(|(name, value)| (name, value)))
+        .stdout(Stdio::piped())
+        .stderr(log)
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let Some((_, address)) = line.trim().split_once("http://") else {
+        let _reaped = child.wait();
+        panic!("the service did not start: {line}\n{}", std::fs::read_to_string(dir.join("log")).unwrap());
+    };
+    (child, address.to_owned())
+}

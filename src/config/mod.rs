@@ -112,13 +112,13 @@ impl Config {
         files: &[PathBuf],
         environment: impl IntoIterator<Item = (String, String)>,
     ) -> Result<Self, ConfigError> {
-        let found;
-        let files = if files.is_empty() {
-            found = files_in(Path::new("config"));
-            &found
-        } else {
-            files
-        };
+        if files.is_empty() {
+            return Self::of(&files_in(Path::new("config")), environment);
+        }
+        Self::of(files, environment)
+    }
+
+    fn of(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Self, ConfigError> {
         let mut layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
         for file in files {
             layers = layers.add_source(File::from(file.as_path()).format(FileFormat::Toml));
@@ -141,7 +141,7 @@ impl Config {
     /// # Panics
     /// Never: a test loads them.
     pub fn defaults() -> Self {
-        Self::load(&[PathBuf::from("/dev/null")], []).expect("the built-in defaults are checked by a test")
+        Self::of(&[], []).expect("the built-in defaults are checked by a test")
     }
 
     fn check(&self) -> Result<(), ConfigError> {

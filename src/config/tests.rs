@@ -2,7 +2,7 @@ use super::*;
 
 fn with(variables: &[(&str, &str)]) -> Result<Config, ConfigError> {
     let owned = variables.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
-    Config::load(&[PathBuf::from("/dev/null")], owned)
+    Config::of(&[], owned)
 }
 
 #[test]

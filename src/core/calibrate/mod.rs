@@ -1,7 +1,7 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
 //! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
-//! [`noise`] with [`growth`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`bench`] (one gyro on a
+//! [`noise`] with [`growth`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
 //! fixture).
 
 pub mod bench;

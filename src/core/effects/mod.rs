@@ -8,7 +8,7 @@
 //! produces and what nobody asked to have named: they compete in the search, so that a contract entry which
 //! merely resembles one of them does not get its name, but they are reported as signs, never adopted.
 //!
-//! One file a family; [`catalogue`] puts them in the order of the contract.
+//! One file a family; `catalogue` puts them in the order of the contract.
 
 mod acceleration;
 mod memory;

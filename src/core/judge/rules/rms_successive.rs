@@ -19,21 +19,26 @@ pub(crate) fn rms_successive(case: &Case<'_>, limit: f64) -> Verdict {
         return case.too_few(Rule::RmsSuccessive, limit, samples.len(), RMS_RECORDS);
     };
     let differences = Differences::of(case, window);
+    // In units of the largest figure, as the squares of variances overflow long before the figures do.
+    let scale = differences.largest().max(limit);
+    let differences = differences.divided_by(scale);
     let rms = differences.mean_square().sqrt();
     let noise = differences.noise();
     let (outcome, sd) = match noise {
         Some(noise) if noise.variance > 0.0 => {
-            let excess = rms * rms - noise.explained - limit * limit;
+            let excess = rms * rms - noise.explained - (limit / scale).powi(2);
             let probability = normal_cdf(excess / noise.variance.sqrt());
             let state = by_probability(probability, case.limits.confidence);
             let sd = if rms > 0.0 { noise.variance.sqrt() / (2.0 * rms) } else { noise.explained.sqrt() };
-            (Outcome { state, probability: Some(probability) }, Some(sd))
+            (Outcome { state, probability: Some(probability) }, Some(sd * scale))
         }
-        _ => (Outcome { state: plain(rms, limit), probability: None }, None),
+        _ => (Outcome { state: plain(rms * scale, limit), probability: None }, None),
     };
-    let finding =
-        Finding::RmsSuccessive { since: window[0].at, explained: noise.map(|noise| noise.explained.max(0.0).sqrt()) };
-    case.verdict(Rule::RmsSuccessive, limit, Measured { value: rms, sd }, outcome, finding)
+    let finding = Finding::RmsSuccessive {
+        since: window[0].at,
+        explained: noise.map(|noise| noise.explained.max(0.0).sqrt() * scale),
+    };
+    case.verdict(Rule::RmsSuccessive, limit, Measured { value: rms * scale, sd }, outcome, finding)
 }
 
 /// Successive differences d and the tridiagonal covariance V of their errors: sums of two variances on its diagonal,
@@ -60,6 +65,16 @@ impl Differences {
         let known = window.iter().all(|sample| case.value(sample).sd.is_some());
         let variance = known.then(|| std::array::from_fn(|i| value(i).sd.map_or(0.0, |sd| sd * sd)));
         Self { d, variance }
+    }
+
+    fn largest(&self) -> f64 {
+        let variance = self.variance.iter().flatten().copied().fold(0.0, f64::max);
+        self.d.iter().map(|d| d.abs()).fold(variance.sqrt(), f64::max)
+    }
+
+    fn divided_by(&self, scale: f64) -> Self {
+        let square = scale * scale;
+        Self { d: self.d.map(|d| d / scale), variance: self.variance.map(|variances| variances.map(|v| v / square)) }
     }
 
     fn mean_square(&self) -> f64 {

@@ -30,6 +30,7 @@ pub mod core;
 pub mod experiment;
 pub mod http;
 pub mod pipeline;
+pub mod report;
 pub mod simulate;
 pub mod store;
 pub mod system;

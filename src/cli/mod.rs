@@ -5,6 +5,7 @@
 //! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
 mod client;
+mod diagnose;
 mod document;
 mod experiment;
 mod import;
@@ -31,6 +32,7 @@ pub struct Cli {
 enum Command {
     Serve(serve::Serve),
     Separate(separate::Separate),
+    Diagnose(diagnose::Diagnose),
     Import(import::Import),
     Simulate(simulate::Simulate),
 }
@@ -40,6 +42,7 @@ impl Command {
         match self {
             Self::Serve(serve) => serve.run(),
             Self::Separate(separate) => separate.run(),
+            Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
             Self::Simulate(simulate) => simulate.run(),
         }

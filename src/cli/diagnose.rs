@@ -1,0 +1,175 @@
+//! `diagnose`: where a campaign and the error model part, which unmodelled effect parts them, how far the gap shrinks.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+
+use super::document::{self, Format, table};
+use crate::core::campaign::Campaign;
+use crate::core::diagnose::{Options, diagnose};
+use crate::report::{self, Subject};
+use crate::wire::campaign;
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::time;
+
+/// Diagnose the gap between a campaign and the error model
+#[derive(Debug, clap::Args)]
+pub struct Diagnose {
+    /// The campaign, in JSON or CSV; `-` is standard input
+    campaign: PathBuf,
+
+    /// Terms of the error model in use, of bias, g_linear, g_squared, scale [default: the campaign's own, or all]
+    #[arg(long, value_delimiter = ',', value_name = "TERMS")]
+    model: Vec<String>,
+
+    /// Also write a report that needs nothing else, in HTML
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Diagnose {
+    pub fn run(self) -> anyhow::Result<()> {
+        let file = || document::name(&self.campaign);
+        let campaign = campaign::parse(&document::read(&self.campaign)?).with_context(file)?;
+        let terms = if self.model.is_empty() {
+            None
+        } else {
+            Some(campaign::terms_from_names(&self.model).context("--model")?)
+        };
+        let options = Options { terms, ..Options::default() };
+        let diagnosis = DiagnosisBody::from(&diagnose(&campaign, &options).with_context(file)?);
+        if let Some(path) = &self.report {
+            let page = report::html(&subject(&campaign), &diagnosis);
+            std::fs::write(path, page).with_context(|| path.display().to_string())?;
+        }
+        match self.format {
+            Format::Table => document::print(&tables(&campaign, &diagnosis)),
+            Format::Json => document::print_json(&diagnosis),
+        }
+    }
+}
+
+fn subject(campaign: &Campaign) -> Subject {
+    Subject {
+        imu: campaign.imu.to_string(),
+        station: campaign.station.to_string(),
+        measured_at: time::format(campaign.measured_at),
+        dwells: campaign.dwells.len(),
+        gyros: campaign.gyros.iter().map(|g| (g.slot.name().to_owned(), g.serial.to_string())).collect(),
+    }
+}
+
+fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
+    let mut out = format!(
+        "{}, measured by {} at {}: {}\n\nnoise floor {:.3e} deg/h ({}); gap {:.3e} deg/h, reduced chi-square {:.2}, p {:.1e}\n",
+        campaign.imu,
+        campaign.station,
+        time::format(campaign.measured_at),
+        d.verdict.replace('_', " "),
+        d.noise_floor.deg_per_h,
+        d.noise_floor.source,
+        d.gap.rms_deg_per_h,
+        d.gap.reduced_chi2,
+        d.gap.p_value
+    );
+    for section in [effects(d), signs(d), candidates(d), impact(d), blind_spots(d), next(d)].into_iter().flatten() {
+        out.push('\n');
+        out.push_str(&section);
+        out.push('\n');
+    }
+    for note in &d.notes {
+        out.push_str(&format!("\nnote: {note}"));
+    }
+    out
+}
+
+fn effects(d: &DiagnosisBody) -> Option<String> {
+    let mut rows =
+        table(["effect", "gyros", "parameter", "value", "unit", "closure held out", "or just as well"], 3..4);
+    for effect in &d.effects {
+        let h = &effect.held_out;
+        let others: Vec<&str> = effect.class.iter().map(String::as_str).filter(|id| *id != effect.effect).collect();
+        let mut head = [
+            effect.effect.clone(),
+            effect.gyros.join(" "),
+            format!("{:.2} ({:.2} to {:.2})", h.closure, h.interval[0], h.interval[1]),
+            others.join(", "),
+        ];
+        for e in &effect.estimates {
+            let [name, gyros, closure, class] = std::mem::take(&mut head);
+            let parameter = format!("{} {}", e.slot, e.name);
+            rows.add_row([
+                name,
+                gyros,
+                parameter,
+                format!("{:+.3e} ± {:.1e}", e.value, e.sd),
+                e.unit.clone(),
+                closure,
+                class,
+            ]);
+        }
+    }
+    (!d.effects.is_empty()).then(|| format!("Named effects\n{rows}"))
+}
+
+fn signs(d: &DiagnosisBody) -> Option<String> {
+    let mut rows = table(["sign of something more", "gyros", "p"], 2..3);
+    for sign in &d.remaining.signs {
+        rows.add_row([sign.kind.clone(), sign.gyros.join(" "), format!("{:.1e}", sign.p_value)]);
+    }
+    (!d.remaining.signs.is_empty()).then(|| format!("What remains\n{rows}"))
+}
+
+fn candidates(d: &DiagnosisBody) -> Option<String> {
+    let mut rows = table(["candidate", "gyros", "closes alone", "adjusted p", "not taken because"], 2..4);
+    for c in &d.candidates {
+        let closure = c.closure.map_or("-".to_owned(), |x| format!("{x:.2}"));
+        rows.add_row([
+            c.effect.clone(),
+            c.gyros.join(" "),
+            closure,
+            format!("{:.1e}", c.p_value_adjusted),
+            c.why_not.clone(),
+        ]);
+    }
+    (!d.candidates.is_empty()).then(|| format!("Also tried\n{rows}"))
+}
+
+fn impact(d: &DiagnosisBody) -> Option<String> {
+    let mut rows = table(["gyro", "coefficient", "plain", "with the effects", "shift", "of the budget"], 2..6);
+    for i in &d.impact {
+        let augmented = format!("{:+.6} ± {:.6}", i.augmented, i.augmented_sd);
+        let (plain, shift) = (format!("{:+.6}", i.plain), format!("{:+.6}", i.shift));
+        rows.add_row([
+            i.slot.clone(),
+            i.coefficient.clone(),
+            plain,
+            augmented,
+            shift,
+            format!("{:.0} %", 100.0 * i.of_budget),
+        ]);
+    }
+    (!d.impact.is_empty()).then(|| format!("Drift coefficients, deg/(h g0)\n{rows}"))
+}
+
+fn blind_spots(d: &DiagnosisBody) -> Option<String> {
+    let mut rows = table(["cannot be told here", "visible", "because", "needs"], 1..2);
+    for n in &d.not_identifiable {
+        let visible = format!("{:.0} %", 100.0 * n.visible_fraction);
+        rows.add_row([n.effect.clone(), visible, n.reason.clone(), n.needs.clone()]);
+    }
+    (!d.not_identifiable.is_empty()).then(|| format!("Blind spots\n{rows}"))
+}
+
+fn next(d: &DiagnosisBody) -> Option<String> {
+    let mut rows = table(["next dwell", "specific force, g0", "rate, arcsec/s", "separates"], 1..3);
+    for n in &d.next_dwells {
+        let triple = |v: [f64; 3], digits: usize| v.map(|x| format!("{x:.digits$}")).join(" ");
+        let (force, rate) = (triple(n.specific_force_g0, 4), triple(n.rate_arcsec_s, 1));
+        rows.add_row([n.phase.clone(), force, rate, n.separates.join(", ")]);
+    }
+    (!d.next_dwells.is_empty()).then(|| format!("Worth measuring next\n{rows}"))
+}

@@ -9,7 +9,7 @@
 /// Standard gravity, m/s^2 (exact by definition). The unit g0 of every coefficient here.
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
 
-/// Mean angular rate of the Earth with respect to inertial space, deg/h (IERS 2010: 7.292115e-5 rad/s).
+/// Mean angular rate of the Earth with respect to inertial space, deg/h (WGS 84: 7.2921151467e-5 rad/s).
 pub const EARTH_RATE_DEG_H: f64 = 15.041_067_178_669_1;
 
 /// Degrees of arc to radians.
@@ -37,8 +37,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn earth_rate_agrees_with_the_iers_value_in_radians() {
+    fn earth_rate_is_that_of_wgs_84_in_radians() {
         let rad_per_s = EARTH_RATE_DEG_H.to_radians() / 3600.0;
-        assert!((rad_per_s - 7.292_115e-5).abs() < 1e-16);
+        assert!((rad_per_s - 7.292_115_146_7e-5).abs() < 1e-16);
     }
 }

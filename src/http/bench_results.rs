@@ -13,8 +13,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, idempotency_key};
-use crate::pipeline::{Accepted, Sent, Submission};
-use crate::store::Id;
+use crate::pipeline::{Accepted, Id, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;

@@ -22,8 +22,7 @@ use utoipa_axum::routes;
 use super::App;
 use super::document::{Document, check_media_type};
 use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Pipeline, Reply, Sent, Submission};
-use crate::store::Kind;
+use crate::pipeline::{Accepted, Kind, Pipeline, Reply, Sent, Submission};
 use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 

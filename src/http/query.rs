@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::App;
 use crate::core::time::UtcMicros;
-use crate::store::Span;
+use crate::pipeline::Span;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 

@@ -13,8 +13,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, idempotency_key};
-use crate::pipeline::{Accepted, Sent, StoredRecord, Submission};
-use crate::store::{Id, Kind};
+use crate::pipeline::{Accepted, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;

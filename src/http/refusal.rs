@@ -1,7 +1,6 @@
 //! Which failure of the pipeline or the store leaves as which status, said once.
 
-use crate::pipeline::Refused;
-use crate::store::StoreError;
+use crate::pipeline::{Refused, StoreError};
 use crate::wire::problem::{Place, Problem};
 
 impl From<Refused> for Problem {

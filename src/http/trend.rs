@@ -18,8 +18,7 @@ use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::{Coefficient, State as Judgement};
 use crate::core::time::UtcMicros;
-use crate::pipeline::sample_of;
-use crate::store::{BenchRow, Figures, Names, Span, Tables};
+use crate::pipeline::{BenchRow, Figures, Names, Span, Tables, sample_of};
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 

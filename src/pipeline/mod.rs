@@ -28,13 +28,15 @@ use tokio::task::JoinHandle;
 
 use crate::config::Config;
 use crate::core::judge::Verdict;
-use crate::store::{Id, Store, StoreError, Writer};
+use crate::store::{Store, Writer};
 use crate::system::Clock;
 
 pub use agreement::{Compared, Comparison};
 pub use answer::StoredRecord;
 pub use compare::Sent;
 pub use line::sample_of;
+// What the store hands out passes through here: whoever asks the pipeline need not know the store.
+pub use crate::store::{BenchRow, Figures, Id, Kind, Names, Span, StoreError, Tables};
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
 
 /// The way in, and the way back to what is stored. Cheap to clone.

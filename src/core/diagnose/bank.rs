@@ -12,8 +12,9 @@ use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
 /// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
 pub(super) const INVISIBLE: f64 = 1e-6;
 
-/// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column.
-const FLAT_POWER: [f64; 1] = [60.0];
+/// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column, by the
+/// number of coefficients: effects at the limit of detection and well above it, whatever the number.
+const FLAT_POWER: [[f64; 2]; 4] = [[16.0, 100.0], [8.0, 50.0], [5.0, 33.0], [3.0, 20.0]];
 /// Prior power of a whole smooth hypothesis.
 const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
 
@@ -45,7 +46,6 @@ pub(super) struct Block {
     /// Sum of ln(1 + power x length) over the columns, for each of the hypothesis' powers.
     pub log_dets: Vec<f64>,
     /// Share of the raw columns' whitened power that is left.
-    #[expect(dead_code, reason = "what a campaign cannot see is answered from it")]
     pub visible: f64,
 }
 
@@ -96,7 +96,10 @@ impl Bank {
                 shape: raw.shape,
                 log_weight: raw.log_weight,
                 common: raw.common,
-                powers: if raw.prior == Prior::Flat { &FLAT_POWER } else { &SMOOTH_POWER },
+                powers: match raw.prior {
+                    Prior::Flat => &FLAT_POWER[raw.columns[0].len().clamp(1, FLAT_POWER.len()) - 1],
+                    Prior::Smooth => &SMOOTH_POWER,
+                },
                 blocks: Vec::new(),
             })
             .collect();

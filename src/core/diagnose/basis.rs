@@ -51,6 +51,11 @@ impl Basis {
         after / before
     }
 
+    /// The vectors from number `rank` on, as a basis of their own.
+    pub fn split_off(mut self, rank: usize) -> Self {
+        Self { vectors: self.vectors.split_off(rank) }
+    }
+
     /// Sum of squares of row `k`: the leverage of dwell `k`.
     pub fn leverage(&self, k: usize) -> f64 {
         self.vectors.iter().map(|q| q[k] * q[k]).sum()

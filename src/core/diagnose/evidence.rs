@@ -1,7 +1,7 @@
 //! How strongly the residuals speak for each hypothesis: Bayes factors against the model in use.
 //!
 //! For one gyro with `nu` degrees of freedom, residual sum of squares `R`, projected columns `U` (m of them) and a
-//! prior of power `g` per coefficient and noise variance (Zellner's g-prior; scale of the noise unknown),
+//! prior of power `g` per coefficient and noise variance (Zellner's g-prior; scale of the noise unknown), averaged over two or three values of `g`,
 //!
 //! ```text
 //! ln B = -1/2 ln det(1 + g U'U) - nu/2 ln(1 - b'(U'U + 1/g)^-1 b / R),   b = U'r
@@ -60,27 +60,40 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
         .collect()
 }
 
+/// Products of every column of the bank with residuals and adopted columns.
+pub(super) struct Products {
+    with_extra: Vec<DMatrix<f64>>,
+    with_residual: Vec<DVector<f64>>,
+}
+
+impl Products {
+    pub fn of(bank: &Bank, state: &State) -> Self {
+        let extra = |gyro: &GyroState| basis_matrix(gyro.extra.vectors(), gyro.residual.len());
+        Self {
+            with_extra: state.iter().zip(&bank.columns).map(|(gyro, c)| c.tr_mul(&extra(gyro))).collect(),
+            with_residual: (state.iter().zip(&bank.columns))
+                .map(|(gyro, c)| c.tr_mul(&DVector::from_column_slice(&gyro.residual)))
+                .collect(),
+        }
+    }
+
+    pub fn seen<'a>(&'a self, bank: &'a Bank, state: &State) -> Vec<Seen<'a>> {
+        (0..state.len())
+            .map(|j| Seen {
+                columns: &bank.columns[j],
+                with_residual: self.with_residual[j].as_slice(),
+                with_extra: &self.with_extra[j],
+                rss: state[j].rss,
+                nu: state[j].nu,
+            })
+            .collect()
+    }
+}
+
 /// Scores every kind of the bank.
 pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
-    let with_extra: Vec<DMatrix<f64>> = state
-        .iter()
-        .zip(&bank.columns)
-        .map(|(gyro, columns)| columns.tr_mul(&basis_matrix(gyro.extra.vectors(), gyro.residual.len())))
-        .collect();
-    let with_residual: Vec<DVector<f64>> = state
-        .iter()
-        .zip(&bank.columns)
-        .map(|(gyro, columns)| columns.tr_mul(&DVector::from_column_slice(&gyro.residual)))
-        .collect();
-    let seen: Vec<Seen> = (0..state.len())
-        .map(|j| Seen {
-            columns: &bank.columns[j],
-            with_residual: with_residual[j].as_slice(),
-            with_extra: &with_extra[j],
-            rss: state[j].rss,
-            nu: state[j].nu,
-        })
-        .collect();
+    let products = Products::of(bank, state);
+    let seen = products.seen(bank, state);
     bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen)).collect()
 }
 
@@ -140,19 +153,14 @@ fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [f64; MAX_GYROS]) 
         gyro_log.fill(log);
         return (hypothesis.log_weight + log, gyro_log);
     }
-    let (mut together, mut top) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-    for p in 0..hypothesis.powers.len() {
-        let mut logs = [0.0; MAX_GYROS];
-        for (j, seen) in seen.iter().enumerate() {
-            logs[j] = log_bayes_gyro(&hypothesis.blocks[j], hypothesis.powers[p], p, seen);
-        }
-        let joint = log_membership(&logs[..seen.len()]);
-        together = log_add(together, joint);
-        if joint > top {
-            (top, gyro_log) = (joint, logs);
-        }
+    for (j, seen) in seen.iter().enumerate() {
+        let powers = hypothesis.powers.iter().enumerate();
+        let sum = powers
+            .map(|(p, &power)| log_bayes_gyro(&hypothesis.blocks[j], power, p, seen))
+            .fold(f64::NEG_INFINITY, log_add);
+        gyro_log[j] = sum - (hypothesis.powers.len() as f64).ln();
     }
-    (hypothesis.log_weight + together - (hypothesis.powers.len() as f64).ln(), gyro_log)
+    (hypothesis.log_weight + log_membership(&gyro_log[..seen.len()]), gyro_log)
 }
 
 /// ln of the mean over non-empty subsets of gyros of the product of their Bayes factors.
@@ -173,19 +181,27 @@ pub(super) fn log_membership(logs: &[f64]) -> f64 {
     log + (without / (1.0 - none)).ln()
 }
 
-/// ln B of one gyro. With the block's columns orthogonal, `A = 1 + g U'U` is diagonal, and what has been adopted takes
-/// `W W'` out of it (W: block x adopted), so that determinant and inverse need only a matrix of the adopted columns:
-/// `det(A - g W W') = det A det S`, `S = 1 - g W' A^-1 W`.
+/// ln B of one gyro.
 fn log_bayes_gyro(block: &Block, power: f64, p: usize, seen: &Seen) -> f64 {
     if block.len == 0 {
         return 0.0;
     }
+    let (explained, log_det) = explained(block, power, seen);
+    seen.gain(explained) - 0.5 * (block.log_dets[p] + log_det)
+}
+
+/// Sum of squares that a block takes from a gyro's residual, and what the adopted columns change in ln det.
+///
+/// With the block's columns orthogonal, `A = 1 + g U'U` is diagonal, and what has been adopted takes `W W'` out of it
+/// (W: block x adopted), so that determinant and inverse need only a matrix of the size of the adopted columns:
+/// `det(A - g W W') = det A det S`, `S = 1 - g W' A^-1 W`.
+fn explained(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
     let b = &seen.with_residual[block.start..block.start + block.len];
     let inverse = |i: usize| 1.0 / (1.0 + power * block.lengths.get(i).copied().unwrap_or(1.0));
     let own: f64 = b.iter().enumerate().map(|(i, b)| b * b * inverse(i)).sum();
     let adopted = seen.with_extra.ncols();
     if adopted == 0 {
-        return seen.gain(power * own) - 0.5 * block.log_dets[p];
+        return (power * own, 0.0);
     }
     let mut small = DMatrix::identity(adopted, adopted);
     let mut side = DVector::zeros(adopted);
@@ -199,15 +215,59 @@ fn log_bayes_gyro(block: &Block, power: f64, p: usize, seen: &Seen) -> f64 {
             }
         }
     }
-    let Some(cholesky) = small.cholesky() else { return 0.0 };
-    let more = power * side.dot(&cholesky.solve(&side));
-    seen.gain(power * (own + more)) - 0.5 * (block.log_dets[p] + log_det(&cholesky))
+    match small.cholesky() {
+        Some(cholesky) => (power * (own + power * side.dot(&cholesky.solve(&side))), log_det(&cholesky)),
+        None => (0.0, 0.0),
+    }
 }
 
-/// Common coefficients: each gyro weighs with its own noise, found anew from what the fit leaves it.
+/// Prior power so wide that only the fit counts.
+const NO_PRIOR: f64 = 1e5;
+
+/// Gain in log-likelihood of one hypothesis in each gyro, coefficients free, and the number of coefficients.
+pub(super) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)> {
+    hypothesis
+        .blocks
+        .iter()
+        .zip(seen)
+        .map(|(block, seen)| match block.len {
+            0 => (0.0, 0),
+            len => (seen.gain(explained(block, NO_PRIOR, seen).0), len),
+        })
+        .collect()
+}
+
+/// Log-likelihood gain less number of coefficients (half of Akaike's criterion) of a kind at its best: gyros that do
+/// not pay for their coefficients stay out, an unknown shape counts as one more.
+pub(super) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen]) -> f64 {
+    let shape = if range.len() > 1 { 1.0 } else { 0.0 };
+    let best = range
+        .map(|i| {
+            let hypothesis = &bank.hypotheses[i];
+            if hypothesis.common {
+                let size = hypothesis.blocks.iter().map(|block| block.len).max().unwrap_or(0);
+                return common_fit(hypothesis, seen, NO_PRIOR).0 - size as f64;
+            }
+            gains(hypothesis, seen).iter().map(|&(gain, len)| (gain - len as f64).max(0.0)).sum()
+        })
+        .fold(0.0, f64::max);
+    best - shape
+}
+
 fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
-    let Some(size) = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0) else { return 0.0 };
-    let power = hypothesis.powers[0];
+    let each = hypothesis.powers.iter().map(|&power| {
+        let (gain, penalty) = common_fit(hypothesis, seen, power);
+        gain - penalty
+    });
+    each.fold(f64::NEG_INFINITY, log_add) - (hypothesis.powers.len() as f64).ln()
+}
+
+/// Common coefficients: log-likelihood gain, and half of ln det plus the prior's own term. Each gyro weighs with its
+/// own noise, found anew from what the fit leaves it.
+fn common_fit(hypothesis: &Hypothesis, seen: &[Seen], power: f64) -> (f64, f64) {
+    let Some(size) = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0) else {
+        return (0.0, 0.0);
+    };
     let parts: Vec<(&Seen, &Block, DMatrix<f64>)> = seen
         .iter()
         .zip(&hypothesis.blocks)
@@ -215,7 +275,7 @@ fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
         .map(|(seen, block)| (seen, block, seen.gram(block)))
         .collect();
     let mut left: Vec<f64> = parts.iter().map(|(seen, ..)| seen.rss).collect();
-    let mut log = 0.0;
+    let (mut gain, mut penalty) = (0.0, 0.0);
     for _ in 0..2 {
         let mut system = DMatrix::identity(size, size) / power;
         let mut side = DVector::zeros(size);
@@ -223,16 +283,17 @@ fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
             system += gram * (seen.nu / left);
             side += seen.side(block) * (seen.nu / left);
         }
-        let Some(cholesky) = system.cholesky() else { return 0.0 };
+        let Some(cholesky) = system.cholesky() else { return (0.0, 0.0) };
         let estimate = cholesky.solve(&side);
-        log = -0.5 * (log_det(&cholesky) + size as f64 * power.ln()) - 0.5 * estimate.norm_squared() / power;
+        penalty = 0.5 * (log_det(&cholesky) + size as f64 * power.ln()) + 0.5 * estimate.norm_squared() / power;
+        gain = 0.0;
         for ((seen, block, gram), left) in parts.iter().zip(&mut left) {
             let now = seen.rss - 2.0 * estimate.dot(&seen.side(block)) + estimate.dot(&(gram * &estimate));
             *left = now.max(1e-12 * seen.rss);
-            log += 0.5 * seen.nu * (seen.rss / *left).ln();
+            gain += 0.5 * seen.nu * (seen.rss / *left).ln();
         }
     }
-    log
+    (gain, penalty)
 }
 
 fn log_det(cholesky: &Cholesky<f64, Dyn>) -> f64 {

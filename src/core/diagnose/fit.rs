@@ -20,6 +20,14 @@ impl Part {
         self.effect.entry().scope == Scope::Common
     }
 
+    /// The one dwell that the effect sets aside, if it is of that kind.
+    pub fn dwell(&self) -> Option<usize> {
+        match self.shape {
+            Shape::Dwell(k) => Some(k),
+            _ => None,
+        }
+    }
+
     /// Regressors of gyro `j`, deg/h per unit coefficient.
     pub fn columns(&self, frame: &Frame, j: usize) -> Vec<Vec<f64>> {
         (self.effect.entry().columns)(&frame.setting, j, self.shape)
@@ -43,12 +51,10 @@ pub(super) struct Fit {
     /// Whitened residuals of each gyro.
     pub residuals: Vec<Vec<f64>>,
     /// Degrees of freedom left in each gyro; shared coefficients are counted in equal parts.
-    #[expect(dead_code, reason = "held-out closure counts with it")]
     pub dof: Vec<f64>,
     /// Noise variance of each gyro over that of `sd`.
     pub variances: Vec<f64>,
     /// Drift that the parts add in each gyro and dwell, deg/h.
-    #[expect(dead_code, reason = "closure against the truth counts with it")]
     pub drift: Vec<Vec<f64>>,
 }
 

@@ -1,8 +1,6 @@
 //! The noise floor: stated standard errors, repeated dwells and residuals, weighed together.
 
-use statrs::function::gamma::checked_gamma_ur;
-
-use super::answer::{Gap, GyroFloor, NoiseFloor};
+use super::answer::{GyroFloor, NoiseFloor};
 use super::basis::dot;
 use super::frame::{Frame, GyroFrame};
 
@@ -18,14 +16,15 @@ pub(super) struct PureError {
     pub dof: usize,
 }
 
-/// Scatter within groups of repeated dwells, weighted: sum over groups of (y - weighted group mean)^2 / sd^2.
-pub(super) fn pure_error(frame: &Frame, gyro: &GyroFrame) -> PureError {
+/// Scatter of whitened residuals within groups of repeated dwells: sum of (y - weighted group mean)^2 / sd^2. Within a
+/// group the model's design is constant, so its residuals differ as outputs do; what adopted effects of time,
+/// temperature or order explain is no pure error, hence residuals and not outputs.
+pub(super) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> PureError {
     let mut pure = PureError { sum: 0.0, dof: 0 };
     for group in &frame.noise.repeats {
-        // Within a group the design is constant, so residuals differ as outputs do.
         let weights: Vec<f64> = group.iter().map(|&k| gyro.sd[k].powi(-2)).collect();
         let total: f64 = weights.iter().sum();
-        let value = |k: usize| gyro.residual[k] * gyro.sd[k];
+        let value = |k: usize| residual[k] * gyro.sd[k];
         let mean = group.iter().zip(&weights).map(|(&k, w)| w * value(k)).sum::<f64>() / total;
         pure.sum += group.iter().zip(&weights).map(|(&k, w)| w * (value(k) - mean).powi(2)).sum::<f64>();
         pure.dof += group.len() - 1;
@@ -33,20 +32,11 @@ pub(super) fn pure_error(frame: &Frame, gyro: &GyroFrame) -> PureError {
     pure
 }
 
-/// Variance factor of one gyro. `rss` over `dof` is what the best model leaves; it joins where nothing significant
-/// remains in it, otherwise only repeats and stated errors count.
-#[expect(dead_code, reason = "the floor after adoption takes it")]
-pub(super) fn variance(stated: bool, pure: PureError, left: Option<(f64, f64)>) -> f64 {
+/// Variance factor of one gyro from stated errors and repeats alone; none where there is neither.
+pub(super) fn variance(stated: bool, pure: PureError) -> Option<f64> {
     let prior = if stated { STATED_DOF } else { 0.0 };
-    match left {
-        Some((rss, dof)) => (prior + rss) / (prior + dof),
-        None if stated || pure.dof > 0 => {
-            // Without any residual to lean on, an unstated noise still has the robust residual scale behind it.
-            let prior = prior.max(2.0);
-            (prior + pure.sum) / (prior + pure.dof as f64)
-        }
-        None => 1.0,
-    }
+    let dof = prior + pure.dof as f64;
+    (dof > 0.0).then(|| ((prior + pure.sum) / dof).max(1e-12))
 }
 
 pub(super) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> NoiseFloor {
@@ -66,7 +56,7 @@ pub(super) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> N
         .map(|(j, (gyro, variance))| GyroFloor {
             slot: frame.setting.gyros[j].slot,
             deg_per_h: (variance * dot(&gyro.sd, &gyro.sd) / gyro.sd.len() as f64).sqrt(),
-            repeat_dof: pure_error(frame, gyro).dof,
+            repeat_dof: pure_error(frame, gyro, &gyro.residual).dof,
         })
         .collect();
     let mean_square = gyros.iter().map(|g| g.deg_per_h.powi(2)).sum::<f64>() / gyros.len() as f64;
@@ -76,17 +66,6 @@ pub(super) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> N
         source,
         sem_factor: if frame.noise.stated { factor } else { 1.0 },
         gyros,
-    }
-}
-
-/// Residual sum of squares against the floor's variances.
-pub(super) fn gap(frame: &Frame, variances: &[f64]) -> Gap {
-    let chi2: f64 = frame.gyros.iter().zip(variances).map(|(gyro, variance)| gyro.rss() / variance).sum();
-    let dof: usize = frame.gyros.iter().map(GyroFrame::dof).sum();
-    Gap {
-        rms_deg_per_h: rms(frame, frame.gyros.iter().map(|gyro| gyro.residual.as_slice())),
-        reduced_chi2: chi2 / dof as f64,
-        p_value: checked_gamma_ur(0.5 * dof as f64, 0.5 * chi2).unwrap_or(0.0),
     }
 }
 

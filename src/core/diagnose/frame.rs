@@ -25,6 +25,11 @@ pub(super) struct Frame {
     pub terms: Terms,
     pub gyros: Vec<GyroFrame>,
     pub noise: Noise,
+    /// Output of each gyro, deg/h, and the raw columns of the model in use.
+    pub outputs: Vec<Vec<f64>>,
+    pub designs: Vec<Vec<Vec<f64>>>,
+    /// Whether E of each gyro is among the fitted columns.
+    pub scale_fitted: Vec<bool>,
     pub notes: Vec<String>,
 }
 
@@ -59,16 +64,25 @@ impl Frame {
             .map(|j| design(&setting, j, terms, &campaign.gyros[j], &options.adopted))
             .collect();
         let noise = noise::of(campaign, &setting, &outputs, &designs);
-        let mut gyros = Vec::new();
-        for (j, design) in designs.into_iter().enumerate() {
-            let gyro = whitened(&noise.sd[j], &outputs[j], design);
-            if gyro.dof() == 0 {
-                return Err(Refusal::TooFewDwells { dwells: setting.dwells(), parameters: gyro.basis.rank() });
-            }
-            gyros.push(gyro);
-        }
         notes.extend(noise.notes.iter().cloned());
-        Ok(Self { setting, terms, gyros, noise, notes })
+        let scale_fitted = campaign.gyros.iter().map(|gyro| gyro.known_e.is_none()).collect();
+        let gyros = Vec::new();
+        Self { setting, terms, gyros, noise, outputs, designs, scale_fitted, notes }.whitened()
+    }
+
+    /// The same campaign with another growth of noise with rate.
+    pub fn with_growth(&self, growth: f64) -> Result<Self, Refusal> {
+        let noise = self.noise.with_growth(&self.setting, &self.outputs, &self.designs, growth);
+        Self { noise, ..self.clone() }.whitened()
+    }
+
+    fn whitened(mut self) -> Result<Self, Refusal> {
+        let gyro = |j: usize| whitened(&self.noise.sd[j], &self.outputs[j], &self.designs[j]);
+        self.gyros = (0..self.outputs.len()).map(gyro).collect();
+        match self.gyros.iter().find(|gyro| gyro.dof() == 0) {
+            Some(gyro) => Err(Refusal::TooFewDwells { dwells: self.dwells(), parameters: gyro.basis.rank() }),
+            None => Ok(self),
+        }
     }
 
     pub fn dwells(&self) -> usize {
@@ -76,10 +90,10 @@ impl Frame {
     }
 }
 
-fn whitened(sd: &[f64], output: &[f64], design: Vec<Vec<f64>>) -> GyroFrame {
+fn whitened(sd: &[f64], output: &[f64], design: &[Vec<f64>]) -> GyroFrame {
     let mut gyro = GyroFrame { sd: sd.to_vec(), basis: Basis::default(), residual: Vec::new() };
     for column in design {
-        let column = gyro.whiten(column);
+        let column = gyro.whiten(column.clone());
         gyro.basis.push(column);
     }
     let mut residual = gyro.whiten(output.to_vec());

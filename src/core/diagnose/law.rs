@@ -52,13 +52,11 @@ pub(super) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> 
 }
 
 /// Restricted likelihood of all gyros at each of [`GROWTHS`].
-#[expect(dead_code, reason = "evidence is averaged over it")]
 pub(super) fn profile(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], p: f64) -> [f64; GROWTHS.len()] {
     GROWTHS.map(|c| (0..outputs.len()).map(|j| restricted(&outputs[j], &designs[j], &shape(s, j, c, p))).sum())
 }
 
 /// ln of the mean of exp.
-#[expect(dead_code, reason = "evidence is averaged over it")]
 pub(super) fn log_mean(profile: &[f64]) -> f64 {
     let top = profile.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     top + (profile.iter().map(|x| (x - top).exp()).sum::<f64>() / profile.len() as f64).ln()

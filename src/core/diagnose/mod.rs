@@ -1,31 +1,36 @@
 //! Where a campaign and the error model part, which unmodelled effect parts them, and how far the gap shrinks.
 //!
 //! Reading order: [`answer`] (what comes out), `frame` (model (6) taken out of everything), `bank` and `evidence` (how
-//! a candidate scores), `null` (what noise alone scores), `search` (which are adopted), `fit` (the augmented model).
+//! a candidate scores), `null` (what noise alone scores), `search` and `settle` (which are adopted), `fit` (the augmented
+//! model), `heldout` (closure), `remaining` (tests without a catalogue), `identify`, `impact`, `next`, `report` (the answer).
 
 mod answer;
 mod bank;
 mod basis;
+mod class;
 mod evidence;
 mod fit;
 mod floor;
 mod frame;
+mod heldout;
+mod identify;
+mod impact;
 mod law;
 mod located;
+mod next;
 mod noise;
 mod null;
+mod remaining;
+mod report;
 mod search;
+mod settle;
 
 pub use answer::*;
 
-use bank::{Bank, Kind};
-use fit::{Fit, Part};
 use frame::Frame;
-use null::Null;
-use search::{Choice, Search};
+use settle::Settled;
 
 use super::campaign::Campaign;
-use super::effects::suspects::SUSPECTS;
 use super::effects::{Effect, Shape};
 use super::model::Terms;
 use super::mounting::Slot;
@@ -63,109 +68,10 @@ pub enum Refusal {
     NoTerms,
 }
 
-/// Probability with which noise alone may get anything named.
-const FALSE_ALARM: f64 = 0.005;
-
 /// Diagnoses one campaign against the terms and effects in use.
 ///
 /// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
-    let frame = Frame::of(campaign, options)?;
-    let bank = Bank::of(&frame);
-    let null = Null::of(&frame, &bank);
-    let search = Search { frame: &frame, bank: &bank, threshold: null.threshold(FALSE_ALARM) };
-    let found = search.run();
-    let parts: Vec<Part> = found.iter().filter_map(|choice| part(&bank, choice)).collect();
-    let fit = fit::fit(&frame, &parts);
-    let gap = floor::gap(&frame, &fit.variances);
-    let remaining = Remaining {
-        rms_deg_per_h: floor::rms(&frame, fit.residuals.iter().map(Vec::as_slice)),
-        reduced_chi2: 1.0,
-        p_value: 1.0,
-        signs: signs(&frame, &found, &null),
-    };
-    Ok(Diagnosis {
-        verdict: match (parts.is_empty(), remaining.signs.is_empty()) {
-            (true, true) => Verdict::NoGap,
-            (true, false) => Verdict::Unexplained,
-            (false, true) => Verdict::Explained,
-            (false, false) => Verdict::PartlyExplained,
-        },
-        noise_floor: floor::report(&frame, &fit.variances, true),
-        gap,
-        located: located::located(&frame, &fit.variances),
-        effects: named(&frame, &found, &parts, &fit, &null),
-        closure: None,
-        remaining,
-        candidates: Vec::new(),
-        not_identifiable: Vec::new(),
-        impact: Vec::new(),
-        next_dwells: Vec::new(),
-        residuals: located::residuals(&frame, &fit.residuals, &fit.variances),
-        notes: frame.notes.clone(),
-    })
-}
-
-fn part(bank: &Bank, choice: &Choice) -> Option<Part> {
-    match choice.kind {
-        Kind::Effect(effect) => {
-            Some(Part { effect, shape: bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() })
-        }
-        Kind::Suspect(_) => None,
-    }
-}
-
-fn signs(frame: &Frame, found: &[Choice], null: &Null) -> Vec<Sign> {
-    found
-        .iter()
-        .filter_map(|choice| match choice.kind {
-            Kind::Suspect(i) => Some(Sign {
-                kind: SUSPECTS[i].id,
-                slots: slots(frame, &choice.members),
-                p_value: null.p_value(choice.evidence),
-            }),
-            Kind::Effect(_) => None,
-        })
-        .collect()
-}
-
-fn slots(frame: &Frame, members: &[bool]) -> Vec<Slot> {
-    (0..members.len()).filter(|&j| members[j]).map(|j| frame.setting.gyros[j].slot).collect()
-}
-
-fn named(frame: &Frame, found: &[Choice], parts: &[Part], fit: &Fit, null: &Null) -> Vec<NamedEffect> {
-    let choices = found.iter().filter(|choice| matches!(choice.kind, Kind::Effect(_)));
-    let total = floor::rms(frame, frame.gyros.iter().map(|gyro| gyro.residual.as_slice()));
-    let left = floor::rms(frame, fit.residuals.iter().map(Vec::as_slice));
-    parts
-        .iter()
-        .zip(choices)
-        .enumerate()
-        .map(|(p, (part, choice))| NamedEffect {
-            effect: part.effect,
-            class: vec![part.effect],
-            gyros: slots(frame, &part.members),
-            estimates: fit
-                .fitted
-                .iter()
-                .filter(|f| f.part == p)
-                .map(|f| Estimate {
-                    slot: f.gyro.map(|j| frame.setting.gyros[j].slot),
-                    name: f.coefficient.name,
-                    value: f.value,
-                    sd: f.sd,
-                    unit: f.coefficient.unit,
-                })
-                .collect(),
-            held_out: HeldOut {
-                before_deg_per_h: total,
-                after_deg_per_h: left,
-                closure: 1.0 - (left / total).powi(2),
-                interval: [0.0, 1.0],
-            },
-            p_value_adjusted: null.p_value(choice.evidence),
-            detectability: (2.0 * choice.evidence).sqrt(),
-        })
-        .collect()
+    Ok(report::report(&Settled::of(Frame::of(campaign, options)?)?))
 }

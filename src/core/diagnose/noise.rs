@@ -14,6 +14,8 @@ pub(super) struct Noise {
     pub sd: Vec<Vec<f64>>,
     /// Whether the station stated standard errors.
     pub stated: bool,
+    /// The law of noise where none is stated: growth with rate, power of duration.
+    pub law: Option<(f64, f64)>,
     /// Standard deviation of the logarithm of what is still unsure in each `sd`.
     pub log_scatter: f64,
     /// Groups of two or more dwells with the same commanded phase, attitude, specific force and rate.
@@ -33,9 +35,15 @@ pub(super) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
             campaign.dwells.iter().map(|d| d.output_sem_pulse_s.as_ref().map(|sem| sem[j] * per_pulse)).collect()
         })
         .collect();
-    let (mut sd, log_scatter) = match &stated {
-        Some(sems) => smoothed(s, sems),
-        None => (unstated(s, outputs, designs), 0.03),
+    let (sd, log_scatter, law) = match &stated {
+        Some(sems) => {
+            let (sd, scatter) = smoothed(s, sems);
+            (sd, scatter, None)
+        }
+        None => {
+            let (growth, fall) = unstated(s, outputs, designs);
+            (law_sd(s, outputs, designs, growth, fall), 0.0, Some((growth, fall)))
+        }
     };
     if stated.is_none() {
         notes.push("no standard errors are stated: the noise is taken from repeats and residuals".to_owned());
@@ -43,11 +51,24 @@ pub(super) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
     if repeats.is_empty() {
         notes.push("no dwell repeats another: there is no pure error to check the noise against".to_owned());
     }
+    Noise { sd: above_rounding(sd, outputs), stated: stated.is_some(), law, log_scatter, repeats, notes }
+}
+
+impl Noise {
+    /// The same with another growth of the noise with rate, where no errors are stated.
+    pub fn with_growth(&self, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64) -> Self {
+        let Some((_, fall)) = self.law else { return self.clone() };
+        let sd = above_rounding(law_sd(s, outputs, designs, growth, fall), outputs);
+        Self { sd, law: Some((growth, fall)), ..self.clone() }
+    }
+}
+
+fn above_rounding(mut sd: Vec<Vec<f64>>, outputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
     for (sd, output) in sd.iter_mut().zip(outputs) {
         let least = ROUNDING * output.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE / ROUNDING);
         sd.iter_mut().for_each(|x| *x = x.max(least));
     }
-    Noise { sd, stated: stated.is_some(), log_scatter, repeats, notes }
+    sd
 }
 
 /// Same phase, and attitude, force and rate equal to the digits that files carry.
@@ -128,32 +149,38 @@ fn law_of(s: &Setting, j: usize, sem: &[f64], p: f64) -> Vec<f64> {
     law.into_iter().map(f64::sqrt).collect()
 }
 
-/// Without stated errors: `sd = sigma_j sqrt(1 + c^2 (w_I/top)^2) duration^(-p/2)`, c and p shared by the gyros, from what
-/// the model with a generous set of further columns leaves. Student's t (5 dof) keeps single bad dwells from deciding.
-fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
-    let generous: Vec<(Vec<f64>, Vec<f64>)> =
-        (0..outputs.len()).map(|j| generous_residual(s, j, &outputs[j], &designs[j])).collect();
+/// Without stated errors: growth with rate and power of duration, from what the model with a generous set of further
+/// columns leaves. Student's t (5 dof) keeps single bad dwells from deciding.
+fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> (f64, f64) {
+    let generous = generous_residuals(s, outputs, designs);
     let mut best = (f64::NEG_INFINITY, 0.0, 0.0);
     let spread = s.duration.iter().any(|d| (d / s.duration[0] - 1.0).abs() > 0.2);
     for &p in if spread { &[0.0, 1.0][..] } else { &[0.0][..] } {
         for c in GROWTHS {
             let fit: f64 = generous.iter().enumerate().map(|(j, (e, v))| robust_fit(e, v, &shape(s, j, c, p)).1).sum();
-            let fit = fit - if c > 0.0 { 2.0 } else { 0.0 };
             if fit > best.0 {
                 best = (fit, c, p);
             }
         }
     }
-    let (_, c, p) = best;
-    generous
+    (best.1, best.2)
+}
+
+/// Standard deviations by the law, each gyro scaled to what the generous model leaves it.
+fn law_sd(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64, fall: f64) -> Vec<Vec<f64>> {
+    generous_residuals(s, outputs, designs)
         .iter()
         .enumerate()
         .map(|(j, (e, v))| {
-            let shape = shape(s, j, c, p);
+            let shape = shape(s, j, growth, fall);
             let sigma = robust_fit(e, v, &shape).0;
             shape.into_iter().map(|x| x * sigma).collect()
         })
         .collect()
+}
+
+fn generous_residuals(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Vec<(Vec<f64>, Vec<f64>)> {
+    (0..outputs.len()).map(|j| generous_residual(s, j, &outputs[j], &designs[j])).collect()
 }
 
 /// Residuals and their share of variance left (1 - leverage) after model, polynomials in time, temperature and rate.

@@ -120,13 +120,15 @@ impl Signal {
         let hypothesis = &bank.hypotheses[chosen];
         let gyros = hypothesis.blocks.len();
         let subset = 1 + (random.uniform() * f64::from((1_u32 << gyros) - 1)) as u32;
-        let size = hypothesis.powers[0].sqrt();
+        let powers = hypothesis.powers;
+        let mut size = |_: usize| powers[(random.uniform() * powers.len() as f64) as usize].sqrt();
+        let sizes: Vec<f64> = (0..gyros).map(&mut size).collect();
         let widest = hypothesis.blocks.iter().map(|block| block.len).max().unwrap_or(0);
-        let shared: Vec<f64> = (0..widest).map(|_| size * random.normal()).collect();
+        let shared: Vec<f64> = (0..widest).map(|_| sizes[0] * random.normal()).collect();
         let coefficients = (hypothesis.blocks.iter().enumerate())
             .map(|(j, block)| match hypothesis.common {
                 true => shared[..block.len].to_vec(),
-                false if subset >> j & 1 == 1 => (0..block.len).map(|_| size * random.normal()).collect(),
+                false if subset >> j & 1 == 1 => (0..block.len).map(|_| sizes[j] * random.normal()).collect(),
                 false => Vec::new(),
             })
             .collect();

@@ -4,6 +4,7 @@ use super::bank::{Bank, Kind};
 use super::basis::Basis;
 use super::evidence::{Score, State, scores, state};
 use super::frame::Frame;
+use super::null::Null;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
 const MOST: usize = 4;
@@ -14,6 +15,18 @@ pub(super) const SUSPECT_ODDS: f64 = -2.0;
 /// ln of evidence that a replacement must win by.
 const CLEARLY: f64 = 0.3;
 
+/// ln of evidence by which a suspect must beat a contract entry, or a pair of them, to stand in its place.
+const CONTRACT_FIRST: f64 = 2.5;
+
+/// ln of prior odds against each further cause.
+const PER_CAUSE: f64 = 3.0;
+
+/// Pairs start from this many contract entries with at least this evidence alone; what a first look finds to fall
+/// short by more than `POLISH` is not looked at again.
+const PAIR_STARTS: usize = 10;
+const PAIR_START: f64 = 1.0;
+const POLISH: f64 = 12.0;
+
 /// One adopted hypothesis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
@@ -23,16 +36,30 @@ pub(super) struct Choice {
     pub members: Vec<bool>,
     /// Evidence given the other choices, prior odds included.
     pub evidence: f64,
+    /// A suspect that explains the same a little better.
+    pub rival: Option<Kind>,
+}
+
+impl Choice {
+    pub fn is_suspect(&self) -> bool {
+        matches!(self.kind, Kind::Suspect(_))
+    }
 }
 
 pub(super) struct Search<'a> {
     pub frame: &'a Frame,
     pub bank: &'a Bank,
+    pub null: &'a Null,
     /// Evidence that adoption asks for.
     pub threshold: f64,
 }
 
 impl Search<'_> {
+    /// Probability that noise alone reaches this evidence anywhere in the search.
+    pub fn p_value(&self, evidence: f64) -> f64 {
+        self.null.p_value(evidence)
+    }
+
     /// The model in use with the columns of `choices`.
     pub fn state(&self, choices: &[Choice]) -> State {
         let extras = (0..self.frame.gyros.len()).map(|j| self.extra(choices, j)).collect();
@@ -66,46 +93,59 @@ impl Search<'_> {
         let gyros = self.frame.gyros.len();
         let best = (0..gyros).max_by(|&a, &b| score.gyro_log[a].total_cmp(&score.gyro_log[b])).unwrap_or(0);
         let members = (0..gyros).map(|j| hypothesis.common || j == best || score.gyro_log[j] > 0.0).collect();
-        Choice { kind: score.kind, hypothesis: score.best, members, evidence: score.log_evidence }
+        Choice { kind: score.kind, hypothesis: score.best, members, evidence: score.log_evidence, rival: None }
     }
 
-    fn best_given(&self, choices: &[Choice]) -> Option<Choice> {
+    /// The strongest kind given `choices`; among contract entries only where `contract` says so.
+    fn best_given(&self, choices: &[Choice], contract: bool) -> Option<Choice> {
         let scores = self.scores(choices);
-        let best = scores.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
-        Some(self.choice(best))
+        let eligible = scores.iter().filter(|score| !contract || matches!(score.kind, Kind::Effect(_)));
+        Some(self.choice(eligible.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?))
     }
 
     /// The adopted choices, in order of adoption.
     pub fn run(&self) -> Vec<Choice> {
-        let mut found: Vec<Choice> = Vec::new();
-        while found.len() < MOST {
-            let Some(next) = self.best_given(&found) else { break };
-            let mut trial = found.clone();
-            let adopt = next.evidence > self.threshold;
-            if adopt {
-                trial.push(next);
-                self.polish(&mut trial);
-            }
-            if trial.len() == 2 {
-                trial = self.better_pair(trial);
-            }
-            if trial.len() <= found.len() {
-                found = trial;
-                break;
-            }
-            found = trial;
+        let mut found = self.grown(Vec::new());
+        if !found.is_empty()
+            && let Some(pair) = self.better_pair(&found)
+        {
+            found = self.grown(pair);
         }
-        self.prune(found)
+        let found = self.prune(found);
+        self.contract_first(found)
+    }
+
+    /// Adds what is strongest given the rest, until nothing is strong enough.
+    fn grown(&self, mut found: Vec<Choice>) -> Vec<Choice> {
+        while found.len() < MOST {
+            match self.best_given(&found, false) {
+                Some(next) if next.evidence > self.threshold => {
+                    found.push(next);
+                    self.polish(&mut found);
+                }
+                _ => break,
+            }
+        }
+        found
     }
 
     /// Replaces choices one at a time by better ones given the others, until none is better.
     fn polish(&self, choices: &mut [Choice]) {
+        self.polish_among(choices, false);
+    }
+
+    fn polish_contract(&self, choices: &mut [Choice]) {
+        self.polish_among(choices, true);
+    }
+
+    fn polish_among(&self, choices: &mut [Choice], contract: bool) {
         for _ in 0..4 {
             let mut changed = false;
             for i in 0..choices.len() {
                 let mut others = choices.to_vec();
                 others.remove(i);
-                let scores = self.scores(&others);
+                let mut scores = self.scores(&others);
+                scores.retain(|score| !contract || matches!(score.kind, Kind::Effect(_)));
                 let held = scores
                     .iter()
                     .find(|score| score.kind == choices[i].kind)
@@ -130,26 +170,52 @@ impl Search<'_> {
         }
     }
 
-    /// Two entries can hide each other: every contract entry with its best companion, against what is held.
-    fn better_pair(&self, held: Vec<Choice>) -> Vec<Choice> {
-        let mut best = (self.total(&held), held);
-        for score in self.scores(&[]) {
-            if !matches!(score.kind, Kind::Effect(_)) {
+    /// Two entries can hide each other, or together pass for a third: each of the stronger contract entries with its
+    /// best companion, against what is held.
+    fn better_pair(&self, held: &[Choice]) -> Option<Vec<Choice>> {
+        let mut best: Option<Vec<Choice>> = None;
+        let mut to_beat =
+            self.worth(held) - if held.iter().any(Choice::is_suspect) { CONTRACT_FIRST } else { -CLEARLY };
+        let mut firsts = self.scores(&[]);
+        firsts.retain(|score| matches!(score.kind, Kind::Effect(_)) && score.log_evidence > PAIR_START);
+        firsts.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+        for score in firsts.iter().take(PAIR_STARTS) {
+            let first = self.choice(score);
+            let Some(second) = self.best_given(std::slice::from_ref(&first), true) else { continue };
+            if first.evidence + second.evidence - 2.0 * PER_CAUSE < to_beat - POLISH {
                 continue;
             }
-            let first = self.choice(&score);
-            let Some(second) = self.best_given(std::slice::from_ref(&first)) else { continue };
-            if first.evidence + second.evidence > best.0 + CLEARLY {
-                let mut pair = vec![first, second];
-                self.polish(&mut pair);
-                let total = self.total(&pair);
-                let each = (0..2).all(|i| self.given_others(&pair, i) > self.threshold);
-                if each && total > best.0 + if best.1.len() < 2 { self.threshold } else { CLEARLY } {
-                    best = (total, pair);
-                }
+            let mut pair = vec![first, second];
+            self.polish_contract(&mut pair);
+            let each = (0..2).all(|i| self.given_others(&pair, i) > self.threshold);
+            let worth = self.worth(&pair);
+            if each && worth > to_beat {
+                to_beat = worth;
+                best = Some(pair);
             }
         }
-        best.1
+        best
+    }
+
+    /// Evidence of all choices together less what each further cause costs beforehand.
+    fn worth(&self, choices: &[Choice]) -> f64 {
+        self.total(choices) - PER_CAUSE * choices.len() as f64
+    }
+
+    /// A contract entry stands for a suspect that is hardly better; that the suspect explains it as well is noted.
+    fn contract_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+        for i in 0..choices.len() {
+            if !choices[i].is_suspect() {
+                continue;
+            }
+            let mut others = choices.clone();
+            let suspect = others.remove(i);
+            let Some(best) = self.best_given(&others, true) else { continue };
+            if best.evidence > self.threshold && best.evidence > suspect.evidence - CONTRACT_FIRST {
+                choices[i] = Choice { rival: Some(suspect.kind), ..best };
+            }
+        }
+        choices
     }
 
     /// Evidence of all choices together: each given those before it.

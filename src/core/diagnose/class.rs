@@ -1,0 +1,70 @@
+//! What a campaign cannot tell apart from what was adopted, and which gyros have it.
+
+use super::bank::Kind;
+use super::evidence::{Products, criterion, gains, score};
+use super::search::{Choice, Search};
+use crate::core::effects::Effect;
+
+/// Entries whose evidence comes within this of the adopted one (a Bayes factor of 20) belong to its class.
+const EVIDENCE_MARGIN: f64 = 3.0;
+
+/// So do entries that fit as well to within this gain in log-likelihood per coefficient spent.
+const FIT_MARGIN: f64 = 2.0;
+
+/// Squared standard deviations that an effect must explain in a further gyro, by number of coefficients: probabilities
+/// of 1.4, 1.6 and 1.8 % under noise, where an own detectability of 4.5 is found in 97 %.
+const MEMBER: [f64; 3] = [6.0, 8.3, 10.0];
+
+/// Contract entries that stand in for choice `i` as well as it does, itself first.
+pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect> {
+    let Kind::Effect(own) = choices[i].kind else { return Vec::new() };
+    let mut others = choices.to_vec();
+    others.remove(i);
+    let state = search.state(&others);
+    let products = Products::of(search.bank, &state);
+    let seen = products.seen(search.bank, &state);
+    let judged: Vec<(Effect, f64, f64)> = search
+        .bank
+        .kinds
+        .iter()
+        .filter_map(|(kind, range)| match kind {
+            Kind::Effect(effect) => Some((
+                *effect,
+                score(search.bank, *kind, range.clone(), &seen).log_evidence,
+                criterion(search.bank, range.clone(), &seen),
+            )),
+            Kind::Suspect(_) => None,
+        })
+        .collect();
+    let Some(&(_, evidence, fit)) = judged.iter().find(|(effect, ..)| *effect == own) else { return vec![own] };
+    let mut class = vec![own];
+    class.extend(
+        judged
+            .iter()
+            .filter(|(effect, e, f)| *effect != own && (*e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN))
+            .map(|(effect, ..)| *effect),
+    );
+    class
+}
+
+/// Gyros in which choice `i` explains more than noise would; the one where it explains most in any case.
+pub(super) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool> {
+    let hypothesis = &search.bank.hypotheses[choices[i].hypothesis];
+    if hypothesis.common {
+        return vec![true; search.frame.gyros.len()];
+    }
+    let mut others = choices.to_vec();
+    others.remove(i);
+    let state = search.state(&others);
+    let products = Products::of(search.bank, &state);
+    let seen = products.seen(search.bank, &state);
+    let gains = gains(hypothesis, &seen);
+    let best = (0..gains.len()).max_by(|&a, &b| gains[a].0.total_cmp(&gains[b].0)).unwrap_or(0);
+    gains
+        .iter()
+        .enumerate()
+        .map(|(j, &(gain, len))| {
+            j == best || (len > 0 && 2.0 * gain > MEMBER.get(len - 1).copied().unwrap_or(4.0 + 2.0 * len as f64))
+        })
+        .collect()
+}

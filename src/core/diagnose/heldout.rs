@@ -1,0 +1,168 @@
+//! Errors of prediction on dwells that were not fitted, and the fraction of the gap that an effect closes on them.
+//!
+//! With `Q` an orthonormal basis of the fitted columns and `r` the residuals, the errors on a fold that was left out
+//! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Folds keep repeats of one orientation together;
+//! for effects that follow time they are blocks of time.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::answer::HeldOut;
+use super::basis::Basis;
+use super::fit::Part;
+use super::frame::Frame;
+use crate::core::effects::Effect;
+
+/// Folds, where there are enough groups.
+const FOLDS: usize = 8;
+
+/// Smallest eigenvalue of 1 - Q_f Q_f' with which a fold counts as predictable from the others.
+const PREDICTABLE: f64 = 0.02;
+
+/// Sums of squared errors in units of the noise variance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Errors {
+    pub without: f64,
+    pub with: f64,
+    /// What noise alone leaves, errors of the model's own coefficients included.
+    pub floor: f64,
+    /// Number of dwells predicted.
+    pub count: usize,
+}
+
+/// Errors of the gyros that the effects in question act on, without and with them, `kept` in the model both times.
+pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
+    let by_time = asked.iter().any(|part| follows_time(part.effect));
+    let mut errors = Errors::default();
+    for j in (0..frame.gyros.len()).filter(|&j| asked.iter().any(|part| part.members[j])) {
+        let without = basis(frame, j, kept, None);
+        let with = basis(frame, j, kept, Some(asked));
+        let (plain, augmented) = (residual(frame, j, &without), residual(frame, j, &with));
+        let lost: Vec<usize> = asked.iter().filter(|part| part.members[j]).filter_map(|part| part.dwell()).collect();
+        for fold in folds(frame, by_time) {
+            for fold in predictable(&with, fold, &lost) {
+                let (e, f) = (left_out(&without, &plain, &fold), left_out(&with, &augmented, &fold));
+                let (Some((e, noise)), Some((f, _))) = (e, f) else { continue };
+                errors.without += e.norm_squared() / variances[j];
+                errors.with += f.norm_squared() / variances[j];
+                errors.floor += noise;
+                errors.count += fold.len();
+            }
+        }
+        // A dwell that the effect itself sets aside is not predicted by anything; without the effect it stays in.
+        for k in lost {
+            if let Some((e, noise)) = left_out(&without, &plain, &[k]) {
+                errors.without += e.norm_squared() / variances[j];
+                errors.with += noise;
+                errors.floor += noise;
+                errors.count += 1;
+            }
+        }
+    }
+    errors
+}
+
+impl Errors {
+    /// Closure with a 95 % interval, and errors in units that `floor_deg_per_h` sets.
+    ///
+    /// `coefficients` is the number of fitted coefficients of the effects, `unseen` the power (in noise variances) that
+    /// the tests of what remains could have missed.
+    pub fn held_out(&self, floor_deg_per_h: f64, coefficients: f64, unseen: f64) -> HeldOut {
+        let n = (self.count as f64).max(1.0);
+        let gain = (self.without - self.with).max(0.0);
+        let scatter = (2.0 * n).sqrt();
+        let over = self.with - self.floor;
+        let significant = over > 2.5 * scatter;
+        let left = if significant { over } else { coefficients };
+        let closure = if gain > 0.0 { gain / (gain + left) } else { 0.0 };
+        // Selected because it was large: the lower end takes off what selection adds.
+        let low_gain = (gain.sqrt() - 2.0).max(0.0).powi(2);
+        let high_left =
+            if significant { over + 2.0 * scatter } else { coefficients + unseen + over.max(0.0).min(scatter) };
+        let low = if low_gain > 0.0 { low_gain / (low_gain + high_left) } else { 0.0 };
+        let high_gain = (gain.sqrt() + 2.0).powi(2);
+        let low_left = if significant { (over - 2.0 * scatter).max(0.0) } else { 0.0 };
+        let high = high_gain / (high_gain + low_left);
+        let rms = |structure: f64| floor_deg_per_h * (1.0 + structure / n).sqrt();
+        HeldOut {
+            before_deg_per_h: rms(gain + left),
+            after_deg_per_h: rms(left),
+            closure,
+            interval: [low.min(closure), high.max(closure)],
+        }
+    }
+}
+
+fn follows_time(effect: Effect) -> bool {
+    matches!(effect, Effect::Warmup | Effect::TimeRamp | Effect::BiasStep | Effect::Periodic | Effect::TemperatureBias)
+}
+
+fn basis(frame: &Frame, j: usize, kept: &[&Part], asked: Option<&[&Part]>) -> Basis {
+    let gyro = &frame.gyros[j];
+    let mut basis = gyro.basis.clone();
+    for part in kept.iter().chain(asked.unwrap_or(&[])).filter(|part| part.members[j]) {
+        for column in part.columns(frame, j) {
+            basis.push(gyro.whiten(column));
+        }
+    }
+    basis
+}
+
+fn residual(frame: &Frame, j: usize, basis: &Basis) -> Vec<f64> {
+    let mut residual = frame.gyros[j].residual.clone();
+    basis.project_out(&mut residual);
+    residual
+}
+
+/// Errors on a fold, and what noise alone makes of their squares; none where the rest does not predict it.
+fn left_out(basis: &Basis, residual: &[f64], fold: &[usize]) -> Option<(DVector<f64>, f64)> {
+    let rows = DMatrix::from_fn(fold.len(), basis.rank(), |i, c| basis.vectors()[c][fold[i]]);
+    let own = DMatrix::identity(fold.len(), fold.len()) - &rows * rows.transpose();
+    let inverse = own.cholesky()?.inverse();
+    let left = DVector::from_iterator(fold.len(), fold.iter().map(|&k| residual[k]));
+    Some((&inverse * left, inverse.trace()))
+}
+
+/// The fold, or its dwells one by one where the others do not determine all of it; without those that are `lost`.
+fn predictable(basis: &Basis, mut fold: Vec<usize>, lost: &[usize]) -> Vec<Vec<usize>> {
+    fold.retain(|k| !lost.contains(k));
+    let determined = |fold: &[usize]| {
+        let rows = DMatrix::from_fn(fold.len(), basis.rank(), |i, c| basis.vectors()[c][fold[i]]);
+        let own = DMatrix::<f64>::identity(fold.len(), fold.len()) - &rows * rows.transpose();
+        own.symmetric_eigenvalues().iter().all(|x| *x > PREDICTABLE)
+    };
+    if fold.is_empty() {
+        Vec::new()
+    } else if determined(&fold) {
+        vec![fold]
+    } else {
+        fold.into_iter().map(|k| vec![k]).filter(|single| determined(single)).collect()
+    }
+}
+
+/// Blocks of time, or groups of dwells with one orientation and rate spread over the folds.
+fn folds(frame: &Frame, by_time: bool) -> Vec<Vec<usize>> {
+    let n = frame.dwells();
+    let mut folds = vec![Vec::new(); FOLDS.min(n)];
+    let count = folds.len();
+    if by_time {
+        for k in 0..n {
+            folds[k * count / n].push(k);
+        }
+        return folds;
+    }
+    let mut grouped = vec![false; n];
+    let mut next = 0;
+    for k in 0..n {
+        if grouped[k] {
+            continue;
+        }
+        let alone = vec![k];
+        let group = frame.noise.repeats.iter().find(|group| group[0] == k).unwrap_or(&alone);
+        for &member in group {
+            grouped[member] = true;
+            folds[next % count].push(member);
+        }
+        next += 1;
+    }
+    folds
+}

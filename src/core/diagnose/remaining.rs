@@ -1,0 +1,239 @@
+//! What is left after adoption, tested by means that know no catalogue.
+//!
+//! Each test is a quadratic form `r' W r` of the residuals, whose mean and variance under noise follow exactly from the
+//! projector `P = 1 - Q Q'` of the model: `E = s^2 tr(PW)`, `Var = 2 s^4 tr(PWPW)`. `W` says which dwells ought to be
+//! strangers: neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
+//! Beside them stand the spread against the noise floor and repeats against the rest.
+
+use nalgebra::DMatrix;
+use statrs::function::beta::checked_beta_reg;
+use statrs::function::erf::erfc;
+
+use super::answer::Sign;
+use super::bank::basis_matrix;
+use super::basis::{Basis, dot};
+use super::floor::pure_error;
+use super::frame::Frame;
+use crate::core::campaign::Phase;
+use crate::core::effects::Setting;
+use crate::core::mounting::Slot;
+
+/// What one test says of one gyro, or of all together where `gyro` is none.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tested {
+    pub kind: &'static str,
+    pub gyro: Option<usize>,
+    pub p_value: f64,
+}
+
+/// Residuals of each gyro with all that was fitted to them.
+pub(super) struct Left<'a> {
+    pub frame: &'a Frame,
+    /// Adopted columns, beyond the model's.
+    pub extras: &'a [Basis],
+    /// Whitened.
+    pub residuals: &'a [Vec<f64>],
+}
+
+impl Left<'_> {
+    fn basis(&self, j: usize) -> DMatrix<f64> {
+        let vectors: Vec<Vec<f64>> =
+            self.frame.gyros[j].basis.vectors().iter().chain(self.extras[j].vectors()).cloned().collect();
+        basis_matrix(&vectors, self.frame.dwells())
+    }
+
+    fn dof(&self, j: usize) -> f64 {
+        (self.frame.gyros[j].dof() - self.extras[j].rank().min(self.frame.gyros[j].dof())) as f64
+    }
+
+    /// Every test of every gyro, and of all gyros together.
+    pub fn tests(&self) -> Vec<Tested> {
+        let bases: Vec<DMatrix<f64>> = (0..self.residuals.len()).map(|j| self.basis(j)).collect();
+        let mut tests = Vec::new();
+        for (kind, weights) in strangers(&self.frame.setting) {
+            let scores: Vec<f64> = (0..bases.len())
+                .filter_map(|j| likeness(&weights, &bases[j], &self.residuals[j], self.dof(j)))
+                .collect();
+            for (j, z) in scores.iter().enumerate() {
+                tests.push(Tested { kind, gyro: Some(j), p_value: upper_tail(*z) });
+            }
+            if scores.len() > 1 {
+                let together = scores.iter().sum::<f64>() / (scores.len() as f64).sqrt();
+                tests.push(Tested { kind, gyro: None, p_value: upper_tail(together) });
+            }
+        }
+        tests.extend(self.spread());
+        tests.extend(self.lack_of_fit());
+        tests
+    }
+
+    /// Scatter against the stated standard errors, whose factor is uncertain by [`STATED_FACTOR`] itself.
+    fn spread(&self) -> Vec<Tested> {
+        if !self.frame.noise.stated {
+            return Vec::new();
+        }
+        let tested = |j: usize| {
+            let dof = self.dof(j);
+            if dof < 1.0 {
+                return None;
+            }
+            let ratio = dot(&self.residuals[j], &self.residuals[j]) / dof;
+            let uncertainty = ((2.0 * STATED_FACTOR).powi(2) + 2.0 / dof).sqrt();
+            Some(Tested { kind: "spread", gyro: Some(j), p_value: upper_tail(ratio.max(1e-300).ln() / uncertainty) })
+        };
+        (0..self.residuals.len()).filter_map(tested).collect()
+    }
+
+    /// Scatter between orientations and rates against scatter within repeats: the classical lack-of-fit F.
+    fn lack_of_fit(&self) -> Vec<Tested> {
+        let (mut between, mut within, mut between_dof, mut within_dof) = (0.0, 0.0, 0.0, 0.0);
+        let mut tests = Vec::new();
+        for (j, gyro) in self.frame.gyros.iter().enumerate() {
+            let pure = pure_error(self.frame, gyro, &self.residuals[j]);
+            let rss = dot(&self.residuals[j], &self.residuals[j]);
+            let dof = self.dof(j) - pure.dof as f64;
+            if pure.dof == 0 || dof < 1.0 || pure.sum <= 0.0 {
+                continue;
+            }
+            let lack = (rss - pure.sum).max(0.0);
+            tests.push(Tested {
+                kind: "lack_of_fit",
+                gyro: Some(j),
+                p_value: f_tail(lack / dof / (pure.sum / pure.dof as f64), dof, pure.dof as f64),
+            });
+            // Gyros of different noise are put on one scale by all of their scatter.
+            let scale = rss / self.dof(j);
+            between += lack / scale;
+            within += pure.sum / scale;
+            between_dof += dof;
+            within_dof += pure.dof as f64;
+        }
+        if tests.len() > 1 {
+            let f = between / between_dof / (within / within_dof);
+            tests.push(Tested { kind: "lack_of_fit", gyro: None, p_value: f_tail(f, between_dof, within_dof) });
+        }
+        tests
+    }
+}
+
+/// Standard errors are met that are wrong by this much (standard deviation of the logarithm).
+const STATED_FACTOR: f64 = 0.15;
+
+/// Probability that something significant is left, over all tests: Cauchy's combination (Liu and Xie 2020), which
+/// holds whatever the tests share.
+pub(super) fn combined(p_values: impl Iterator<Item = f64>) -> f64 {
+    use std::f64::consts::PI;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for p in p_values {
+        let p = p.clamp(1e-15, 1.0 - 1e-3);
+        sum += if p < 1e-8 { 1.0 / (p * PI) } else { ((0.5 - p) * PI).tan() };
+        count += 1.0;
+    }
+    if count == 0.0 {
+        return 1.0;
+    }
+    let mean: f64 = sum / count;
+    if mean > 1e6 { 1.0 / (mean * PI) } else { 0.5 - mean.atan() / PI }
+}
+
+/// Tests as signs, the strongest first, one a kind, where they alone would be significant among all.
+pub(super) fn signs(tests: &[Tested], slots: &[Slot], level: f64) -> Vec<Sign> {
+    let mut signs: Vec<Sign> = Vec::new();
+    let mut order: Vec<&Tested> = tests.iter().collect();
+    order.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    for test in order {
+        let p_value = (test.p_value * tests.len() as f64).min(1.0);
+        let seen = signs.iter_mut().find(|sign| sign.kind == test.kind);
+        match (seen, test.gyro) {
+            _ if p_value > level => break,
+            (Some(sign), Some(j)) if !sign.slots.contains(&slots[j]) => sign.slots.push(slots[j]),
+            (Some(_), _) => {}
+            (None, gyro) => signs.push(Sign {
+                kind: test.kind,
+                slots: gyro.map_or_else(|| slots.to_vec(), |j| vec![slots[j]]),
+                p_value,
+            }),
+        }
+    }
+    signs
+}
+
+/// Standardised `r' W r`; none where too little is left to say.
+fn likeness(weights: &DMatrix<f64>, basis: &DMatrix<f64>, residual: &[f64], dof: f64) -> Option<f64> {
+    if dof < 4.0 {
+        return Some(0.0);
+    }
+    let r = nalgebra::DVector::from_column_slice(residual);
+    let form = r.dot(&(weights * &r));
+    let scale = r.norm_squared() / dof;
+    if scale.is_nan() || scale <= 0.0 {
+        return Some(0.0);
+    }
+    let across = weights * basis;
+    let inner = basis.tr_mul(&across);
+    // tr W = 0 by construction; tr(PWPW) = tr WW - 2 tr(Q'WWQ) + tr((Q'WQ)^2).
+    let mean = -inner.trace();
+    let square = weights.norm_squared() - 2.0 * across.norm_squared() + inner.dot(&inner.transpose());
+    // The scale is estimated from the same residuals: r'Wr/s^2 loses the part along 1.
+    let variance = 2.0 * (square - mean * mean / dof);
+    if variance.is_nan() || variance <= 1e-9 * weights.norm_squared() {
+        return Some(0.0);
+    }
+    Some((form / scale - mean) / variance.sqrt())
+}
+
+/// Pairs of dwells that a gap would make alike, row by row; zero diagonal.
+fn strangers(s: &Setting) -> Vec<(&'static str, DMatrix<f64>)> {
+    let n = s.dwells();
+    let pairs = |like: &dyn Fn(usize, usize) -> f64| {
+        DMatrix::from_fn(n, n, |a, b| if a == b { 0.0 } else { like(a.min(b), a.max(b)) })
+    };
+    let rested = |k: usize| s.phase[k] == Phase::Static;
+    let mut kinds = vec![
+        ("neighbours_in_time", pairs(&|a, b| if b - a == 1 { 1.0 } else { 0.0 })),
+        ("runs_in_time", pairs(&|a, b| (-((b - a) as f64 / 5.0)).exp())),
+        (
+            "same_specific_force",
+            pairs(&|a, b| {
+                let same = rested(a) && rested(b) && (s.force[a] - s.force[b]).norm() < 1e-3;
+                f64::from(u8::from(same))
+            }),
+        ),
+        (
+            "neighbouring_orientations",
+            pairs(&|a, b| {
+                let apart = s.force[a].angle(&s.force[b]);
+                if rested(a) && rested(b) && apart > 1e-3 { (-(apart / 0.5).powi(2)).exp() } else { 0.0 }
+            }),
+        ),
+        (
+            "similar_rates",
+            pairs(&|a, b| {
+                let (p, q) = (s.rate[a].norm(), s.rate[b].norm());
+                let alike = !rested(a) && !rested(b) && (s.rate[a] - s.rate[b]).norm() < 0.3 * p.max(q);
+                f64::from(u8::from(alike))
+            }),
+        ),
+        (
+            "same_orientation_before",
+            pairs(&|a, b| {
+                let same = a > 0 && (s.force[a - 1] - s.force[b - 1]).norm() < 1e-3;
+                f64::from(u8::from(same))
+            }),
+        ),
+    ];
+    if let Some(t) = s.temperature.as_ref().filter(|t| t.iter().any(|x| *x != 0.0)) {
+        let width = 0.15 * (dot(t, t) / n as f64).sqrt();
+        kinds.push(("similar_temperatures", pairs(&|a, b| (-((t[a] - t[b]) / width).powi(2)).exp())));
+    }
+    kinds
+}
+
+fn upper_tail(z: f64) -> f64 {
+    0.5 * erfc(z / std::f64::consts::SQRT_2)
+}
+
+fn f_tail(f: f64, numerator: f64, denominator: f64) -> f64 {
+    let x = denominator / (denominator + numerator * f.max(0.0));
+    checked_beta_reg(0.5 * denominator, 0.5 * numerator, x).unwrap_or(1.0)
+}

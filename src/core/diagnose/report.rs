@@ -1,0 +1,309 @@
+//! Turns what the search settled on into the answer: names with classes, closure, what remains, what was not taken.
+
+use super::answer::*;
+use super::bank::Kind;
+use super::basis::{Basis, dot};
+use super::class;
+use super::evidence::Score;
+use super::fit::{self, Fit, Part};
+use super::floor;
+use super::frame::Frame;
+use super::heldout;
+use super::identify;
+use super::impact;
+use super::located;
+use super::next;
+use super::remaining::{self, Left};
+use super::search::{Choice, Search};
+use super::settle::Settled;
+use crate::core::effects::suspects::SUSPECTS;
+use crate::core::effects::{Effect, Shape};
+use crate::core::mounting::Slot;
+
+/// Probability below which what remains is significant.
+const REMAINS: f64 = 0.01;
+
+/// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
+const UNSEEN: f64 = 10.0;
+
+/// One adopted contract entry with all that belongs to it.
+struct Named {
+    part: Part,
+    class: Vec<Effect>,
+    evidence: f64,
+    rival: Option<Kind>,
+}
+
+pub(super) fn report(settled: &Settled) -> Diagnosis {
+    let (frame, search) = (&settled.frame, settled.search());
+    let (named, crowded) = named(&search, &settled.found);
+    let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
+    let fit = fit::fit(frame, &parts);
+    let signs = signs(settled, &search, &named, &fit, &crowded);
+    let remains = signs.p_value < REMAINS;
+    let variances = floor_variances(frame, &fit, remains);
+    let noise_floor = floor::report(frame, &variances, !remains);
+    let gap = gap(settled, &search, &variances, &signs, named.is_empty());
+    let effects = effects(settled, &named, &parts, &fit, &variances, &noise_floor);
+    let all: Vec<&Part> = parts.iter().collect();
+    let classes: Vec<Vec<Effect>> = named.iter().map(|n| n.class.clone()).collect();
+    Diagnosis {
+        verdict: match (named.is_empty(), remains) {
+            (true, false) if gap.p_value >= REMAINS => Verdict::NoGap,
+            (true, _) => Verdict::Unexplained,
+            (false, false) => Verdict::Explained,
+            (false, true) => Verdict::PartlyExplained,
+        },
+        gap,
+        located: located::located(frame, &variances),
+        closure: (!parts.is_empty()).then(|| {
+            heldout::errors(frame, &[], &all, &variances).held_out(
+                noise_floor.deg_per_h,
+                fit.fitted.len() as f64,
+                UNSEEN,
+            )
+        }),
+        noise_floor,
+        effects,
+        remaining: Remaining {
+            rms_deg_per_h: floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
+            reduced_chi2: reduced_chi2(&fit, &variances),
+            p_value: signs.p_value,
+            signs: signs.list,
+        },
+        candidates: candidates(settled, &search, &named, &variances, frame),
+        not_identifiable: identify::not_identifiable(frame, &settled.bank),
+        impact: impact::impact(frame, &parts, &fit),
+        next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes),
+        residuals: located::residuals(frame, &fit.residuals, &variances),
+        notes: frame.notes.clone(),
+    }
+}
+
+/// Contract entries among the choices; one that needs several dwells or shapes at once in a gyro is not that entry.
+fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
+    let mut named: Vec<Named> = Vec::new();
+    let mut crowded = Vec::new();
+    let outliers = found.iter().filter(|c| c.kind == Kind::Effect(Effect::OutlierDwell)).count();
+    for (i, choice) in found.iter().enumerate() {
+        let Kind::Effect(effect) = choice.kind else { continue };
+        let members = class::members(search, found, i);
+        if effect == Effect::OutlierDwell && outliers > 1 {
+            crowded.push(Sign {
+                kind: "several_bad_dwells",
+                slots: slots(search.frame, &members),
+                p_value: search.p_value(choice.evidence),
+            });
+            continue;
+        }
+        let twice = named.iter().any(|n| n.part.effect == effect && shared(&n.part.members, &members));
+        if twice {
+            crowded.push(Sign {
+                kind: "one_shape_is_not_enough",
+                slots: slots(search.frame, &members),
+                p_value: search.p_value(choice.evidence),
+            });
+            continue;
+        }
+        named.push(Named {
+            part: Part { effect, shape: search.bank.hypotheses[choice.hypothesis].shape, members },
+            class: class::class(search, found, i),
+            evidence: choice.evidence,
+            rival: choice.rival,
+        });
+    }
+    (named, crowded)
+}
+
+fn shared(a: &[bool], b: &[bool]) -> bool {
+    a.iter().zip(b).any(|(a, b)| *a && *b)
+}
+
+fn slots(frame: &Frame, members: &[bool]) -> Vec<Slot> {
+    (0..members.len()).filter(|&j| members[j]).map(|j| frame.setting.gyros[j].slot).collect()
+}
+
+/// Where something remains the residual is no measure of noise: repeats and stated errors are.
+fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
+    if !remains {
+        return fit.variances.clone();
+    }
+    (frame.gyros.iter().zip(&fit.residuals).zip(&fit.variances))
+        .map(|((gyro, residual), left)| {
+            floor::variance(frame.noise.stated, floor::pure_error(frame, gyro, residual))
+                .map_or(*left, |v| v.min(*left))
+        })
+        .collect()
+}
+
+fn reduced_chi2(fit: &Fit, variances: &[f64]) -> f64 {
+    let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
+    chi2 / fit.dof.iter().sum::<f64>()
+}
+
+struct Signs {
+    list: Vec<Sign>,
+    p_value: f64,
+}
+
+/// What is left beside the named effects: suspects that the search adopted, rivals, and tests that know no catalogue.
+fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
+    let frame = &settled.frame;
+    let mut list: Vec<Sign> = crowded.to_vec();
+    for choice in &settled.found {
+        if let Kind::Suspect(i) = choice.kind {
+            let p_value = search.p_value(choice.evidence);
+            list.push(Sign { kind: SUSPECTS[i].id, slots: slots(frame, &choice.members), p_value });
+        }
+    }
+    for named in named {
+        if let Some(Kind::Suspect(i)) = named.rival {
+            let p_value = search.p_value(named.evidence);
+            list.push(Sign { kind: SUSPECTS[i].id, slots: slots(frame, &named.part.members), p_value });
+        }
+    }
+    let extras: Vec<Basis> = (0..frame.gyros.len())
+        .map(|j| {
+            let mut basis = frame.gyros[j].basis.clone();
+            let model = basis.rank();
+            for named in named.iter().filter(|n| n.part.members[j]) {
+                for column in named.part.columns(frame, j) {
+                    basis.push(frame.gyros[j].whiten(column));
+                }
+            }
+            basis.split_off(model)
+        })
+        .collect();
+    let tests = Left { frame, extras: &extras, residuals: &fit.residuals }.tests();
+    let all_slots: Vec<Slot> = frame.setting.gyros.iter().map(|g| g.slot).collect();
+    let p_value = remaining::combined(tests.iter().map(|t| t.p_value));
+    if list.is_empty() && p_value < REMAINS {
+        list = remaining::signs(&tests, &all_slots, 10.0 * REMAINS);
+        if list.is_empty() {
+            list.push(Sign { kind: "tests_together", slots: all_slots, p_value });
+        }
+        return Signs { list, p_value };
+    }
+    let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
+    Signs { list, p_value: strongest }
+}
+
+fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
+    let best = search.scores(&[]).iter().map(|s| s.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let from_search = search.p_value(best);
+    let remaining = if nothing_named { signs.p_value } else { 1.0 };
+    let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
+    let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
+    Gap {
+        rms_deg_per_h: floor::rms(&settled.frame, settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice())),
+        reduced_chi2: chi2 / dof as f64,
+        p_value: from_search.min(remaining).clamp(0.0, 1.0),
+    }
+}
+
+fn effects(
+    settled: &Settled,
+    named: &[Named],
+    parts: &[Part],
+    fit: &Fit,
+    variances: &[f64],
+    noise_floor: &NoiseFloor,
+) -> Vec<NamedEffect> {
+    let frame = &settled.frame;
+    let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
+    (0..named.len())
+        .map(|p| {
+            let kept: Vec<&Part> = parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part).collect();
+            let others: Vec<Part> = kept.iter().map(|part| (*part).clone()).collect();
+            let errors = heldout::errors(frame, &kept, &[&parts[p]], variances);
+            let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
+            NamedEffect {
+                effect: parts[p].effect,
+                class: named[p].class.clone(),
+                gyros: slots(frame, &parts[p].members),
+                estimates: estimates(frame, &parts[p], p, fit),
+                held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
+                p_value_adjusted: settled.null.p_value(named[p].evidence),
+                detectability: (rss(&fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
+            }
+        })
+        .collect()
+}
+
+fn estimates(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<Estimate> {
+    let mut list: Vec<Estimate> = fit
+        .fitted
+        .iter()
+        .filter(|f| f.part == p)
+        .map(|f| Estimate {
+            slot: f.gyro.map(|j| frame.setting.gyros[j].slot),
+            name: f.coefficient.name,
+            value: f.value,
+            sd: f.sd,
+            unit: f.coefficient.unit,
+        })
+        .collect();
+    let shape = |name, value, sd, unit| Some(Estimate { slot: None, name, value, sd, unit });
+    // The grid's spacing is what the shape is known to at best.
+    list.extend(match part.shape {
+        Shape::Tau(tau) => shape("tau", tau, 0.25 * tau, "s"),
+        Shape::Instant(instant) => shape("instant", instant, 0.5 * frame.setting.interval(), "s"),
+        Shape::Period(period) => shape("period", period, 0.2 * period * period / frame.setting.span(), "s"),
+        Shape::Dwell(dwell) => shape("dwell", dwell as f64, 0.0, "1"),
+        Shape::Azimuth(angle) => shape("field_azimuth", angle.to_degrees(), 5.0, "deg"),
+        _ => None,
+    });
+    list
+}
+
+/// Every other entry that was tried, best first, with why it was not taken.
+fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64], frame: &Frame) -> Vec<Candidate> {
+    let given = search.scores(&settled.found);
+    let mut alone: Vec<Score> = search.scores(&[]);
+    alone.retain(|score| match score.kind {
+        Kind::Effect(effect) => !named.iter().any(|n| n.part.effect == effect),
+        Kind::Suspect(_) => false,
+    });
+    alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+    let judged = alone.iter().filter_map(|score| {
+        let Kind::Effect(effect) = score.kind else { return None };
+        let choice = search.choice(score);
+        let part =
+            Part { effect, shape: settled.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() };
+        let visible = identify::visible(&settled.bank, effect) > super::bank::INVISIBLE;
+        let closure = visible.then(|| {
+            let coefficients = part.columns(frame, 0).len() as f64;
+            heldout::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN).closure
+        });
+        let with_named = given.iter().find(|s| s.kind == score.kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence);
+        Some(Candidate {
+            effect,
+            closure,
+            p_value_adjusted: search.p_value(score.log_evidence),
+            gyros: slots(frame, &choice.members),
+            why_not: why_not(effect, score.log_evidence, with_named, search, named, visible),
+        })
+    });
+    judged.collect()
+}
+
+fn why_not(effect: Effect, alone: f64, given: f64, search: &Search, named: &[Named], visible: bool) -> String {
+    if !visible {
+        return "the design does not show it".to_owned();
+    }
+    if let Some(twin) = named.iter().find(|n| n.class.contains(&effect)) {
+        return format!("this campaign cannot tell it from {}, which stands for both", twin.part.effect.id());
+    }
+    if alone <= search.threshold {
+        return format!("noise alone shows as much somewhere in {:.2} of campaigns", search.p_value(alone));
+    }
+    match named.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence)) {
+        Some(best) if given <= search.threshold => {
+            format!("it explains the same dwells as {} less well, and nothing beside it", best.part.effect.id())
+        }
+        Some(best) => {
+            format!("{} explains more; beside it this entry does not pay for its coefficients", best.part.effect.id())
+        }
+        None => "structure outside the catalogue explains the same dwells better".to_owned(),
+    }
+}

@@ -1,0 +1,121 @@
+//! The search made consistent with the noise it assumes, where the station stated none.
+//!
+//! Noise that grows with rate and an effect of rate can pass for one another. The growth is found again with what was
+//! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
+//! growth averaged out, not only at its best value.
+
+use super::Refusal;
+use super::bank::{Bank, Kind};
+use super::frame::Frame;
+use super::law::{GROWTHS, log_mean, profile};
+use super::null::Null;
+use super::search::{Choice, Search};
+
+/// Probability with which noise alone may get anything named.
+const FALSE_ALARM: f64 = 0.005;
+
+/// The search is run at most this often with other growths of the noise.
+const ROUNDS: usize = 4;
+
+/// Steps of the growth's grid by which a search that found nothing lowers it: an effect that is not in the model yet
+/// looks like growing noise and hides in it.
+const LOWER: usize = 2;
+
+pub(super) struct Settled {
+    pub frame: Frame,
+    pub bank: Bank,
+    pub null: Null,
+    pub threshold: f64,
+    pub found: Vec<Choice>,
+}
+
+impl Settled {
+    pub fn of(mut frame: Frame) -> Result<Self, Refusal> {
+        let mut first = None;
+        for round in 1.. {
+            let bank = Bank::of(&frame);
+            let null = Null::of(&frame, &bank);
+            let threshold = null.threshold(FALSE_ALARM);
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold };
+            let mut found = search.run();
+            let next = frame.noise.law.and_then(|(growth, fall)| {
+                found = confirmed(&search, growth, fall, std::mem::take(&mut found));
+                next_growth(&frame, &bank, &found, growth, fall)
+            });
+            let empty = found.is_empty();
+            let settled = Self { frame, bank, null, threshold, found };
+            match next.filter(|_| round < ROUNDS) {
+                Some(growth) => frame = settled.frame.with_growth(growth)?,
+                None if empty => return Ok(first.unwrap_or(settled)),
+                None => return Ok(settled),
+            }
+            // Where nothing is ever found, the first look with the likeliest noise is the answer.
+            if empty {
+                first.get_or_insert(settled);
+            }
+        }
+        unreachable!("the last round returns")
+    }
+
+    pub fn search(&self) -> Search<'_> {
+        Search { frame: &self.frame, bank: &self.bank, null: &self.null, threshold: self.threshold }
+    }
+}
+
+/// Raw columns of the model and of all choices but `without`. Smooth suspects stay out: they are not a few columns.
+fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
+    (0..frame.gyros.len())
+        .map(|j| {
+            let mut design = frame.designs[j].clone();
+            for (i, choice) in found.iter().enumerate() {
+                let hypothesis = &bank.hypotheses[choice.hypothesis];
+                if Some(i) != without && choice.members[j] && hypothesis.blocks[j].len <= MOST_COLUMNS {
+                    let block = &hypothesis.blocks[j];
+                    for c in block.start..block.start + block.len {
+                        let column = bank.column(j, c);
+                        design.push(column.iter().zip(&frame.gyros[j].sd).map(|(x, sd)| x * sd).collect());
+                    }
+                }
+            }
+            design
+        })
+        .collect()
+}
+
+const MOST_COLUMNS: usize = 4;
+
+/// Drops what owes its evidence to one value of the growth: ln of the ratio of mean to value at `growth`, with the
+/// choice and without it, is added to its evidence.
+fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) -> Vec<Choice> {
+    let frame = search.frame;
+    let Some(at) = GROWTHS.iter().position(|c| *c == growth) else { return found };
+    let excess = |designs: &[Vec<Vec<f64>>]| {
+        let profile = profile(&frame.setting, &frame.outputs, designs, fall);
+        log_mean(&profile) - profile[at]
+    };
+    loop {
+        let with_all = excess(&designs(frame, search.bank, &found, None));
+        let mut weakest: Option<(usize, f64)> = None;
+        for i in 0..found.len() {
+            let without = excess(&designs(frame, search.bank, &found, Some(i)));
+            found[i].evidence = search.given_others(&found, i) + with_all - without;
+            let named = matches!(found[i].kind, Kind::Effect(_));
+            if named && found[i].evidence < search.threshold && weakest.is_none_or(|(_, e)| found[i].evidence < e) {
+                weakest = Some((i, found[i].evidence));
+            }
+        }
+        let Some((i, _)) = weakest else { return found };
+        found.remove(i);
+    }
+}
+
+/// The growth to search with next: the likeliest with what was found, a lower one where nothing was found.
+fn next_growth(frame: &Frame, bank: &Bank, found: &[Choice], growth: f64, fall: f64) -> Option<f64> {
+    let at = GROWTHS.iter().position(|c| *c == growth)?;
+    if found.is_empty() {
+        return (at > 0).then(|| GROWTHS[at.saturating_sub(LOWER)]);
+    }
+    let profile = profile(&frame.setting, &frame.outputs, &designs(frame, bank, found, None), fall);
+    let best = (0..GROWTHS.len()).max_by(|&a, &b| profile[a].total_cmp(&profile[b]))?;
+    (profile[best] > profile[at] + 0.5).then_some(GROWTHS[best])
+}

@@ -26,7 +26,7 @@ fn only(case: Case) -> Draw {
 }
 
 fn silent() -> Answer {
-    Answer { verdict: "no_gap".into(), effects: vec![], not_identifiable: vec![], impact: vec![] }
+    Answer { verdict: "no_gap".into(), effects: vec![], closure: None, not_identifiable: vec![], impact: vec![] }
 }
 
 fn named(effect: &str, gyros: Vec<String>) -> Named {

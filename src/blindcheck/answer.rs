@@ -8,6 +8,9 @@ pub struct Answer {
     pub verdict: String,
     #[serde(default)]
     pub effects: Vec<Named>,
+    /// Closure by all adopted effects together.
+    #[serde(default)]
+    pub closure: Option<HeldOut>,
     #[serde(default)]
     pub not_identifiable: Vec<Unseen>,
     #[serde(default)]

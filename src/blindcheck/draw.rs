@@ -7,7 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-use crate::simulate::cause::COMMON;
+use super::reach::Structure;
+use crate::simulate::cause::{CATALOGUE, COMMON};
 use crate::simulate::outside::FAMILIES;
 use crate::simulate::programme::{Order, Positions, Programme, any_direction};
 use crate::simulate::scenario::{
@@ -89,6 +90,8 @@ pub struct Trial {
 
 /// An effect whose response keeps less than this share after the model's fit would have to be absurdly large.
 const LEAST_VISIBLE: f64 = 0.02;
+/// What the best effect of the catalogue must leave of an outside cause, in units of d.
+const LEAST_OUTSIDE: f64 = 6.0;
 /// Attempts at a design that can see what was drawn; the plain default design follows.
 const ATTEMPTS: usize = 40;
 
@@ -159,7 +162,12 @@ impl Draw {
             Case::Withheld => withhold(&mut scenario, rng),
         }
         let simulated = simulate(&scenario).ok()?;
-        (case == Case::Unseen || visible_enough(&simulated)).then_some(simulated)
+        let sound = match case {
+            Case::Unseen => true,
+            Case::Outside => visible_enough(&simulated) && is_outside(&simulated),
+            _ => visible_enough(&simulated),
+        };
+        sound.then_some(simulated)
     }
 
     fn effect(&self, ids: &[&str], d: f64, scenario: &Scenario, rng: &mut ChaCha8Rng) -> Option<EffectChoice> {
@@ -178,6 +186,15 @@ fn visible_enough(simulated: &Simulated) -> bool {
         let (seen, power) = simulated.world.detectability(std::slice::from_ref(cause));
         seen.iter().sum::<f64>() > LEAST_VISIBLE * power.iter().sum::<f64>()
     })
+}
+
+/// Whether no single effect of the catalogue can mimic the cause in this campaign: scale factor times time *is*
+/// scale factor times temperature where temperature is a ramp, and nobody can tell.
+fn is_outside(simulated: &Simulated) -> bool {
+    let structure = Structure::of(simulated);
+    let slots: Vec<String> = simulated.world.slots().map(|slot| slot.name().to_owned()).collect();
+    let mimics = |id: &str| structure.left_with(id, &slots).is_some_and(|left| left < LEAST_OUTSIDE);
+    !CATALOGUE.iter().any(|(id, _)| mimics(id))
 }
 
 /// Ids that a campaign of this scenario can show.

@@ -4,6 +4,7 @@
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
 //! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
+mod blindcheck;
 mod client;
 mod diagnose;
 mod document;
@@ -35,6 +36,7 @@ enum Command {
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
     Simulate(simulate::Simulate),
+    Blindcheck(blindcheck::Blindcheck),
 }
 
 impl Command {
@@ -45,6 +47,7 @@ impl Command {
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
             Self::Simulate(simulate) => simulate.run(),
+            Self::Blindcheck(blindcheck) => blindcheck.run(),
         }
     }
 }

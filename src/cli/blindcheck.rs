@@ -1,0 +1,224 @@
+//! `gyrowatch blindcheck`: how well does the diagnosis do on campaigns whose cause is hidden from it?
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use comfy_table::Table;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::document::{Format, print, print_json, table};
+use crate::blindcheck::answer::Answer;
+use crate::blindcheck::draw::{Case, Draw};
+use crate::blindcheck::report::{Goal, Report};
+use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
+use crate::blindcheck::score::Score;
+use crate::blindcheck::seal;
+use crate::blindcheck::tally::Tally;
+use crate::core::diagnose::{Options, diagnose};
+use crate::simulate::cause::CATALOGUE;
+use crate::simulate::truth::Key;
+use crate::wire;
+
+/// Draw campaigns with a hidden cause, diagnose them from their file alone, score the answers
+///
+/// The truth of all campaigns is sealed before the first diagnosis: its SHA-256 is printed first, and with --keep the
+/// key whose SHA-256 that is lies in the folder afterwards. With --campaigns and --key the campaigns are somebody
+/// else's.
+#[derive(Debug, Args)]
+pub struct Blindcheck {
+    /// Number of campaigns to draw.
+    #[arg(long, default_value_t = 1000, conflicts_with = "campaigns")]
+    count: usize,
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Only these cases; all in their usual shares where left out.
+    #[arg(long, value_delimiter = ',', value_parser = case, conflicts_with = "campaigns")]
+    case: Vec<Case>,
+    /// Only these effects, by catalogue id.
+    #[arg(long, value_delimiter = ',', value_parser = effect, conflicts_with = "campaigns")]
+    effect: Vec<String>,
+    /// Detectability d of the case "one".
+    #[arg(long, value_delimiter = ',', default_values_t = [8.0, 12.0, 20.0, 30.0], conflicts_with = "campaigns")]
+    detectability: Vec<f64>,
+    /// Folder to write the drawn campaigns and their key.json into.
+    #[arg(long, value_name = "DIR", conflicts_with = "campaigns")]
+    keep: Option<PathBuf>,
+    /// Folder with campaigns of another maker.
+    #[arg(long, value_name = "DIR", requires = "key")]
+    campaigns: Option<PathBuf>,
+    /// Their truth: file name to effects, gyros, detectability and the gyros' coefficients.
+    #[arg(long, value_name = "FILE", requires = "campaigns")]
+    key: Option<PathBuf>,
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    format: Format,
+    /// End with exit status 1 where a figure to be reached is not.
+    #[arg(long)]
+    strict: bool,
+}
+
+fn case(text: &str) -> Result<Case, String> {
+    Case::from_name(text).ok_or_else(|| format!("cases are {}", Case::ALL.map(Case::name).join(", ")))
+}
+
+fn effect(text: &str) -> Result<String, String> {
+    let known = CATALOGUE.iter().any(|(id, _)| *id == text);
+    known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", CATALOGUE.map(|(id, _)| id).join(", ")))
+}
+
+impl Blindcheck {
+    pub fn run(self) -> anyhow::Result<()> {
+        if let Some(d) = self.detectability.iter().find(|d| !(d.is_finite() && **d > 0.0)) {
+            bail!("--detectability: {d} is not a positive number");
+        }
+        let begun = Instant::now();
+        let (seal, scores) = match (&self.campaigns, &self.key) {
+            (Some(folder), Some(key)) => self.foreign(folder, key)?,
+            _ => self.drawn()?,
+        };
+        let report = Report::of(&seal, scores);
+        match self.format {
+            Format::Json => print_json(&report)?,
+            Format::Table => print(&tables(&report, begun.elapsed().as_secs_f64()))?,
+        }
+        if self.strict && !report.reached() {
+            bail!("not every figure to be reached was reached");
+        }
+        Ok(())
+    }
+
+    fn drawn(&self) -> anyhow::Result<(String, Vec<Score>)> {
+        let draw = Draw {
+            seed: self.seed,
+            cases: self.case.clone(),
+            effects: self.effect.clone(),
+            detectability: self.detectability.clone(),
+        };
+        let key = key_text(&key(&draw, self.count));
+        let seal = seal(&key);
+        eprintln!("key of {} campaigns sealed: SHA-256 {seal}", self.count);
+        if let Some(folder) = &self.keep {
+            keep_campaigns(&draw, self.count, folder)?;
+        }
+        let bar = progress(self.count);
+        let scores = drawn(&draw, self.count, &diagnosed, &|| bar.inc(1));
+        bar.finish_and_clear();
+        if let Some(folder) = &self.keep {
+            let path = folder.join("key.json");
+            std::fs::write(&path, key).with_context(|| path.display().to_string())?;
+            eprintln!("key revealed: {}", path.display());
+        }
+        Ok((seal, scores))
+    }
+
+    fn foreign(&self, folder: &Path, key: &Path) -> anyhow::Result<(String, Vec<Score>)> {
+        let text = std::fs::read_to_string(key).with_context(|| key.display().to_string())?;
+        let seal = seal(&text);
+        eprintln!("key {}: SHA-256 {seal}", key.display());
+        let entries: Key = serde_json::from_str(&text).with_context(|| key.display().to_string())?;
+        let mut campaigns = Vec::new();
+        for (name, key) in entries {
+            let path = folder.join(&name);
+            let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+            campaigns.push(Foreign { name, text, key });
+        }
+        let bar = progress(campaigns.len());
+        let scores = foreign(&campaigns, &diagnosed, &|| bar.inc(1))?;
+        bar.finish_and_clear();
+        Ok((seal, scores))
+    }
+}
+
+/// The diagnosis as a user gets it: from the file's text to the answer's JSON.
+fn diagnosed(text: &str) -> Result<Answer, String> {
+    let campaign = wire::campaign::parse_json(text.as_bytes()).map_err(|faults| faults.to_string())?;
+    let diagnosis = diagnose(&campaign, &Options::default()).map_err(|refusal| refusal.to_string())?;
+    let json = serde_json::to_value(wire::diagnosis::DiagnosisBody::from(&diagnosis)).map_err(|e| e.to_string())?;
+    serde_json::from_value(json).map_err(|e| e.to_string())
+}
+
+fn keep_campaigns(draw: &Draw, count: usize, folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    for number in 0..count {
+        let path = folder.join(file_name(number));
+        let text = wire::campaign::to_json(&draw.trial(number).simulated.campaign);
+        std::fs::write(&path, text).with_context(|| path.display().to_string())?;
+    }
+    Ok(())
+}
+
+fn progress(count: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} campaigns, {eta} left");
+    let bar = ProgressBar::new(count as u64);
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+fn tables(report: &Report, seconds: f64) -> String {
+    let mut parts =
+        vec![format!("{} campaigns, key SHA-256 {}", report.campaigns, report.seal), goals(report).to_string()];
+    for (title, groups) in [
+        ("one effect, named: by effect", &report.by_effect),
+        ("by set of positions", &report.by_design),
+        ("by standard errors", &report.by_standard_errors),
+        ("outside the catalogue, partly or not explained", &report.by_outside_family),
+    ] {
+        if !groups.is_empty() {
+            parts.push(by_group(title, groups).to_string());
+        }
+    }
+    parts.push(confusion(report).to_string());
+    parts.extend(report.errors.iter().map(|error| format!("no answer: {error}")));
+    let time = report.milliseconds;
+    parts.push(format!(
+        "one diagnosis: median {:.1} ms, 99 % {:.1} ms, most {:.1} ms; all campaigns: {seconds:.1} s",
+        time.median, time.p99, time.most
+    ));
+    parts.join("\n\n")
+}
+
+fn goals(report: &Report) -> Table {
+    let mut table = table(["case", "hits", "trials", "rate", "95 % interval", "to reach", ""], 1..4);
+    for row in &report.rows {
+        let goal = row.to_reach.map_or(String::new(), |goal| match goal {
+            Goal::AtLeast(share) => format!(">= {}", percent(share)),
+            Goal::AtMost(share) => format!("<= {}", percent(share)),
+        });
+        let mark = row.reached.map_or("", |reached| if reached { "reached" } else { "NOT REACHED" });
+        let [hits, trials, rate, interval] = figures(&row.tally);
+        table.add_row([row.what.to_owned(), hits, trials, rate, interval, goal, mark.to_owned()]);
+    }
+    table
+}
+
+fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {
+    let mut table = table([title, "hits", "trials", "rate", "95 % interval"], 1..4);
+    for (name, tally) in groups {
+        let [hits, trials, rate, interval] = figures(tally);
+        table.add_row([name.clone(), hits, trials, rate, interval]);
+    }
+    table
+}
+
+fn figures(tally: &Tally) -> [String; 4] {
+    let interval = tally.interval().map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
+    let rate = tally.rate().map(percent).unwrap_or_default();
+    [tally.hits.to_string(), tally.trials.to_string(), rate, interval.unwrap_or_default()]
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn confusion(report: &Report) -> Table {
+    let mut table = table(["hidden", "named (- nothing), how often"], 0..0);
+    for (hidden, named) in &report.confusion {
+        let mut counts: Vec<(&String, &usize)> = named.iter().collect();
+        counts.sort_by(|a, b| b.1.cmp(a.1));
+        let text: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
+        table.add_row([hidden.clone(), text.join(", ")]);
+    }
+    table
+}

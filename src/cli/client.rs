@@ -80,6 +80,14 @@ impl Service {
         &self.base
     }
 
+    /// Asks for a JSON document.
+    pub async fn get(&self, route: &str) -> anyhow::Result<Value> {
+        let request = self.request(Method::GET, route);
+        let answer = request.send().await.with_context(|| format!("cannot reach {}", self.base))?;
+        let answer = answer.error_for_status().with_context(|| format!("{route} was refused"))?;
+        answer.json().await.with_context(|| format!("the answer of {route} is not JSON"))
+    }
+
     /// Posts one document to its own endpoint.
     pub async fn post(&self, route: &str, content_type: &str, body: Bytes) -> Result<Sent, Trouble> {
         let (status, after, body) = self.call(route, content_type, body).await?;
@@ -107,17 +115,21 @@ impl Service {
         }
     }
 
+    fn request(&self, method: Method, route: &str) -> reqwest::RequestBuilder {
+        let request = self.http.request(method, format!("{}{route}", self.base));
+        match &self.token {
+            Some(token) => request.bearer_auth(token),
+            None => request,
+        }
+    }
+
     async fn call(
         &self,
         route: &str,
         content_type: &str,
         body: Bytes,
     ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
-        let mut request = self.http.request(Method::POST, format!("{}{route}", self.base)).body(body);
-        request = request.header(CONTENT_TYPE, content_type);
-        if let Some(token) = &self.token {
-            request = request.bearer_auth(token);
-        }
+        let request = self.request(Method::POST, route).body(body).header(CONTENT_TYPE, content_type);
         let away = |e: reqwest::Error| Trouble::Away(format!("cannot reach {}: {}", self.base, root_cause(&e)));
         let answer = request.send().await.map_err(away)?;
         let status = answer.status();

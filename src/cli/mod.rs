@@ -6,6 +6,7 @@
 
 mod blindcheck;
 mod client;
+mod demo;
 mod diagnose;
 mod document;
 mod experiment;
@@ -32,6 +33,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Serve(serve::Serve),
+    Demo(demo::Demo),
     Separate(separate::Separate),
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
@@ -43,6 +45,7 @@ impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
             Self::Serve(serve) => serve.run(),
+            Self::Demo(demo) => demo.run(),
             Self::Separate(separate) => separate.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),

@@ -1,6 +1,7 @@
 //! `gyrowatch serve`: the service, until it is told to stop.
 
 use std::io::IsTerminal;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,14 +27,18 @@ pub struct Serve {
 
 impl Serve {
     pub fn run(self) -> anyhow::Result<()> {
-        let config = Config::load(&self.config, std::env::vars())?;
-        start_log(&config.log)?;
-        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
-        runtime.block_on(serve(config))
+        run(Config::load(&self.config, std::env::vars())?, |_| {})
     }
 }
 
-async fn serve(config: Config) -> anyhow::Result<()> {
+/// Serves until told to stop. `ready` is called once, with the address, when connections are accepted.
+pub(super) fn run(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
+    start_log(&config.log)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
+    runtime.block_on(serve(config, ready))
+}
+
+async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
     let stop = stop_signal()?;
     let config = Arc::new(config);
     let listener = TcpListener::bind(config.server.listen)
@@ -47,6 +52,7 @@ async fn serve(config: Config) -> anyhow::Result<()> {
     let router = http::router(App { config: Arc::clone(&config), clock: Clock::System, pipeline });
     tracing::info!(%address, database = %config.database.url, "listening");
     println!("gyrowatch listens on http://{address}");
+    ready(address);
     http::server::serve(listener, router, &config.server, stop).await;
     // The router is gone, and with it the last sender: the writer finishes what is queued and closes the database.
     writing.await.context("the writer failed")?;

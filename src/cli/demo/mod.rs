@@ -1,0 +1,120 @@
+//! `demo`: a service with a history in it, to look at.
+
+mod fleet;
+mod paper;
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use bytes::Bytes;
+use clap::Args;
+use indicatif::ProgressBar;
+use serde_json::json;
+
+use super::client::{JSON, Sent, Service};
+use super::serve;
+use crate::config::Config;
+use crate::core::time::UtcMicros;
+use crate::system::Clock;
+use crate::wire::bench::BenchBody;
+use crate::wire::record::RecordBody;
+
+/// Run the service on a file of its own, with the paper's figures and a fleet of two years in it
+///
+/// Everything is posted through the service's own HTTP API. Started again, it shows what is there already.
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// The database; created where it is missing.
+    #[arg(long, value_name = "FILE", default_value = "gyrowatch-demo.db")]
+    database: PathBuf,
+    /// Address to listen on; port 0 takes a free one.
+    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    listen: SocketAddr,
+}
+
+impl Demo {
+    pub fn run(self) -> anyhow::Result<()> {
+        let keys = [
+            ("GYROWATCH_SERVER__LISTEN".to_owned(), self.listen.to_string()),
+            ("GYROWATCH_DATABASE__URL".to_owned(), format!("sqlite://{}", self.database.display())),
+            ("GYROWATCH_LOG__FILTER".to_owned(), "warn".to_owned()),
+        ];
+        let config = Config::load(&[], keys)?;
+        serve::run(config, |address| {
+            tokio::spawn(async move {
+                if let Err(error) = furnish(address).await {
+                    eprintln!("gyrowatch: the demo's fleet could not be posted: {error:#}");
+                }
+            });
+        })
+    }
+}
+
+/// What the demo tells the service, in the order of its time.
+enum Happening {
+    Record(Box<RecordBody>),
+    Bench(BenchBody),
+    Baseline { serial: String, at: String, reason: String },
+}
+
+impl Happening {
+    /// When it happened, RFC 3339 in UTC: every instant of the demo lies on a whole second, so that texts sort as times.
+    fn at(&self) -> &str {
+        match self {
+            Self::Record(record) => &record.calibrated_at,
+            Self::Bench(bench) => &bench.measured_at,
+            Self::Baseline { at, .. } => at,
+        }
+    }
+
+    fn request(&self) -> serde_json::Result<(String, Vec<u8>)> {
+        Ok(match self {
+            Self::Record(record) => ("/v1/records".to_owned(), serde_json::to_vec(record)?),
+            Self::Bench(bench) => ("/v1/bench-results".to_owned(), serde_json::to_vec(bench)?),
+            Self::Baseline { serial, at, reason } => {
+                let body = json!({"at": at, "reason": reason, "author": "demo"});
+                (format!("/v1/gyros/{serial}/baseline"), serde_json::to_vec(&body)?)
+            }
+        })
+    }
+}
+
+/// Posts paper and fleet, unless they are there, and says what to look at.
+async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
+    let service = Service::at(&address.to_string(), None)?;
+    if service.get("/v1/gyros?limit=1").await?["gyros"].as_array().is_none_or(Vec::is_empty) {
+        post_all(&service).await?;
+    }
+    let base = service.base();
+    println!(
+        "\nThe fleet                        {base}/\n\
+         A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
+         One that jumped on transport     {base}/gyros/LFG-0008\n\
+         Table 5, method beside method    {base}/v1/gyros/PAPER-T5-G1/agreement\n\
+         A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\
+         The API and its reader           {base}/docs\n\n\
+         Ctrl-C stops it; the data stay in the file."
+    );
+    Ok(())
+}
+
+async fn post_all(service: &Service) -> anyhow::Result<()> {
+    let now = Clock::System.now().0;
+    let today = UtcMicros(now - now.rem_euclid(UtcMicros::DAY));
+    let mut happenings = paper::happenings(today);
+    happenings.extend(fleet::draw(today));
+    happenings.sort_by(|a, b| a.at().cmp(b.at()));
+    let bar = ProgressBar::new(happenings.len() as u64);
+    for happening in &happenings {
+        let (route, body) = happening.request().context("cannot write a document of the demo")?;
+        match service.post(&route, JSON, Bytes::from(body)).await {
+            Ok(Sent::Stored(_) | Sent::Known(_)) => bar.inc(1),
+            Ok(Sent::Refused(problem)) => bail!("{route} at {}: {}", happening.at(), problem.detail),
+            Err(trouble) => return Err(trouble).context(route),
+        }
+    }
+    bar.finish_and_clear();
+    println!("posted {} records, bench results and marks through the API", happenings.len());
+    Ok(())
+}

@@ -1,0 +1,97 @@
+//! The paper's own figures: Tables 3 and 4 as one record, the three result columns of Table 5 as a second.
+//!
+//! Table 5's separation column does not follow from Tables 3 and 4 (see `docs/method.md`). They are two sets of
+//! data, and get IMUs and serial numbers of their own.
+
+use nalgebra::Vector3;
+
+use super::Happening;
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::time::UtcMicros;
+use crate::wire::bench::{BenchBody, BenchMethodBody};
+use crate::wire::geometry::{GeometryBody, NamedGeometry};
+use crate::wire::record::{GyroBody, RecordBody};
+use crate::wire::time;
+
+/// Tables 3 and 4: E in pulse/arcsec, G in pulse/(s g0).
+const TABLES_3_4: [([f64; 3], [f64; 3]); 3] = [
+    ([0.8473, -0.6011, 1.0367], [2.4210, 4.0554, 6.5179]),
+    ([0.8478, -0.6000, -1.0381], [0.8634, 4.6419, -3.4081]),
+    ([0.8533, 1.2062, -0.0008], [0.9901, 1.4495, -9.9775]),
+];
+
+/// Table 5, [D_I, D_S] of each gyro: bench before, separation, bench after; deg/(h g0).
+const TABLE_5: [[[f64; 2]; 3]; 3] = [
+    [[4.193101, 5.771452], [4.192621, 5.771440], [4.192798, 5.772109]],
+    [[1.584331, 6.132195], [1.584334, 6.131210], [1.584927, 6.132201]],
+    [[1.686599, -9.977666], [1.686447, -9.976657], [1.6865143, -9.976365]],
+];
+
+/// Days before today: bench, calibration in the IMU, bench again.
+const DAYS_AGO: [f64; 3] = [44.0, 30.0, 16.0];
+const TABLES_3_4_SERIALS: [&str; 3] = ["PAPER-T4-G1", "PAPER-T4-G2", "PAPER-T4-G3"];
+const TABLE_5_SERIALS: [&str; 3] = ["PAPER-T5-G1", "PAPER-T5-G2", "PAPER-T5-G3"];
+
+pub fn happenings(today: UtcMicros) -> Vec<Happening> {
+    let calibrated = today.plus_days(-DAYS_AGO[1]);
+    let printed = Slot::ALL.map(|slot| {
+        let (e, g) = TABLES_3_4[slot.index()];
+        gyro(slot, TABLES_3_4_SERIALS[slot.index()], e.into(), g.into())
+    });
+    let nominal = Slot::ALL.map(|slot| {
+        let [_, [d_i, d_s], _] = TABLE_5[slot.index()];
+        let triad = Geometry::Skewed.triad(slot).expect("the skewed geometry names every slot");
+        gyro(slot, TABLE_5_SERIALS[slot.index()], triad.input(), d_i * triad.input() + d_s * triad.spin())
+    });
+    let mut happenings = vec![record("IMU-PAPER-T4", calibrated, printed), record("IMU-PAPER-T5", calibrated, nominal)];
+    for (column, days) in [(0, DAYS_AGO[0]), (2, DAYS_AGO[2])] {
+        for slot in 0..3 {
+            happenings.push(bench(TABLE_5_SERIALS[slot], today.plus_days(-days), TABLE_5[slot][column]));
+        }
+    }
+    happenings
+}
+
+fn record(imu: &str, calibrated: UtcMicros, gyros: [GyroBody; 3]) -> Happening {
+    Happening::Record(Box::new(RecordBody {
+        imu: imu.into(),
+        station: "ST-PAPER".into(),
+        calibrated_at: time::format(calibrated),
+        geometry: GeometryBody::Named(NamedGeometry::Skewed),
+        gyros: gyros.into(),
+        temperature_c: None,
+        campaign: None,
+        operator: None,
+        note: Some("doi 10.11918/j.issn.0367-6234.2015.01.015".into()),
+    }))
+}
+
+fn gyro(slot: Slot, serial: &str, e: Vector3<f64>, g: Vector3<f64>) -> GyroBody {
+    GyroBody {
+        slot: slot.into(),
+        serial: serial.into(),
+        e_pulse_per_arcsec: e.into(),
+        g_pulse_per_s_g0: Some(g.into()),
+        g_deg_per_h_g0: None,
+        p_pulse_per_s_g02: None,
+        bias_pulse_per_s: None,
+        e_sd: None,
+        g_sd: None,
+    }
+}
+
+fn bench(serial: &str, at: UtcMicros, [d_i, d_s]: [f64; 2]) -> Happening {
+    Happening::Bench(BenchBody {
+        serial: serial.into(),
+        station: "BENCH-PAPER".into(),
+        measured_at: time::format(at),
+        method: BenchMethodBody::TorqueFeedback,
+        d_i_deg_per_h_g0: d_i,
+        d_s_deg_per_h_g0: d_s,
+        d_i_sd: None,
+        d_s_sd: None,
+        temperature_c: None,
+        operator: None,
+        note: None,
+    })
+}

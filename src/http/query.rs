@@ -44,7 +44,11 @@ pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
         None => Ok(or),
         Some(text) => time::parse(text).map_err(|why| bad(&format!("{name} {why}"))),
     };
-    Ok(Span { from: instant("from", from, Span::EVER.from)?, to: instant("to", to, Span::EVER.to)? })
+    let span = Span { from: instant("from", from, Span::EVER.from)?, to: instant("to", to, Span::EVER.to)? };
+    if span.from > span.to {
+        return Err(bad("from lies after to"));
+    }
+    Ok(span)
 }
 
 /// Where the next page begins, as text that means nothing to clients.

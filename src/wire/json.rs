@@ -13,7 +13,16 @@ use crate::core::fault::{Fault, Faults};
 /// again to name the place.
 pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     let bytes = without_mark(bytes);
-    serde_json::from_slice(bytes).or_else(|_| parse_naming_places(bytes))
+    serde_json::from_slice(bytes).or_else(|_| parse_naming_places(bytes)).map_err(|mut faults: Faults| {
+        if !is_json(bytes) {
+            let why = std::str::from_utf8(bytes).err();
+            let not_utf8 = why.map(|error| format!("not UTF-8 from byte {} on", error.valid_up_to()));
+            for fault in &mut faults.0 {
+                fault.detail = not_utf8.clone().unwrap_or_else(|| format!("not JSON: {}", fault.detail));
+            }
+        }
+        faults
+    })
 }
 
 fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {

@@ -1,0 +1,111 @@
+//! Table 5 of the paper: the results of every method side by side.
+
+mod lab;
+
+use serde_json::{Value, json};
+
+use lab::{Lab, assert_close, bench, record, verdict};
+
+/// Table 5: slot, serial, then D_I and D_S of bench before, separation, bench after, and the printed range in 1e-4.
+const TABLE_5: [(&str, &str, [[f64; 3]; 2], [f64; 2]); 3] = [
+    ("G1", "T5-1", [[4.193101, 4.192621, 4.192798], [5.771452, 5.771440, 5.772109]], [4.800, 6.690]),
+    ("G2", "T5-2", [[1.584331, 1.584334, 1.584927], [6.132195, 6.131210, 6.132201]], [5.960, 9.910]),
+    ("G3", "T5-3", [[1.686599, 1.686447, 1.6865143], [-9.977666, -9.976657, -9.976365]], [1.520, 13.010]),
+];
+
+async fn lab_with_table_5(before: &str, separation: &str, after: &str) -> Lab {
+    let lab = Lab::open().await;
+    let gyros = TABLE_5.map(|(slot, serial, [d_i, d_s], _)| (slot, serial, d_i[1], d_s[1]));
+    lab.posts(&record("IMU-5", separation, &gyros)).await;
+    for (_, serial, [d_i, d_s], _) in TABLE_5 {
+        for (at, column) in [(before, 0), (after, 2)] {
+            let result = bench(serial, at, d_i[column], d_s[column]);
+            lab.post("/v1/bench-results", &result).await.created();
+        }
+    }
+    lab
+}
+
+#[tokio::test]
+async fn table_5_gives_its_range_column() {
+    for [before, separation, after] in [
+        ["2026-02-10T08:00:00Z", "2026-03-01T08:00:00Z", "2026-04-02T08:00:00Z"],
+        ["2026-02-10T08:00:00Z", "2026-03-01T08:00:00Z", "2026-02-11T08:00:00Z"],
+        ["2026-03-02T08:00:00Z", "2026-03-01T08:00:00Z", "2026-03-03T08:00:00Z"],
+    ] {
+        let lab = lab_with_table_5(before, separation, after).await;
+        for (_, serial, _, range) in TABLE_5 {
+            let agreement = lab.get(&format!("/v1/gyros/{serial}/agreement")).await.ok();
+            for (coefficient, printed) in ["D_I", "D_S"].iter().zip(range) {
+                assert_close(&agreement["range"][coefficient], printed * 1e-4, 5e-9);
+                let judged = verdict(&agreement, serial, coefficient, "agreement");
+                assert_close(&judged["value"], printed * 1e-4, 5e-9);
+                assert_eq!(judged["state"], "within");
+            }
+            let counted = agreement["results"].as_array().unwrap().iter().filter(|r| r["counts"] == true).count();
+            assert_eq!(counted, 3);
+        }
+    }
+}
+
+#[tokio::test]
+async fn the_bench_tests_around_a_calibration_are_compared_with_it_not_those_of_other_years() {
+    let lab = lab_with_table_5("2026-02-10T08:00:00Z", "2026-03-01T08:00:00Z", "2026-04-02T08:00:00Z").await;
+    lab.post("/v1/bench-results", &bench("T5-1", "2015-01-01T00:00:00Z", 9.0, 9.0)).await.created();
+    lab.posts(&record("IMU-5", "2026-10-01T08:00:00Z", &[("G1", "T5-1", 4.4, 5.9)])).await;
+    let agreement = lab.get("/v1/gyros/T5-1/agreement").await.ok();
+    assert_close(&agreement["range"]["D_I"], 4.8e-4, 5e-9);
+    let whole = lab.get("/v1/gyros/T5-1/agreement?from=2015-01-01T00:00:00Z").await.ok();
+    assert_close(&whole["range"]["D_I"], 9.0 - 4.192621, 1e-9);
+    let methods: Vec<&Value> = whole["results"].as_array().unwrap().iter().map(|r| &r["method"]).collect();
+    assert_eq!(
+        methods,
+        ["torque_feedback", "torque_feedback", "published", "rigid", "torque_feedback", "published", "rigid"]
+    );
+}
+
+#[tokio::test]
+async fn methods_that_disagree_are_named() {
+    let lab = Lab::open().await;
+    lab.posts(&record("IMU-1", "2026-03-01T08:00:00Z", &[("G1", "A", 1.0, 2.0)])).await;
+    let alone = lab.get("/v1/gyros/A/agreement").await.ok();
+    assert_eq!(alone["range"], json!({"D_I": null, "D_S": null}));
+    assert_eq!(verdict(&alone, "A", "D_I", "agreement")["state"], "indeterminate");
+    let mut servo = bench("A", "2026-03-05T08:00:00Z", 1.02, 2.001);
+    servo["method"] = json!("turntable_servo");
+    lab.post("/v1/bench-results", &servo).await.created();
+    let agreement = lab.get("/v1/gyros/A/agreement").await.ok();
+    let d_i = verdict(&agreement, "A", "D_I", "agreement");
+    assert_eq!(d_i["state"], "exceeded");
+    assert!(d_i["reason"].as_str().unwrap().contains("turntable_servo"), "{d_i}");
+    assert_eq!(verdict(&agreement, "A", "D_S", "agreement")["state"], "within");
+}
+
+#[tokio::test]
+async fn bench_results_follow_the_rules_of_records() {
+    let lab = Lab::open().await;
+    let mut result = bench("LFG-0101", "2026-02-10T08:00:00Z", 4.193101, 5.771452);
+    result["d_i_sd"] = json!(0.0003);
+    let posted = lab.post("/v1/bench-results", &result).await;
+    let id = posted.created()["id"].clone();
+    assert_eq!(posted.header("location"), format!("/v1/bench-results/{}", id.as_str().unwrap()));
+    assert_eq!(lab.get(posted.header("location")).await.ok()["bench_result"], result);
+    assert_eq!(lab.post("/v1/bench-results", &result).await.ok()["id"], id);
+    let mut changed = result.clone();
+    changed["d_s_deg_per_h_g0"] = json!(5.8);
+    assert_eq!(lab.post("/v1/bench-results", &changed).await.refused(409), ["/d_s_deg_per_h_g0"]);
+    for (member, value) in [
+        ("method", json!("guess")),
+        ("d_i_sd", json!(-1)),
+        ("measured_at", json!("2026-02-10")),
+        ("d_i_deg_per_h_g0", json!(1e300)),
+        ("serial", json!("")),
+        ("surprise", json!(1)),
+    ] {
+        let mut bad = result.clone();
+        bad[member] = value;
+        assert_eq!(lab.post("/v1/bench-results", &bad).await.refused(422), [format!("/{member}")]);
+    }
+    let gyro = lab.get("/v1/gyros/LFG-0101").await.ok();
+    assert_eq!((&gyro["latest"], &gyro["bench_results"]), (&Value::Null, &json!(1)));
+}

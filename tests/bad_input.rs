@@ -1,0 +1,467 @@
+//! Every kind of bad input, against the real service: the answer names the place, and nothing of it is kept.
+//!
+//! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
+//! pointer, or words of the detail), and leave the service's holdings as they were.
+
+mod support;
+
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use support::Server;
+
+/// Tables 3 and 4 of the paper.
+fn paper() -> Value {
+    serde_json::from_str(&support::data("paper.json")).unwrap()
+}
+
+fn bench() -> Value {
+    json!({"serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-02-10T08:00:00Z", "method": "torque_feedback",
+           "d_i_deg_per_h_g0": 4.193101, "d_s_deg_per_h_g0": 5.771452})
+}
+
+/// The paper's record with one member replaced, or added.
+fn with(pointer: &str, value: Value) -> Vec<u8> {
+    changed(paper(), pointer, value)
+}
+
+fn changed(mut document: Value, pointer: &str, value: Value) -> Vec<u8> {
+    let (parent, member) = pointer.rsplit_once('/').unwrap();
+    match document.pointer_mut(parent).unwrap() {
+        Value::Object(members) => _ = members.insert(member.into(), value),
+        Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
+        other => panic!("{other} has no members"),
+    }
+    document.to_string().into_bytes()
+}
+
+fn without(pointer: &str) -> Vec<u8> {
+    let mut document = paper();
+    let (parent, member) = pointer.rsplit_once('/').unwrap();
+    document.pointer_mut(parent).unwrap().as_object_mut().unwrap().remove(member).unwrap();
+    document.to_string().into_bytes()
+}
+
+/// The paper's record as text, with one piece of it replaced: for what no JSON value can express.
+fn text(from: &str, to: &str) -> Vec<u8> {
+    let record = paper().to_string();
+    assert!(record.contains(from), "{from} is not in {record}");
+    record.replacen(from, to, 1).into_bytes()
+}
+
+/// What a row's answer has to name.
+enum Place {
+    /// `errors[*].pointer` holds it.
+    At(&'static str),
+    /// `detail` holds the words.
+    Says(&'static str),
+}
+use Place::{At, Says};
+
+struct Row {
+    what: &'static str,
+    body: Vec<u8>,
+    status: u16,
+    place: Place,
+}
+
+fn row(what: &'static str, body: Vec<u8>, status: u16, place: Place) -> Row {
+    Row { what, body, status, place }
+}
+
+fn records() -> Vec<Row> {
+    let e = "/gyros/0/e_pulse_per_arcsec";
+    let g = "/gyros/0/g_pulse_per_s_g0";
+    let deep = |n: usize| format!("{}{}", "[".repeat(n), "]".repeat(n));
+    let long = "x".repeat(65);
+    vec![
+        row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("JSON")),
+        row("nothing", Vec::new(), 400, Says("JSON")),
+        row("half a document", paper().to_string().into_bytes()[..200].to_vec(), 400, Says("JSON")),
+        row("two documents", [paper().to_string(), paper().to_string()].concat().into_bytes(), 400, Says("JSON")),
+        row(
+            "bad UTF-8",
+            text("IMU-07", "IMU-07").into_iter().map(|b| if b == b'7' { 0xff } else { b }).collect(),
+            400,
+            Says("UTF-8"),
+        ),
+        row("a NUL between members", text("\"imu\"", "\0\"imu\""), 400, Says("JSON")),
+        row("no object", b"[]".to_vec(), 422, At("")),
+        row("null", b"null".to_vec(), 422, At("")),
+        row("unknown member", with("/colour", json!("red")), 422, At("/colour")),
+        row("unknown member of a gyro", with("/gyros/1/colour", json!("red")), 422, At("/gyros/1/colour")),
+        row(
+            "unknown member holding 10^5 brackets",
+            text("\"imu\"", &format!("\"x\":{},\"imu\"", deep(100_000))),
+            422,
+            At("/x"),
+        ),
+        row("10^5 brackets", deep(100_000).into_bytes(), 422, Says("")),
+        row("a million brackets", "[".repeat(1_000_000).into_bytes(), 400, Says("")),
+        row("member given twice", text("\"imu\"", "\"imu\":\"IMU-08\",\"imu\""), 422, At("/imu")),
+        row(
+            "member of a gyro given twice",
+            text("\"slot\":\"G1\"", "\"slot\":\"G1\",\"slot\":\"G1\""),
+            422,
+            At("/gyros/0/slot"),
+        ),
+        row("missing member", without("/station"), 422, At("/station")),
+        row("missing E", without(e), 422, At(e)),
+        row("missing G", without(g), 422, At(g)),
+        row("G in both units", with("/gyros/0/g_deg_per_h_g0", json!([1, 2, 3])), 422, At("/gyros/0/g_deg_per_h_g0")),
+        row("text for a number", with("/temperature_c", json!("45")), 422, At("/temperature_c")),
+        row("number for a text", with("/imu", json!(7)), 422, At("/imu")),
+        row("object for an array", with(e, json!({"x": 1})), 422, At(e)),
+        row("text among numbers", with(e, json!([0.8, "x", 1.0])), 422, At("/gyros/0/e_pulse_per_arcsec/1")),
+        row("null among numbers", with(e, json!([0.8, null, 1.0])), 422, At("/gyros/0/e_pulse_per_arcsec/1")),
+        row("two elements", with(e, json!([0.8, 1.0])), 422, At(e)),
+        row("four elements", with(e, json!([0.8, -0.6, 1.0, 0.0])), 422, At(e)),
+        row("no gyro", with("/gyros", json!([])), 422, At("/gyros")),
+        row(
+            "four gyros",
+            with("/gyros", json!([paper()["gyros"][0], paper()["gyros"][1], paper()["gyros"][2], paper()["gyros"][0]])),
+            422,
+            At("/gyros"),
+        ),
+        row("NaN", text("0.8473", "NaN"), 400, Says("JSON")),
+        row("Infinity", text("0.8473", "Infinity"), 400, Says("JSON")),
+        row("1e999", text("0.8473", "1e999"), 422, At("/gyros/0/e_pulse_per_arcsec/0")),
+        row("1e400", text("0.8473", "1e400"), 422, At("/gyros/0/e_pulse_per_arcsec/0")),
+        row("1e308", text("0.8473", "1e308"), 422, At(e)),
+        row("G of 1e308", text("2.421", "1e308"), 422, At(g)),
+        row("E of zero", with(e, json!([0, 0, 0])), 422, At(e)),
+        row("E beyond its limits", with(e, json!([8.473e6, -6.011e6, 1.0367e7])), 422, At(e)),
+        row("E far from the declared geometry", with(e, json!([1.0, 1.0, 0.0])), 422, At(e)),
+        row("E of the wrong sign", with(e, json!([-0.8473, 0.6011, -1.0367])), 422, At(e)),
+        row("unknown geometry", with("/geometry", json!("cubic")), 422, At("/geometry")),
+        row(
+            "a geometry of skewed axes that are not perpendicular",
+            with("/geometry", json!({"G1": {"input": [1, 0, 0], "spin": [0.6, 0.8, 0]}})),
+            422,
+            At("/geometry/G1/spin"),
+        ),
+        row(
+            "a geometry that leaves out the slot",
+            with("/geometry", json!({"G2": {"input": [1, 0, 0], "spin": [0, 1, 0]}})),
+            422,
+            At("/gyros/0/slot"),
+        ),
+        row("unknown slot", with("/gyros/0/slot", json!("G4")), 422, At("/gyros/0/slot")),
+        row("the same slot twice", with("/gyros/1/slot", json!("G1")), 422, At("/gyros/1/slot")),
+        row("the same serial twice", with("/gyros/1/serial", json!("LFG-0101")), 422, At("/gyros/1/serial")),
+        row("empty serial", with("/gyros/0/serial", json!("")), 422, At("/gyros/0/serial")),
+        row("over-long serial", with("/gyros/0/serial", json!(long)), 422, At("/gyros/0/serial")),
+        row(
+            "serial of half a megabyte",
+            with("/gyros/0/serial", json!("x".repeat(500_000))),
+            422,
+            At("/gyros/0/serial"),
+        ),
+        row("NUL in the serial", with("/gyros/0/serial", json!("LFG\u{0}0101")), 422, At("/gyros/0/serial")),
+        row("line break in the IMU", with("/imu", json!("IMU\n07")), 422, At("/imu")),
+        row("blanks around the IMU", with("/imu", json!(" IMU-07")), 422, At("/imu")),
+        row("escape character in the note", with("/note", json!("\u{1b}[31m")), 422, At("/note")),
+        row("half a surrogate pair", text("IMU-07", "IMU-\\ud800"), 422, At("/imu")),
+        row("time without offset", with("/calibrated_at", json!("2026-03-01T08:00:00")), 422, At("/calibrated_at")),
+        row("time of another kind", with("/calibrated_at", json!("01.03.2026 08:00")), 422, At("/calibrated_at")),
+        row("time as a number", with("/calibrated_at", json!(1_772_352_000)), 422, At("/calibrated_at")),
+        row("offset +99:99", with("/calibrated_at", json!("2026-03-01T08:00:00+99:99")), 422, At("/calibrated_at")),
+        row("30 February", with("/calibrated_at", json!("2026-02-30T08:00:00Z")), 422, At("/calibrated_at")),
+        row(
+            "a leap second where there is none",
+            with("/calibrated_at", json!("2026-03-01T08:00:60Z")),
+            422,
+            At("/calibrated_at"),
+        ),
+        row("the year 9999", with("/calibrated_at", json!("9999-12-31T23:59:59Z")), 422, At("/calibrated_at")),
+        row("far future", with("/calibrated_at", json!("2140-01-01T00:00:00Z")), 422, At("/calibrated_at")),
+        row("negative sd", with("/gyros/0/e_sd", json!([1e-6, -1e-6, 1e-6])), 422, At("/gyros/0/e_sd/1")),
+        row("negative sd of G", with("/gyros/2/g_sd", json!([1e-3, 1e-3, -0.5])), 422, At("/gyros/2/g_sd/2")),
+        row("colder than can be", with("/temperature_c", json!(-300)), 422, At("/temperature_c")),
+    ]
+}
+
+fn bench_results() -> Vec<Row> {
+    vec![
+        row("not JSON", b"serial,station".to_vec(), 400, Says("JSON")),
+        row("unknown method", changed(bench(), "/method", json!("guess")), 422, At("/method")),
+        row("unknown member", changed(bench(), "/colour", json!("red")), 422, At("/colour")),
+        row("empty serial", changed(bench(), "/serial", json!("")), 422, At("/serial")),
+        row("negative sd", changed(bench(), "/d_i_sd", json!(-1e-4)), 422, At("/d_i_sd")),
+        row("a drift beyond belief", changed(bench(), "/d_s_deg_per_h_g0", json!(1e300)), 422, At("/d_s_deg_per_h_g0")),
+        row(
+            "time without offset",
+            changed(bench(), "/measured_at", json!("2026-02-10T08:00:00")),
+            422,
+            At("/measured_at"),
+        ),
+        row("far future", changed(bench(), "/measured_at", json!("2140-01-01T00:00:00Z")), 422, At("/measured_at")),
+    ]
+}
+
+/// Sends every row and collects all that is wrong with the answers, so that one run shows the whole table.
+async fn refuse(server: &Server, route: &str, rows: Vec<Row>) {
+    let before = server.holdings().await;
+    let mut wrong = Vec::new();
+    for Row { what, body, status, place } in rows {
+        let answer = server.post(route, "application/json", body).await;
+        let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
+        let named = match place {
+            At(pointer) => problem["errors"].as_array().is_some_and(|e| e.iter().any(|e| e["pointer"] == pointer)),
+            Says(words) => problem["detail"].as_str().is_some_and(|d| !d.is_empty() && d.contains(words)),
+        };
+        let formed = answer.content_type == "application/problem+json"
+            && problem["status"] == answer.status
+            && problem["title"].as_str().is_some_and(|t| !t.is_empty());
+        if answer.status != status || !named || !formed {
+            wrong.push(format!("{what}: wanted {status}, got {} {}: {problem}", answer.status, answer.content_type));
+        }
+        if server.holdings().await != before {
+            wrong.push(format!("{what}: something was kept"));
+            break;
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+#[tokio::test]
+async fn a_bad_record_is_refused_at_its_place_and_nothing_is_kept() {
+    refuse(&Server::start().await, "/v1/records", records()).await;
+}
+
+#[tokio::test]
+async fn a_bad_bench_result_is_refused_at_its_place_and_nothing_is_kept() {
+    refuse(&Server::start().await, "/v1/bench-results", bench_results()).await;
+}
+
+/// Status, content type, detail, and the pointers that are named.
+fn problem(answer: &support::Answer) -> (u16, String, Vec<String>) {
+    assert_eq!(answer.content_type, "application/problem+json", "{answer:?}");
+    let problem: Value = serde_json::from_slice(&answer.body).unwrap();
+    assert_eq!(problem["status"], answer.status);
+    let pointers = problem["errors"].as_array().into_iter().flatten();
+    let pointers = pointers.map(|e| e["pointer"].as_str().unwrap().to_owned()).collect();
+    (answer.status, problem["detail"].as_str().unwrap().to_owned(), pointers)
+}
+
+#[tokio::test]
+async fn every_fault_of_a_record_is_named_at_once() {
+    let server = Server::start().await;
+    let mut record = paper();
+    record["imu"] = json!("");
+    record["calibrated_at"] = json!("yesterday");
+    record["gyros"][1]["e_sd"] = json!([-1, 0, -1]);
+    record["gyros"][2]["serial"] = json!("\t");
+    let answer = server.post("/v1/records", "application/json", record.to_string()).await;
+    let (status, _, mut pointers) = problem(&answer);
+    pointers.sort();
+    assert_eq!(status, 422);
+    assert_eq!(pointers, ["/calibrated_at", "/gyros/1/e_sd/0", "/gyros/1/e_sd/2", "/gyros/2/serial", "/imu"]);
+}
+
+#[tokio::test]
+async fn the_angle_of_a_wrong_input_axis_is_told() {
+    let server = Server::start().await;
+    let answer =
+        server.post("/v1/records", "application/json", with("/gyros/2/e_pulse_per_arcsec", json!([1, 0, 0]))).await;
+    let (_, detail, _) = problem(&answer);
+    // The third gyro's input axis lies 54.7356 deg from X_b.
+    assert!(detail.contains("54.73"), "{detail}");
+}
+
+#[tokio::test]
+async fn a_body_of_the_wrong_kind_is_415() {
+    let server = Server::start().await;
+    for (route, kind) in [
+        ("/v1/records", "text/plain"),
+        ("/v1/records", "application/xml"),
+        ("/v1/records", ""),
+        ("/v1/bench-results", "multipart/form-data; boundary=x"),
+        ("/v1/import", "application/json"),
+    ] {
+        let answer = server.post(route, kind, paper().to_string()).await;
+        assert_eq!(problem(&answer).0, 415, "{route} {kind}: {answer:?}");
+    }
+    let kind = "application/json; charset=utf-8";
+    assert_eq!(server.post("/v1/records", kind, paper().to_string()).await.status, 201);
+}
+
+#[tokio::test]
+async fn a_body_over_the_limit_is_413_however_it_is_declared() {
+    let server = Server::start().await;
+    let large = "x".repeat(32 << 20);
+    let answer = server.post("/v1/records", "application/json", large.clone()).await;
+    assert_eq!(problem(&answer).0, 413);
+    let answer = server.post_chunked("/v1/records", "application/json", large).await;
+    assert_eq!(problem(&answer).0, 413);
+    assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
+}
+
+#[tokio::test]
+async fn unknown_paths_methods_and_items_are_told() {
+    let server = Server::start().await;
+    for path in [
+        "/v1/recods",
+        "/v2/records",
+        "/v1/gyros/NO-SUCH",
+        "/v1/records/no-such-id",
+        "/v1/gyros/NO-SUCH/trend?coefficient=D_I",
+        "/v1/gyros/NO-SUCH/agreement",
+        "/v1/records/%00",
+        "/v1/gyros/%ff%fe",
+    ] {
+        let (status, ..) = problem(&server.get(path).await);
+        assert!(matches!(status, 404 | 400), "{path}: {status}");
+    }
+    for (method, path) in [
+        ("DELETE", "/v1/records"),
+        ("PUT", "/v1/gyros"),
+        ("GET", "/v1/import"),
+        ("POST", "/v1/gyros"),
+        ("PATCH", "/healthz"),
+    ] {
+        let answer = server.call(method, path, &[], Vec::new()).await;
+        assert_eq!(problem(&answer).0, 405, "{method} {path}: {answer:?}");
+        assert!(answer.headers.contains_key("allow"), "{method} {path}");
+    }
+}
+
+#[tokio::test]
+async fn bad_queries_are_refused_by_name() {
+    let server = Server::start().await;
+    server.post("/v1/records", "application/json", paper().to_string()).await;
+    let trend = "/v1/gyros/LFG-0101/trend?coefficient=D_I";
+    assert_eq!(server.get(trend).await.status, 200);
+    for (query, name) in [
+        ("coefficient=D_X", "coefficient"),
+        ("coefficient=D_I&limit=0", "limit"),
+        ("coefficient=D_I&limit=-1", "limit"),
+        ("coefficient=D_I&limit=many", "limit"),
+        ("coefficient=D_I&limit=99999999999999999999", "limit"),
+        ("coefficient=D_I&cursor=garbage", "cursor"),
+        ("coefficient=D_I&cursor=%00", "cursor"),
+        ("coefficient=D_I&from=yesterday", "from"),
+        ("coefficient=D_I&to=2026-13-01T00:00:00Z", "to"),
+        ("coefficient=D_I&from=2026-03-02T00:00:00Z&to=2026-03-01T00:00:00Z", "from"),
+        ("coefficient=D_I&format=xml", "format"),
+        ("coefficient=D_I&colour=red", "colour"),
+    ] {
+        let answer = server.get(&format!("/v1/gyros/LFG-0101/trend?{query}")).await;
+        let (status, detail, pointers) = problem(&answer);
+        assert!(matches!(status, 400 | 422), "{query}: {status}");
+        let named = detail.contains(name) || pointers.iter().any(|p| p.contains(name));
+        assert!(named, "{query}: {detail} {pointers:?}");
+    }
+}
+
+#[tokio::test]
+async fn the_same_calibration_with_other_content_is_a_conflict_that_names_the_member() {
+    let server = Server::start().await;
+    let first = server.post("/v1/records", "application/json", paper().to_string()).await;
+    assert_eq!(first.status, 201);
+    let before = server.holdings().await;
+    for (pointer, value) in [
+        ("/station", json!("ST-9")),
+        ("/gyros/1/g_pulse_per_s_g0/2", json!(-3.4082)),
+        ("/gyros/2/serial", json!("LFG-0999")),
+        ("/note", json!("measured again")),
+    ] {
+        let (status, _, pointers) =
+            problem(&server.post("/v1/records", "application/json", with(pointer, value)).await);
+        assert_eq!(status, 409);
+        let named = pointers.iter().any(|p| pointer.starts_with(p.as_str()) && p.len() > 1);
+        assert!(named, "{pointer}: {pointers:?}");
+    }
+    // The same content written otherwise is the same calibration.
+    let rewritten =
+        paper().to_string().replace("2026-03-01T08:00:00Z", "2026-03-01T16:00:00.000+08:00").replace("2.421", "2.4210");
+    let again = server.post("/v1/records", "application/json", rewritten).await;
+    assert_eq!(again.status, 200);
+    assert_eq!(again.json()["id"], first.json()["id"]);
+    assert_eq!(server.holdings().await, before);
+}
+
+#[tokio::test]
+async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
+    let server = Server::start().await;
+    let record = |imu: &str| {
+        let mut record = paper();
+        record["imu"] = json!(imu);
+        for gyro in 0..3 {
+            record["gyros"][gyro]["serial"] = json!(format!("{imu}-{gyro}"));
+        }
+        record
+    };
+    let lines = [
+        record("A").to_string(),
+        "not json".into(),
+        bench().to_string(),
+        String::from_utf8(with("/colour", json!("red"))).unwrap(),
+        record("B").to_string(),
+        "{}".into(),
+        record("A").to_string(),
+    ];
+    let answer = server.post("/v1/import", "application/x-ndjson", lines.join("\n") + "\n").await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (200, "application/x-ndjson"));
+    let answers: Vec<Value> = answer.text().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let seen: Vec<_> = answers.iter().map(|a| (a["line"].as_u64().unwrap(), a["status"].as_u64().unwrap())).collect();
+    assert_eq!(seen, [(1, 201), (2, 400), (3, 201), (4, 422), (5, 201), (6, 422), (7, 200)]);
+    assert_eq!(answers[3]["error"]["errors"][0]["pointer"], "/colour");
+    assert_eq!(answers[6]["id"], answers[0]["id"]);
+    assert_eq!(server.get("/v1/gyros").await.json()["gyros"].as_array().unwrap().len(), 7);
+}
+
+#[tokio::test]
+async fn what_looks_odd_but_is_legal_is_accepted() {
+    let server = Server::start().await;
+    let odd = [
+        ("a leap second", "calibrated_at", json!("2016-12-31T23:59:60Z")),
+        ("the largest offset", "calibrated_at", json!("2026-03-02T13:00:00+14:00")),
+        ("nanoseconds", "calibrated_at", json!("2026-03-03T08:00:00.123456789Z")),
+        ("a name in Chinese", "imu", json!("惯组-七")),
+        ("a name of 64 characters", "imu", json!("七".repeat(64))),
+        ("an apostrophe and a semicolon", "imu", json!("'; DROP TABLE record; --")),
+        ("a note of many lines", "note", json!("one\ntwo\r\n\tthree \u{1F600}")),
+        ("quotes and brackets", "operator", json!("\"<script>alert(1)</script>\" %s ${x}")),
+    ];
+    for (day, (what, member, value)) in odd.into_iter().enumerate() {
+        let mut record = paper();
+        record["calibrated_at"] = json!(format!("2026-04-{:02}T08:00:00Z", day + 1));
+        record[member] = value.clone();
+        let answer = server.post("/v1/records", "application/json", record.to_string()).await;
+        assert_eq!(answer.status, 201, "{what}: {}", answer.text());
+        let stored = server.get(&format!("/v1/records/{}", answer.json()["id"].as_str().unwrap())).await.json();
+        if member != "calibrated_at" {
+            assert_eq!(stored["record"][member], value, "{what} comes back as it was sent");
+        }
+    }
+    let marked = [b"\xef\xbb\xbf".to_vec(), with("/imu", json!("MARKED"))].concat();
+    assert_eq!(server.post("/v1/records", "application/json", marked).await.status, 201, "a byte-order mark");
+    let mut one_gyro = paper();
+    one_gyro["imu"] = json!("ONE");
+    one_gyro["calibrated_at"] = json!("2026-03-04T08:00:00Z");
+    one_gyro["gyros"] = json!([one_gyro["gyros"][2]]);
+    assert_eq!(server.post("/v1/records", "application/json", one_gyro.to_string()).await.status, 201);
+}
+
+#[tokio::test]
+async fn parameters_out_of_requirement_are_stored_and_flagged() {
+    let server = Server::start().await;
+    // Table 4 asks for less than 13.23 pulse/(s g0).
+    let answer = server.post("/v1/records", "application/json", with("/gyros/0/g_pulse_per_s_g0/2", json!(13.5))).await;
+    assert_eq!(answer.status, 201);
+    let answer = answer.json();
+    let flagged = answer["verdicts"].as_array().unwrap().iter().any(|v| {
+        v["serial"] == "LFG-0101" && v["rule"] == "requirement" && v["coefficient"] == "G" && v["state"] == "exceeded"
+    });
+    assert!(flagged, "{}", answer["verdicts"]);
+}
+
+#[tokio::test]
+async fn a_sender_that_goes_silent_is_cut_and_harms_nobody() {
+    let server = Server::start().await;
+    let silent = server.open_and_send("POST /v1/records HTTP/1.1\r\nHost: x\r\nContent-Le").await;
+    assert_eq!(server.get("/healthz").await.status, 200);
+    let cut = tokio::time::timeout(Duration::from_secs(15), support::closed(silent)).await;
+    assert!(cut.is_ok(), "a header that never ends is cut within ten seconds");
+}

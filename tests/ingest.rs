@@ -1,0 +1,327 @@
+//! What a station sees: records are accepted, judged and kept, or refused with the place named.
+
+mod lab;
+
+use reqwest::Method;
+use reqwest::header::CONTENT_TYPE;
+use serde_json::{Value, json};
+
+use lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, day, record, tables_3_and_4, verdict};
+
+#[tokio::test]
+async fn the_papers_record_is_separated_by_both_methods_to_the_golden_figures() {
+    let lab = Lab::open().await;
+    let answer = lab.posts(&tables_3_and_4()).await;
+    let golden = [
+        ("G1", "8", [2.957643, 4.618005, 0.075874], [2.958219, 4.618253]),
+        ("G2", "10", [0.688549, 3.898225, 0.232169], [0.688255, 3.898324]),
+        ("G3", "13", [1.191559, -6.752265, -0.019514], [1.187903, -6.752266]),
+    ];
+    for (separation, (slot, branch, rigid, published)) in answer["separations"].as_array().unwrap().iter().zip(golden) {
+        assert_eq!((&separation["slot"], &separation["method"]), (&json!(slot), &json!("rigid")));
+        for (member, figure) in ["d_i", "d_s", "d_o"].iter().zip(rigid) {
+            assert_close(&separation[member]["value"], figure, 1e-6);
+        }
+        assert_eq!(separation["published"]["branch"], branch);
+        assert_close(&separation["published"]["d_i"], published[0], 1e-6);
+        assert_close(&separation["published"]["d_s"], published[1], 1e-6);
+    }
+    let step = verdict(&answer, "LFG-0101", "D_I", "step");
+    assert_eq!(step["state"], "indeterminate");
+    assert!(step["reason"].as_str().unwrap().contains("needs 2 records, 1 are there"), "{step}");
+    let requirement = verdict(&answer, "LFG-0103", "G", "requirement");
+    assert_eq!(requirement["state"], "within", "Table 4 calls all three gyros conforming");
+}
+
+#[tokio::test]
+async fn a_stored_record_is_found_at_its_location_as_it_was_sent_and_answered() {
+    let lab = Lab::open().await;
+    let text = std::fs::read_to_string("tests/data/paper.json").unwrap();
+    let posted = lab.post_text("/v1/records", JSON, text.clone()).await;
+    let answer = posted.created();
+    let location = posted.header("location");
+    assert_eq!(location, format!("/v1/records/{}", answer["id"].as_str().unwrap()));
+    let found = lab.get(location).await;
+    assert!(found.text.contains(text.trim()), "the record word for word");
+    let found = found.ok();
+    for member in ["id", "separations", "verdicts"] {
+        assert_eq!(found[member], answer[member], "{member}");
+    }
+    lab.get("/v1/records/0000000000000").await.refused(404);
+    lab.get("/v1/records/nonsense").await.refused(404);
+}
+
+#[tokio::test]
+async fn sending_again_does_no_harm_however_it_is_written() {
+    let mut lab = Lab::open().await;
+    let first = lab.posts(&tables_3_and_4()).await;
+    let again = lab.post("/v1/records", &tables_3_and_4()).await;
+    assert_eq!(again.ok(), first);
+
+    let mut otherwise = tables_3_and_4();
+    otherwise["calibrated_at"] = json!("2026-03-01T16:00:00.000+08:00");
+    otherwise["note"] = Value::Null;
+    otherwise["gyros"][0]["p_pulse_per_s_g02"] = json!([0, 0, 0]);
+    assert_eq!(lab.post("/v1/records", &otherwise).await.ok()["id"], first["id"]);
+
+    lab.restart().await;
+    assert_eq!(lab.post("/v1/records", &tables_3_and_4()).await.ok(), first, "after a restart too");
+    assert_eq!(lab.sees_trend("LFG-0101", "").await.len(), 1);
+}
+
+#[tokio::test]
+async fn other_content_under_the_same_key_is_refused_and_the_difference_named() {
+    let lab = Lab::open().await;
+    let first = lab.posts(&tables_3_and_4()).await;
+    let mut changed = tables_3_and_4();
+    changed["gyros"][1]["g_pulse_per_s_g0"][2] = json!(-3.4082);
+    let refused = lab.post("/v1/records", &changed).await;
+    assert_eq!(refused.refused(409), ["/gyros/1/g_pulse_per_s_g0/2"]);
+    assert_eq!(refused.json()["existing"], first["id"]);
+    let mut noted = tables_3_and_4();
+    noted["note"] = json!("changed");
+    assert_eq!(lab.post("/v1/records", &noted).await.refused(409), ["/note"]);
+    assert_eq!(
+        lab.get(&format!("/v1/records/{}", first["id"].as_str().unwrap())).await.ok()["record"],
+        tables_3_and_4()
+    );
+}
+
+#[tokio::test]
+async fn one_record_sent_sixteen_times_at_once_is_stored_once() {
+    let lab = Lab::open().await;
+    for round in 0..10 {
+        let sent = record("IMU-1", &day(round), &[("G1", "A", 1.0, 2.0)]);
+        let posts = (0..16).map(|_| lab.post("/v1/records", &sent));
+        let answers: Vec<Answer> = futures::future::join_all(posts).await;
+        let created = answers.iter().filter(|answer| answer.status == 201).count();
+        assert_eq!(created, 1, "{:?}", answers.iter().map(|a| a.status).collect::<Vec<_>>());
+        assert!(answers.iter().all(|answer| matches!(answer.status, 200 | 201)));
+        let ids: std::collections::HashSet<String> = answers.iter().map(|a| a.json()["id"].to_string()).collect();
+        assert_eq!(ids.len(), 1);
+    }
+    assert_eq!(lab.sees_trend("A", "").await.len(), 10);
+}
+
+#[tokio::test]
+async fn an_idempotency_key_answers_for_its_request_and_for_no_other() {
+    let lab = Lab::open().await;
+    let send = |body: Value| {
+        let request = lab.request(Method::POST, "/v1/records").header("idempotency-key", "k-1");
+        Answer::of(request.header(CONTENT_TYPE, JSON).body(body.to_string()))
+    };
+    let first = send(tables_3_and_4()).await.created();
+    assert_eq!(send(tables_3_and_4()).await.ok()["id"], first["id"]);
+    let other = send(record("IMU-1", &day(1), &[("G1", "A", 1.0, 2.0)])).await;
+    other.refused(409);
+    assert_eq!(other.json()["existing"], first["id"]);
+    lab.get("/v1/gyros/A").await.refused(404);
+    let long = lab.request(Method::POST, "/v1/records").header("idempotency-key", "k".repeat(256));
+    Answer::of(long.header(CONTENT_TYPE, JSON).body("{}")).await.refused(422);
+}
+
+#[tokio::test]
+async fn many_stations_posting_at_once_lose_nothing() {
+    let mut lab = Lab::open().await;
+    let records: Vec<Value> = (0..400)
+        .map(|i| {
+            let (imu, serial) = (format!("IMU-{}", i % 20), format!("LFG-{}", i % 20));
+            record(&imu, &day(i / 20), &[("G1", &serial, f64::from(i as i32) * 1e-4, 2.0)])
+        })
+        .collect();
+    let answers = futures::future::join_all(records.iter().map(|record| lab.post("/v1/records", record))).await;
+    assert!(answers.iter().all(|answer| answer.status == 201), "{:?}", answers.iter().find(|a| a.status != 201));
+    lab.restart().await;
+    for imu in 0..20 {
+        let trend = lab.sees_trend(&format!("LFG-{imu}"), "").await;
+        assert_eq!(trend.len(), 20);
+        for (k, point) in trend.iter().enumerate() {
+            assert_eq!(point["calibrated_at"], day(k as i64));
+            assert_close(&point["value"], (k * 20 + imu) as f64 * 1e-4, 1e-12);
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_record_out_of_requirement_is_stored_and_flagged() {
+    let lab = Lab::open().await;
+    let mut heavy = tables_3_and_4();
+    heavy["gyros"][2]["g_pulse_per_s_g0"][2] = json!(-14.0);
+    heavy["gyros"][0]["e_pulse_per_arcsec"][0] = json!(0.8600);
+    let answer = lab.posts(&heavy).await;
+    let g = verdict(&answer, "LFG-0103", "G", "requirement");
+    assert_eq!((&g["state"], &g["value"], &g["limit"]), (&json!("exceeded"), &json!(-14.0), &json!(-13.23)));
+    assert!(g["reason"].as_str().unwrap().contains("G_z"), "{g}");
+    assert_eq!(verdict(&answer, "LFG-0101", "E", "requirement")["state"], "exceeded");
+    assert_eq!(verdict(&answer, "LFG-0102", "E", "requirement")["state"], "within");
+    let id = answer["id"].as_str().unwrap();
+    assert_eq!(lab.get(&format!("/v1/records/{id}")).await.ok()["verdicts"], answer["verdicts"]);
+}
+
+#[tokio::test]
+async fn bad_records_are_refused_with_the_place_and_nothing_is_stored() {
+    let lab = Lab::open().await;
+    let with = |pointer: &str, value: Value| {
+        let mut document = tables_3_and_4();
+        let (parent, member) = pointer.rsplit_once('/').unwrap();
+        match document.pointer_mut(parent).unwrap() {
+            Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
+            object => object[member] = value,
+        }
+        document
+    };
+    let cases = [
+        ("/unknown", json!(1)),
+        ("/imu", json!(7)),
+        ("/imu", json!("")),
+        ("/imu", json!("x".repeat(65))),
+        ("/station", json!("ST\u{0}2")),
+        ("/calibrated_at", json!("2026-03-01T08:00:00")),
+        ("/calibrated_at", json!("2126-03-01T08:00:00Z")),
+        ("/calibrated_at", json!("2026-11-22T12:00:01Z")),
+        ("/geometry", json!("cubic")),
+        ("/gyros/1/slot", json!("G1")),
+        ("/gyros/1/serial", json!("LFG-0101")),
+        ("/gyros/0/serial", json!("s".repeat(1_000_000))),
+        ("/gyros/0/e_pulse_per_arcsec", json!([1, 2])),
+        ("/gyros/0/e_pulse_per_arcsec", json!([1, 2, 3, 4])),
+        ("/gyros/0/e_pulse_per_arcsec", json!([0, 0, 0])),
+        ("/gyros/0/e_pulse_per_arcsec", json!([1e308, 1e308, 1e308])),
+        ("/gyros/0/e_pulse_per_arcsec", json!([-0.8473, 0.6011, -1.0367])),
+        ("/gyros/0/g_pulse_per_s_g0", json!([1e308, 0, 0])),
+        ("/temperature_c", json!("warm")),
+    ];
+    for (pointer, value) in cases {
+        let shown = value.to_string();
+        let refused = lab.post("/v1/records", &with(pointer, value)).await.refused(422);
+        assert!(
+            refused.iter().any(|p| p.starts_with(pointer)),
+            "{pointer} {}: {refused:?}",
+            &shown[..shown.len().min(60)]
+        );
+    }
+    let sd = lab.post("/v1/records", &with("/gyros/0/e_sd", json!([1e-4, -1e-4, 0]))).await;
+    assert_eq!(sd.refused(422), ["/gyros/0/e_sd/1"]);
+    let off = lab.post("/v1/records", &with("/gyros/0/e_pulse_per_arcsec", json!([1.0367, -0.6011, 0.8473]))).await;
+    off.refused(422);
+    assert!(off.text.contains("deg from the input axis"), "the angle is named: {}", off.text);
+    assert_eq!(lab.get("/v1/gyros").await.ok()["gyros"], json!([]));
+}
+
+#[tokio::test]
+async fn what_is_no_record_at_all_is_refused_in_the_common_form() {
+    let lab = Lab::with(|config| config.server.max_body_bytes = 100_000).await;
+    let text = tables_3_and_4().to_string();
+    for not_json in ["", "{", "NaN", "{\"imu\": Infinity}", &text[..text.len() - 1], &format!("{text}x")] {
+        lab.post_text("/v1/records", JSON, not_json.to_owned()).await.refused(400);
+    }
+    lab.post_text("/v1/records", JSON, &b"{\"imu\": \"\xff\"}"[..]).await.refused(400);
+    let huge = text.replace("2.421", "1e400");
+    assert_eq!(lab.post_text("/v1/records", JSON, huge).await.refused(422), ["/gyros/0/g_pulse_per_s_g0/0"]);
+    let twice = text.replacen("\"imu\"", "\"imu\":\"X\",\"imu\"", 1);
+    assert_eq!(lab.post_text("/v1/records", JSON, twice).await.refused(422), ["/imu"]);
+    for deep in [format!("{{\"imu\":{}", "[".repeat(40_000)), format!("{{\"x\":{}", "{\"a\":".repeat(10_000))] {
+        assert!(matches!(lab.post_text("/v1/records", JSON, deep).await.status, 400 | 422));
+    }
+    lab.post_text("/v1/records", JSON, "x".repeat(100_001)).await.refused(413);
+    lab.post_text("/v1/records", "text/plain", text.clone()).await.refused(415);
+    let request =
+        lab.request(Method::POST, "/v1/records").header(CONTENT_TYPE, JSON).header("content-encoding", "gzip");
+    Answer::of(request.body(text.clone())).await.refused(415);
+    lab.get("/v1/nothing").await.refused(404);
+    let wrong_method = Answer::of(lab.request(Method::DELETE, "/v1/records")).await;
+    wrong_method.refused(405);
+    assert!(wrong_method.header("allow").contains("POST"));
+    lab.post_text("/v1/records", "application/json; charset=utf-8", text).await.created();
+}
+
+#[tokio::test]
+async fn a_gyro_cannot_be_calibrated_in_two_imus_at_the_same_time() {
+    let lab = Lab::open().await;
+    let first = lab.posts(&record("IMU-1", &day(0), &[("G1", "A", 1.0, 2.0), ("G2", "B", 1.0, 2.0)])).await;
+    let elsewhere = record("IMU-2", &day(0), &[("G1", "C", 1.0, 2.0), ("G2", "B", 1.0, 2.0)]);
+    let refused = lab.post("/v1/records", &elsewhere).await;
+    assert_eq!(refused.refused(409), ["/gyros/1/serial"]);
+    assert_eq!(refused.json()["existing"], first["id"]);
+    lab.get("/v1/gyros/C").await.refused(404);
+}
+
+#[tokio::test]
+async fn an_import_answers_every_line_in_order_and_stores_the_good_ones() {
+    let mut lab = Lab::open().await;
+    let good = record("IMU-1", &day(0), &[("G1", "A", 1.0, 2.0)]);
+    let mut changed = good.clone();
+    changed["note"] = json!("changed");
+    let mut unknown = record("IMU-2", &day(0), &[("G1", "B", 1.0, 2.0)]);
+    unknown["gyros"][0]["colour"] = json!("red");
+    let lines = [
+        good.to_string(),
+        "not json".into(),
+        String::new(),
+        good.to_string(),
+        changed.to_string(),
+        unknown.to_string(),
+        bench("A", &day(3), 1.001, 2.002).to_string(),
+        "{\"method\":\"torque_feedback\",\"measured_at\":\"2026\"}".into(),
+        record("IMU-1", &day(1), &[("G1", "A", 1.0, 2.0)]).to_string(),
+    ];
+    let answers = lab.post_text("/v1/import", NDJSON, lines.join("\r\n")).await;
+    assert_eq!(answers.header("content-type"), NDJSON);
+    let answers = answers.lines();
+    let statuses: Vec<(u64, u64)> =
+        answers.iter().map(|a| (a["line"].as_u64().unwrap(), a["status"].as_u64().unwrap())).collect();
+    assert_eq!(statuses, [(1, 201), (2, 400), (4, 200), (5, 409), (6, 422), (7, 201), (8, 422), (9, 201)]);
+    assert_eq!(answers[2]["id"], answers[0]["id"]);
+    assert_eq!(answers[3]["error"]["errors"][0]["pointer"], "/note");
+    assert_eq!(answers[4]["error"]["errors"][0]["pointer"], "/gyros/0/colour");
+    assert_eq!(answers[6]["error"]["errors"][0]["pointer"], "/serial");
+    lab.restart().await;
+    assert_eq!(lab.sees_trend("A", "").await.len(), 2);
+    assert_eq!(lab.sees_trend("A", "method=torque_feedback").await.len(), 1);
+    lab.get("/v1/gyros/B").await.refused(404);
+}
+
+#[tokio::test]
+async fn an_import_of_thousands_is_judged_as_if_posted_one_by_one() {
+    let (by_import, by_post) = (Lab::open().await, Lab::open().await);
+    let value = |k: i64| 1.0 + ((k * 7919) % 13) as f64 * 1e-3;
+    let records: Vec<Value> = (0..120).map(|k| record("IMU-1", &day(k * 3), &[("G1", "A", value(k), 2.0)])).collect();
+    for record in &records {
+        by_post.posts(record).await;
+    }
+    let mut shuffled: Vec<Value> = records.clone();
+    shuffled.sort_by_key(|record| record["calibrated_at"].as_str().unwrap().bytes().rev().collect::<Vec<u8>>());
+    assert_ne!(shuffled, records);
+    assert!(by_import.imports(&shuffled).await.iter().all(|answer| answer["status"] == 201));
+    let states = |points: Vec<Value>| -> Vec<(Value, Value)> {
+        points.iter().map(|p| (p["calibrated_at"].clone(), p["state"].clone())).collect()
+    };
+    let posted = states(by_post.sees_trend("A", "").await);
+    assert_eq!(states(by_import.sees_trend("A", "").await), posted);
+    assert!(posted.iter().any(|(_, state)| state == "exceeded") && posted.iter().any(|(_, state)| state == "within"));
+}
+
+#[tokio::test]
+async fn an_over_long_line_is_named_and_the_next_ones_are_read() {
+    let lab = Lab::with(|config| config.server.max_import_line_bytes = 5_000).await;
+    let good = |k| record("IMU-1", &day(k), &[("G1", "A", 1.0, 2.0)]).to_string();
+    let text = format!("{}\n{}\n{}\n", good(0), "x".repeat(100_000), good(1));
+    let answers = lab.post_text("/v1/import", NDJSON, text).await.lines();
+    let statuses: Vec<&Value> = answers.iter().map(|answer| &answer["status"]).collect();
+    assert_eq!(statuses, [201, 413, 201]);
+    assert_eq!(answers[2]["line"], 3);
+}
+
+#[tokio::test]
+async fn the_service_says_that_it_is_alive_ready_and_what_it_offers() {
+    let lab = Lab::open().await;
+    assert_eq!(lab.get("/healthz").await.ok()["status"], "ok");
+    assert_eq!(lab.get("/readyz").await.ok()["status"], "ok");
+    let openapi = lab.get("/openapi.json").await.ok();
+    assert!(openapi["openapi"].as_str().unwrap().starts_with("3.1"));
+    for path in ["/v1/records", "/v1/import", "/v1/gyros/{serial}/trend", "/v1/gyros/{serial}/agreement"] {
+        assert!(openapi["paths"].get(path).is_some(), "{path}");
+    }
+    let docs = lab.get("/docs/").await;
+    assert!(docs.status == 200 && docs.header("content-type").starts_with("text/html"));
+}

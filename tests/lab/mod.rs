@@ -1,0 +1,250 @@
+//! A laboratory for scenarios: the service on a port of its own with a database of its own, stations that post, and
+//! engineers who look. Everything goes over real HTTP.
+#![allow(dead_code, reason = "each test file uses its part of the laboratory")]
+#![allow(clippy::allow_attributes, reason = "what is unused differs from file to file, so nothing can be expected")]
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use gyrowatch::config::Config;
+use gyrowatch::core::mounting::{Geometry, Slot};
+use gyrowatch::core::time::UtcMicros;
+use gyrowatch::http::{self, App};
+use gyrowatch::pipeline::Pipeline;
+use gyrowatch::store;
+use gyrowatch::system::{self, Clock};
+use gyrowatch::wire::time;
+use reqwest::header::{CONTENT_TYPE, HeaderMap};
+use reqwest::{Client, Method, RequestBuilder};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tokio::net::TcpListener;
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+
+pub const JSON: &str = "application/json";
+pub const NDJSON: &str = "application/x-ndjson";
+
+/// The service, and whoever talks to it.
+pub struct Lab {
+    dir: TempDir,
+    pub config: Config,
+    pub clock: Clock,
+    client: Client,
+    running: Option<Running>,
+}
+
+struct Running {
+    address: SocketAddr,
+    stop: oneshot::Sender<()>,
+    served: JoinHandle<()>,
+    written: JoinHandle<()>,
+}
+
+impl Lab {
+    /// With the default configuration.
+    pub async fn open() -> Self {
+        Self::with(|_| {}).await
+    }
+
+    /// With a configuration of its own. The clock stands at noon of 2026-11-21 until it is moved.
+    pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
+        system::install_crypto();
+        let dir = TempDir::new().expect("a directory for the database");
+        let mut config = Config::defaults();
+        config.server.listen = "127.0.0.1:0".parse().expect("an address");
+        config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+        change(&mut config);
+        let noon = time::parse("2026-11-21T12:00:00Z").expect("a time");
+        let client = system::http_client(Duration::from_secs(5), Duration::from_secs(60)).build().expect("a client");
+        let mut lab = Self { dir, config, clock: Clock::manual(noon), client, running: None };
+        lab.start().await;
+        lab
+    }
+
+    pub async fn start(&mut self) {
+        let config = Arc::new(self.config.clone());
+        let (store, writer) = store::open(&config.database.options()).await.expect("the database opens");
+        let (pipeline, written) =
+            Pipeline::start(store, writer, config.clone(), self.clock.clone()).await.expect("the pipeline starts");
+        let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
+        let address = listener.local_addr().expect("an address");
+        let router = http::router(App { config: config.clone(), clock: self.clock.clone(), pipeline });
+        let (stop, stopped) = oneshot::channel::<()>();
+        let served = tokio::spawn(async move {
+            http::server::serve(listener, router, &config.server, async {
+                let _told_or_dropped = stopped.await;
+            })
+            .await;
+        });
+        self.running = Some(Running { address, stop, served, written });
+    }
+
+    /// As SIGTERM does: requests in flight are finished, the database is closed.
+    pub async fn stop(&mut self) {
+        let Running { stop, served, written, .. } = self.running.take().expect("it runs");
+        stop.send(()).expect("it listens");
+        served.await.expect("it ends in order");
+        written.await.expect("the writer ends in order");
+    }
+
+    pub async fn restart(&mut self) {
+        self.stop().await;
+        self.start().await;
+    }
+
+    pub fn database(&self) -> PathBuf {
+        self.dir.path().join("gyrowatch.db")
+    }
+
+    pub fn address(&self) -> SocketAddr {
+        self.running.as_ref().expect("it runs").address
+    }
+
+    pub fn url(&self, path: &str) -> String {
+        format!("http://{}{path}", self.address())
+    }
+
+    pub fn request(&self, method: Method, path: &str) -> RequestBuilder {
+        self.client.request(method, self.url(path))
+    }
+
+    pub async fn get(&self, path: &str) -> Answer {
+        Answer::of(self.request(Method::GET, path)).await
+    }
+
+    pub async fn post(&self, path: &str, body: &Value) -> Answer {
+        self.post_text(path, JSON, body.to_string()).await
+    }
+
+    pub async fn post_text(&self, path: &str, media_type: &str, body: impl Into<reqwest::Body>) -> Answer {
+        Answer::of(self.request(Method::POST, path).header(CONTENT_TYPE, media_type).body(body)).await
+    }
+
+    /// Posts a record that is to be stored, and answers its answer.
+    pub async fn posts(&self, record: &Value) -> Value {
+        self.post("/v1/records", record).await.created()
+    }
+
+    /// Imports documents, one a line; the answers line by line.
+    pub async fn imports(&self, documents: &[Value]) -> Vec<Value> {
+        let text: String = documents.iter().map(|document| format!("{document}\n")).collect();
+        self.post_text("/v1/import", NDJSON, text).await.lines()
+    }
+
+    /// The points of a trend; `query` is appended.
+    pub async fn sees_trend(&self, serial: &str, query: &str) -> Vec<Value> {
+        let trend = self.get(&format!("/v1/gyros/{serial}/trend?{query}")).await.ok();
+        trend["points"].as_array().expect("points").clone()
+    }
+
+    /// Moves the clock to an RFC 3339 time.
+    pub fn clock_shows(&self, text: &str) {
+        self.clock.set(time::parse(text).expect("a time"));
+    }
+}
+
+/// What came back.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub headers: HeaderMap,
+    pub text: String,
+}
+
+impl Answer {
+    pub async fn of(request: RequestBuilder) -> Self {
+        let response = request.send().await.expect("an answer");
+        let (status, headers) = (response.status().as_u16(), response.headers().clone());
+        Self { status, headers, text: response.text().await.expect("a whole answer") }
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.text).unwrap_or_else(|error| panic!("{error}: {}", self.text))
+    }
+
+    pub fn lines(&self) -> Vec<Value> {
+        self.text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect()
+    }
+
+    pub fn header(&self, name: &str) -> &str {
+        self.headers.get(name).map_or("", |value| value.to_str().expect("text"))
+    }
+
+    #[track_caller]
+    pub fn ok(&self) -> Value {
+        assert_eq!(self.status, 200, "{}", self.text);
+        self.json()
+    }
+
+    #[track_caller]
+    pub fn created(&self) -> Value {
+        assert_eq!(self.status, 201, "{}", self.text);
+        self.json()
+    }
+
+    /// A refusal in the common form; the pointers that it names.
+    #[track_caller]
+    pub fn refused(&self, status: u16) -> Vec<String> {
+        assert_eq!(self.status, status, "{}", self.text);
+        assert_eq!(self.header("content-type"), "application/problem+json");
+        let problem = self.json();
+        assert_eq!(problem["status"], status, "{problem}");
+        for member in ["title", "detail"] {
+            assert!(problem[member].as_str().is_some_and(|text| !text.is_empty()), "{member}: {problem}");
+        }
+        let errors = problem["errors"].as_array().cloned().unwrap_or_default();
+        errors.iter().map(|error| error["pointer"].as_str().expect("a pointer").to_owned()).collect()
+    }
+}
+
+/// Tables 3-4 of the paper as a record.
+pub fn tables_3_and_4() -> Value {
+    serde_json::from_str(include_str!("../data/paper.json")).expect("the paper's record is JSON")
+}
+
+/// A gyro that a made-up record holds: slot, serial, D_I, D_S (deg/(h g0)).
+pub type Made<'a> = (&'a str, &'a str, f64, f64);
+
+/// A record of nominally mounted gyros, 1.4676 pulse/arcsec each, so that both methods find D_I and D_S as they are given
+/// (the rigid one to rounding).
+pub fn record(imu: &str, at: &str, gyros: &[Made<'_>]) -> Value {
+    let gyros: Vec<Value> = gyros.iter().map(|gyro| made(*gyro)).collect();
+    json!({"imu": imu, "station": "ST-1", "calibrated_at": at, "geometry": "skewed", "gyros": gyros})
+}
+
+fn made((slot, serial, d_i, d_s): Made<'_>) -> Value {
+    let triad = Geometry::Skewed.triad(Slot::from_name(slot).expect("a slot")).expect("skewed axes");
+    let scale = 1.4676;
+    let (e, g) = (triad.input() * scale, (triad.input() * d_i + triad.spin() * d_s) * scale);
+    let (e, g): ([f64; 3], [f64; 3]) = (e.into(), g.into());
+    json!({"slot": slot, "serial": serial, "e_pulse_per_arcsec": e, "g_pulse_per_s_g0": g})
+}
+
+/// A bench result.
+pub fn bench(serial: &str, at: &str, d_i: f64, d_s: f64) -> Value {
+    json!({"serial": serial, "station": "BENCH-1", "measured_at": at, "method": "torque_feedback",
+        "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": d_s})
+}
+
+/// Noon of the `day`-th day of 2025, counting from 0.
+pub fn day(day: i64) -> String {
+    let start = time::parse("2025-01-01T12:00:00Z").expect("a time");
+    time::format(UtcMicros(start.0 + day * UtcMicros::DAY))
+}
+
+/// The verdict of a rule on a coefficient of a gyro in an answer.
+#[track_caller]
+pub fn verdict<'a>(answer: &'a Value, serial: &str, coefficient: &str, rule: &str) -> &'a Value {
+    let verdicts = answer["verdicts"].as_array().expect("verdicts");
+    let is_it = |v: &&Value| v["serial"] == serial && v["coefficient"] == coefficient && v["rule"] == rule;
+    verdicts.iter().find(is_it).unwrap_or_else(|| panic!("no verdict {serial} {coefficient} {rule}: {answer}"))
+}
+
+#[track_caller]
+pub fn assert_close(value: &Value, expected: f64, tolerance: f64) {
+    let value = value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"));
+    assert!((value - expected).abs() <= tolerance, "{value} is not {expected} within {tolerance}");
+}

@@ -1,0 +1,224 @@
+//! What an engineer sees of one gyro over the years.
+
+mod lab;
+
+use reqwest::Method;
+use serde_json::{Value, json};
+
+use lab::{Answer, Lab, assert_close, day, record, verdict};
+
+/// D_I of a gyro `A` on given days, posted in the order given.
+async fn lab_with(history: &[(i64, f64)]) -> Lab {
+    let lab = Lab::open().await;
+    for (at, d_i) in history {
+        lab.posts(&record("IMU-1", &day(*at), &[("G1", "A", *d_i, 2.0)])).await;
+    }
+    lab
+}
+
+fn states(points: &[Value]) -> Vec<&str> {
+    points.iter().map(|point| point["state"].as_str().unwrap()).collect()
+}
+
+#[tokio::test]
+async fn a_trend_holds_every_point_with_where_it_comes_from() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
+    let trend = lab.get("/v1/gyros/A/trend?coefficient=D_I").await.ok();
+    assert_eq!((&trend["serial"], &trend["coefficient"]), (&json!("A"), &json!("D_I")));
+    assert_eq!((&trend["unit"], &trend["next"]), (&json!("deg/(h*g0)"), &Value::Null));
+    let point = &trend["points"][1];
+    assert_eq!(point["calibrated_at"], day(40));
+    assert_close(&point["value"], 1.001, 1e-12);
+    let expected =
+        json!({"sd": null, "method": "rigid", "imu": "IMU-1", "slot": "G1", "station": "ST-1", "state": "within"});
+    for (member, value) in expected.as_object().unwrap() {
+        assert_eq!(&point[member], value, "{member}");
+    }
+    let id = point["record"].as_str().unwrap();
+    assert_eq!(lab.get(&format!("/v1/records/{id}")).await.ok()["record"]["calibrated_at"], day(40));
+    assert_close(&lab.sees_trend("A", "coefficient=D_S").await[0]["value"], 2.0, 1e-12);
+    assert_close(&lab.sees_trend("A", "coefficient=D_O").await[0]["value"], 0.0, 1e-12);
+    let published = &lab.sees_trend("A", "method=published").await[0];
+    assert_eq!(published["method"], "published");
+}
+
+#[tokio::test]
+async fn a_step_is_flagged_with_its_size_and_reason() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.001), (80, 1.002)]).await;
+    let answer = lab.posts(&record("IMU-1", &day(120), &[("G1", "A", 1.0142, 2.0)])).await;
+    let step = verdict(&answer, "A", "D_I", "step");
+    assert_eq!((&step["state"], &step["limit"]), (&json!("exceeded"), &json!(0.01)));
+    assert_close(&step["value"], 0.0122, 1e-9);
+    assert!(step["reason"].as_str().unwrap().contains("+0.0122"), "{step}");
+    assert_eq!(verdict(&answer, "A", "D_S", "step")["state"], "within");
+    assert_eq!(verdict(&answer, "A", "D_I", "baseline")["state"], "exceeded");
+    assert_eq!(verdict(&answer, "A", "D_I", "range")["state"], "indeterminate", "one record in 30 days");
+    assert_eq!(states(&lab.sees_trend("A", "").await), ["indeterminate", "within", "within", "exceeded"]);
+    let gyro = lab.get("/v1/gyros/A").await.ok();
+    assert_eq!((&gyro["state"], &gyro["latest"]["states"]["D_S"]), (&json!("exceeded"), &json!("within")));
+    assert_eq!(verdict(&gyro, "A", "D_I", "step"), step);
+    assert_eq!(gyro["calibrations"], 4);
+}
+
+#[tokio::test]
+async fn a_record_that_arrives_late_takes_its_place_and_what_it_changes_is_judged_again() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.015), (200, 1.015)]).await;
+    let before = lab.sees_trend("A", "").await;
+    assert_eq!(states(&before)[3..], ["exceeded", "exceeded"]);
+    let stepped = before[3]["record"].as_str().unwrap();
+    let of_it = async |lab: &Lab| lab.get(&format!("/v1/records/{stepped}")).await.ok();
+    assert_eq!(verdict(&of_it(&lab).await, "A", "D_I", "step")["state"], "exceeded");
+
+    lab.posts(&record("IMU-1", &day(120), &[("G1", "A", 1.008, 2.0)])).await;
+    let after = lab.sees_trend("A", "").await;
+    assert_eq!(after[3]["calibrated_at"], day(120));
+    assert_eq!(states(&after)[3], "within");
+    let again = of_it(&lab).await;
+    let step = verdict(&again, "A", "D_I", "step");
+    assert_eq!(step["state"], "within", "the step is now 1.008 to 1.015");
+    assert_close(&step["value"], 0.007, 1e-9);
+    assert!(step["reason"].as_str().unwrap().contains("1.008"), "{step}");
+    assert_eq!(verdict(&again, "A", "D_I", "baseline")["state"], "exceeded", "that one has not changed");
+}
+
+#[tokio::test]
+async fn a_late_record_within_the_baseline_moves_it_for_all() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.009)]).await;
+    assert_eq!(states(&lab.sees_trend("A", "").await)[3], "within");
+    lab.posts(&record("IMU-1", &day(20), &[("G1", "A", 0.994, 2.0)])).await;
+    let last = lab.sees_trend("A", "last=1").await;
+    assert_eq!(states(&last), ["exceeded"], "the baseline is now 0.998");
+}
+
+#[tokio::test]
+async fn a_gyro_that_moves_keeps_its_history() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
+    lab.posts(&record("IMU-2", &day(80), &[("G3", "A", 1.002, 2.0), ("G1", "B", 7.0, 8.0)])).await;
+    let points = lab.sees_trend("A", "").await;
+    let seats: Vec<(&Value, &Value)> = points.iter().map(|p| (&p["imu"], &p["slot"])).collect();
+    assert_eq!(
+        seats,
+        [(&json!("IMU-1"), &json!("G1")), (&json!("IMU-1"), &json!("G1")), (&json!("IMU-2"), &json!("G3"))]
+    );
+    assert_eq!(lab.sees_trend("B", "").await.len(), 1);
+    let listed = lab.get("/v1/gyros").await.ok();
+    let serials: Vec<&Value> = listed["gyros"].as_array().unwrap().iter().map(|gyro| &gyro["serial"]).collect();
+    assert_eq!(serials, ["A", "B"]);
+    assert_eq!(listed["gyros"][0]["latest"]["imu"], "IMU-2");
+}
+
+#[tokio::test]
+async fn a_new_baseline_starts_the_comparison_anew() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.03), (160, 1.03), (200, 1.03), (240, 1.031)]).await;
+    assert_eq!(states(&lab.sees_trend("A", "").await)[6], "exceeded");
+    let mark = json!({"reason": "re-installed after repair", "at": day(100), "author": "Li"});
+    let set = lab.post("/v1/gyros/A/baseline", &mark).await.created();
+    assert_eq!((&set["serial"], &set["at"]), (&json!("A"), &json!(day(100))));
+    assert_eq!(states(&lab.sees_trend("A", "").await)[4..], ["within", "within", "within"]);
+    assert_eq!(lab.post("/v1/gyros/A/baseline", &mark).await.ok()["id"], set["id"]);
+    let event = &lab.get("/v1/gyros/A").await.ok()["events"][0];
+    assert_eq!((&event["event"], &event["author"]), (&json!("baseline"), &json!("Li")));
+    let answer = lab.posts(&record("IMU-1", &day(280), &[("G1", "A", 1.03, 2.0)])).await;
+    assert_eq!(verdict(&answer, "A", "D_I", "baseline")["state"], "within");
+
+    lab.post("/v1/gyros/none/baseline", &mark).await.refused(404);
+    assert_eq!(lab.post("/v1/gyros/A/baseline", &json!({"reason": " "})).await.refused(422), ["/reason"]);
+    assert_eq!(lab.post("/v1/gyros/A/baseline", &json!({})).await.refused(422), ["/reason"]);
+    let other = json!({"reason": "another", "at": day(100)});
+    lab.post("/v1/gyros/A/baseline", &other).await.refused(409);
+}
+
+#[tokio::test]
+async fn the_judged_method_and_the_budget_are_configuration() {
+    let lab = Lab::with(|config| {
+        config.judging.method = gyrowatch::config::JudgedMethod::Published;
+        config.judging.budget = 0.5;
+    })
+    .await;
+    let answer = lab.posts(&lab::tables_3_and_4()).await;
+    assert_eq!(answer["separations"][0]["method"], "published");
+    assert_close(&answer["separations"][0]["d_i"]["value"], 2.958219, 1e-6);
+    assert_close(&lab.sees_trend("LFG-0101", "").await[0]["value"], 2.958219, 1e-6);
+    assert_close(&lab.sees_trend("LFG-0101", "method=rigid").await[0]["value"], 2.957643, 1e-6);
+    assert_eq!(verdict(&answer, "LFG-0101", "D_I", "step")["limit"], 0.5);
+}
+
+#[tokio::test]
+async fn pages_follow_one_another_without_gap_or_overlap() {
+    let history: Vec<(i64, f64)> = (0..23).map(|k| (k * 10, 1.0 + k as f64 * 1e-4)).collect();
+    let lab = lab_with(&history).await;
+    let all = lab.sees_trend("A", "").await;
+    let mut paged = Vec::new();
+    let mut path = "/v1/gyros/A/trend?coefficient=D_I&limit=5".to_owned();
+    loop {
+        let page = lab.get(&path).await;
+        let body = page.ok();
+        paged.extend(body["points"].as_array().unwrap().clone());
+        let link = page.header("link");
+        assert_eq!(link.is_empty(), body["next"].is_null());
+        if link.is_empty() {
+            break;
+        }
+        assert!(link.ends_with("; rel=\"next\"") && link.contains(body["next"].as_str().unwrap()), "{link}");
+        path = link[1..link.find('>').unwrap()].to_owned();
+    }
+    assert_eq!(paged, all);
+    assert_eq!(all.len(), 23);
+    assert_eq!(lab.sees_trend("A", "last=3").await, all[20..]);
+    let middle = lab.sees_trend("A", &format!("from={}&to={}", day(20), day(40))).await;
+    assert_eq!(middle, all[2..5]);
+    assert_eq!(lab.sees_trend("A", "from=2031-01-01T00:00:00Z").await, Vec::<Value>::new());
+}
+
+#[tokio::test]
+async fn bad_queries_are_refused_in_words() {
+    let lab = lab_with(&[(0, 1.0)]).await;
+    for (query, words) in [
+        ("coefficient=D_X", "D_X"),
+        ("from=yesterday", "from"),
+        ("to=2026-01-01T00:00:00", "offset"),
+        ("limit=0", "limit"),
+        ("limit=many", "limit"),
+        ("limit=100001", "limit"),
+        ("cursor=zzz", "cursor"),
+        ("format=xml", "format"),
+        ("method=guess", "method"),
+        ("colour=red", "colour"),
+        ("last=3&limit=4", "last"),
+    ] {
+        let answer = lab.get(&format!("/v1/gyros/A/trend?{query}")).await;
+        answer.refused(400);
+        assert!(answer.text.contains(words), "{query}: {}", answer.text);
+    }
+    lab.get("/v1/gyros/B/trend").await.refused(404);
+    lab.get("/v1/gyros?limit=0").await.refused(400);
+}
+
+#[tokio::test]
+async fn a_spreadsheet_gets_every_point_as_csv() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0 / 3.0)]).await;
+    let by_format = lab.get("/v1/gyros/A/trend?format=csv").await;
+    let by_accept = Answer::of(lab.request(Method::GET, "/v1/gyros/A/trend").header("accept", "text/csv")).await;
+    assert_eq!(by_format.text, by_accept.text);
+    assert_eq!(by_format.header("content-type"), "text/csv; charset=utf-8");
+    let mut reader = csv::Reader::from_reader(by_format.text.as_bytes());
+    let rows: Vec<std::collections::HashMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 2);
+    assert_eq!(rows[1]["calibrated_at"], day(40));
+    let point = &lab.sees_trend("A", "").await[1];
+    assert_eq!(rows[1]["value"].parse::<f64>().unwrap(), point["value"].as_f64().unwrap(), "at full precision");
+    assert_eq!((rows[1]["imu"].as_str(), rows[1]["state"].as_str()), ("IMU-1", point["state"].as_str().unwrap()));
+}
+
+#[tokio::test]
+async fn a_trend_that_has_not_changed_is_not_sent_again() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0)]).await;
+    let path = "/v1/gyros/A/trend";
+    let tag = lab.get(path).await.header("etag").to_owned();
+    let ask = |tag: String| Answer::of(lab.request(Method::GET, path).header("if-none-match", tag));
+    let unchanged = ask(tag.clone()).await;
+    assert_eq!((unchanged.status, unchanged.text.as_str()), (304, ""));
+    assert_ne!(lab.get("/v1/gyros/A/trend?coefficient=D_S").await.header("etag"), tag);
+    lab.posts(&record("IMU-1", &day(20), &[("G1", "A", 1.0, 2.0)])).await;
+    assert_eq!(ask(tag).await.status, 200);
+}

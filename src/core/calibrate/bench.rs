@@ -5,14 +5,17 @@
 //! the input axis with K = 1. The table may be driven so that its rate cancels the gyro's; the sign shows in the
 //! Earth's rate.
 //!
+//! Where the positions show it, D_O a_O is fitted too: the clocking of S about I on the fixture.
+//!
 //! Where a_I^2 + a_S^2 is the same in all dwells (a tumble about the output axis), D_F, D_II and D_SS are one rank
 //! short: D_II + D_SS = 0 is then imposed.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use super::bench_form::{Form, Squares};
 use super::noise::{Evidence, Noise, noise};
 use super::repeats::{PureError, repeats};
-use super::{ScaleSource, sem_scatter, weights_sd};
+use super::{ScaleSource, sem_scatter, standardised, weights_sd};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::fit::{Factor, Fit};
@@ -22,8 +25,6 @@ use crate::core::mounting::Triad;
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
 pub const GAUGE: &str = "D_II + D_SS = 0";
 
-/// Spread of a_I^2 + a_S^2 (standard deviation over mean) below which it counts as constant.
-const CONSTANT_FORCE_SPREAD: f64 = 0.02;
 /// Largest departure of a servo test's fitted scale from 1 (in its sd, and absolutely) that passes for 1.
 const SERVO_SCALE: (f64, f64) = (5.0, 0.02);
 /// Smallest |E|/sd of a fitted scale that may divide.
@@ -47,13 +48,19 @@ pub struct BenchCalibration {
     pub scale_source: ScaleSource,
     /// Axes on which drift was resolved: the stated ones, carried along with the measured input axis.
     pub axes: Matrix3<f64>,
-    /// D_F, D_I, D_S and, where the positions allow, D_II and D_SS.
+    /// D_F, D_I, D_S and, where the positions allow, D_II, D_SS and D_O.
     pub coefficients: Vec<Coefficient>,
     pub gauge: Option<&'static str>,
+    /// Mean of a_I^2 + a_S^2, g0^2.
+    squared_force: f64,
     pub chi2: f64,
     pub dof: usize,
     pub rank: usize,
     pub noise: Noise,
+    /// Standard deviation of each output, none without a noise scale.
+    pub sigma: Option<DVector<f64>>,
+    /// Residuals over their own standard deviations, sigma sqrt(1 - leverage).
+    pub standardised: Option<DVector<f64>>,
     /// Pulse/s (arcsec/s in the servo test), by dwell.
     pub residuals: DVector<f64>,
     pub leverage: DVector<f64>,
@@ -166,29 +173,38 @@ impl Problem<'_> {
         ])
     }
 
-    /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their
-    /// difference in the gauge). The second value says whether the gauge was needed.
-    fn design(&self, scale: &Scale, axes: &Matrix3<f64>) -> (DMatrix<f64>, Squares) {
+    /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their difference in the
+    /// gauge) and a_O. The second value says which.
+    fn design(&self, scale: &Scale, axes: &Matrix3<f64>) -> (DMatrix<f64>, Form) {
         let dwells = &self.campaign.dwells;
         let forces: Vec<Vector3<f64>> = dwells.iter().map(|d| axes * d.specific_force_g0).collect();
         let squares = if self.squares { Squares::seen_in(&forces) } else { Squares::Left };
-        let with = |squares: Squares| {
+        let with = |form: Form| {
             let rows: Vec<f64> = dwells
                 .iter()
                 .zip(&forces)
                 .flat_map(|(dwell, a)| {
                     let rates = scale.fitted.iter().map(|axis| axis.dot(&dwell.rate_arcsec_s));
-                    rates.chain([1.0, a.x, a.y]).chain(squares.columns(a)).collect::<Vec<f64>>()
+                    rates.chain([1.0, a.x, a.y]).chain(form.columns(a)).collect::<Vec<f64>>()
                 })
                 .collect();
             DMatrix::from_row_iterator(dwells.len(), rows.len() / dwells.len(), rows)
         };
-        let full = with(squares);
-        let factor = Factor::new(full.clone(), &self.sd);
-        if factor.rank() == full.ncols() && full.nrows() > full.ncols() {
-            return (full, squares);
+        let forms = [(squares, true), (squares, false), (Squares::Left, true)];
+        for form in forms.map(|(squares, output)| Form { squares, output }) {
+            let full = with(form);
+            let factor = Factor::new(full.clone(), &self.sd);
+            if factor.rank() == full.ncols() && full.nrows() > full.ncols() {
+                return (full, form);
+            }
         }
-        (with(Squares::Left), Squares::Left)
+        let least = Form { squares: Squares::Left, output: false };
+        (with(least), least)
+    }
+
+    fn mean_squared_force(&self, axes: &Matrix3<f64>) -> f64 {
+        let dwells = &self.campaign.dwells;
+        dwells.iter().map(|d| (axes * d.specific_force_g0).xy().norm_squared()).sum::<f64>() / dwells.len() as f64
     }
 
     fn fit(&self, method: BenchMethod, scale: &Scale) -> Result<BenchCalibration, NotFitted> {
@@ -207,10 +223,10 @@ impl Problem<'_> {
         let along = direction.normalize();
         // A table that cancels the gyro has E against the input axis; the gyro's axes do not turn round with it.
         let axes = self.axes(if along.dot(&self.triad.input()) < 0.0 { -along } else { along });
-        let (design, squares) = self.design(scale, &axes);
+        let (design, form) = self.design(scale, &axes);
         let first = scale.fitted.len();
+        let q = design.ncols();
         let factor = Factor::new(design, &self.sd);
-        let q = first + 3 + squares.count();
         let undetermined: Vec<&'static str> = ["D_F", "D_I", "D_S"]
             .into_iter()
             .enumerate()
@@ -228,17 +244,18 @@ impl Problem<'_> {
         );
         let fit = factor.fit(&y);
         let fitted: Vector3<f64> = scale.fitted.iter().zip(fit.estimate.iter()).map(|(axis, k)| axis * *k).sum();
-        Ok(Solved { e: held + fitted, axes, squares, fit, y })
+        Ok(Solved { e: held + fitted, axes, form, fit, y })
     }
 
     fn finish(&self, method: BenchMethod, scale: &Scale, solved: Solved) -> Result<BenchCalibration, NotFitted> {
-        let Solved { e, axes, squares, fit, y } = solved;
+        let Solved { e, axes, form, fit, y } = solved;
         let groups = repeats(&self.campaign.dwells);
         let has_sem = self.campaign.dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
         let noise = noise(&[Evidence::of(fit.chi2, fit.dof, pure_error)], has_sem)[0]
             .with_scatter(sem_scatter(&self.campaign.dwells, 0));
         let covariance = noise.covariance_scale().map(|s| &fit.covariance * s);
+        let sigma = noise.factor.map(|f| DVector::from_fn(self.sd.len(), |i, _| self.sd[i] * f));
         let k = e.norm() * if e.dot(&self.triad.input()) < 0.0 { -1.0 } else { 1.0 };
         let first = scale.fitted.len();
         if let Some(c) = covariance.as_ref().filter(|_| first > 0)
@@ -249,7 +266,7 @@ impl Problem<'_> {
         }
         // dK along each fitted direction: the direction's share in E's own.
         let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
-        let coefficients = squares
+        let coefficients = form
             .names()
             .map(|(name, unit, column, sign)| {
                 let value = sign * fit.estimate[first + column] / k;
@@ -268,10 +285,13 @@ impl Problem<'_> {
             scale_source: scale.source,
             axes,
             coefficients,
-            gauge: (squares == Squares::Difference).then_some(GAUGE),
+            gauge: (form.squares == Squares::Difference).then_some(GAUGE),
+            squared_force: self.mean_squared_force(&axes),
             chi2: fit.chi2,
             dof: fit.dof,
             rank: fit.rank,
+            standardised: sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage)),
+            sigma,
             noise,
             residuals: fit.residuals,
             leverage: fit.leverage,
@@ -283,65 +303,21 @@ impl Problem<'_> {
 struct Solved {
     e: Vector3<f64>,
     axes: Matrix3<f64>,
-    squares: Squares,
+    form: Form,
     fit: Fit,
     y: DVector<f64>,
-}
-
-/// How the squares a_I^2, a_S^2 stand in the design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Squares {
-    Both,
-    /// Their difference, in the gauge D_II + D_SS = 0.
-    Difference,
-    Left,
-}
-
-impl Squares {
-    fn seen_in(forces: &[Vector3<f64>]) -> Self {
-        let n = forces.len() as f64;
-        let sums = || forces.iter().map(|a| a.x * a.x + a.y * a.y);
-        let mean = sums().sum::<f64>() / n;
-        let variance = sums().map(|s| (s - mean).powi(2)).sum::<f64>() / n;
-        if variance.sqrt() <= CONSTANT_FORCE_SPREAD * mean { Self::Difference } else { Self::Both }
-    }
-
-    fn count(self) -> usize {
-        match self {
-            Self::Both => 2,
-            Self::Difference => 1,
-            Self::Left => 0,
-        }
-    }
-
-    fn columns(self, a: &Vector3<f64>) -> Vec<f64> {
-        let (i, s) = (a.x * a.x, a.y * a.y);
-        match self {
-            Self::Both => vec![i, s],
-            Self::Difference => vec![i - s],
-            Self::Left => vec![],
-        }
-    }
-
-    /// Name, unit, column (after the rates) and sign of every coefficient.
-    fn names(self) -> impl Iterator<Item = (&'static str, &'static str, usize, f64)> {
-        const LINEAR: &str = "deg/(h*g0)";
-        const SQUARE: &str = "deg/(h*g0^2)";
-        let squares: &[_] = match self {
-            Self::Both => &[("D_II", SQUARE, 3, 1.0), ("D_SS", SQUARE, 4, 1.0)],
-            Self::Difference => &[("D_II", SQUARE, 3, 1.0), ("D_SS", SQUARE, 3, -1.0)],
-            Self::Left => &[],
-        };
-        [("D_F", "deg/h", 0, 1.0), ("D_I", LINEAR, 1, 1.0), ("D_S", LINEAR, 2, 1.0)]
-            .into_iter()
-            .chain(squares.iter().copied())
-    }
 }
 
 impl BenchCalibration {
     /// The coefficient of that name, where it was fitted.
     pub fn coefficient(&self, name: &str) -> Option<&Coefficient> {
         self.coefficients.iter().find(|c| c.name == name)
+    }
+
+    /// The direction that the gauge fixes, a unit vector: what D_F gains, D_II and D_SS can lose.
+    pub fn null_direction(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let length = (self.squared_force.powi(2) + 2.0).sqrt();
+        [("D_F", self.squared_force / length), ("D_II", -1.0 / length), ("D_SS", -1.0 / length)].into_iter()
     }
 
     /// What is stored and compared with other methods.

@@ -2,13 +2,15 @@
 //!
 //! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
 //! [`noise`] with [`growth`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
-//! fixture).
+//! fixture). [`outcome`] puts them together: what a campaign comes to.
 
 pub mod bench;
+mod bench_form;
 pub mod design;
 pub mod drift;
 pub mod growth;
 pub mod noise;
+pub mod outcome;
 pub mod repeats;
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -77,6 +79,8 @@ pub struct GyroCalibration {
     /// Sum of squared residuals over the standard errors as given (over 1 pulse/s without any).
     pub chi2: f64,
     pub dof: usize,
+    /// Chance of residuals as large as these if the model and the noise scale are right.
+    pub p_value: Option<f64>,
     pub noise: Noise,
     /// Standard deviation of each output as the noise scale has it, pulse/s; none without a noise scale.
     pub sigma: Option<DVector<f64>>,
@@ -151,6 +155,13 @@ pub fn weights_sd(dwells: &[Dwell], j: usize) -> Vec<f64> {
 fn sem_scatter(dwells: &[Dwell], j: usize) -> f64 {
     let still = dwells.iter().filter(|d| d.phase == Phase::Static);
     noise::sem_scatter(still.filter_map(|d| Some((d.output_sem_pulse_s.as_ref()?[j], d.duration_s))))
+}
+
+/// Residuals over their own standard deviations, sigma sqrt(1 - leverage); zero where a dwell is fitted exactly because
+/// nothing else speaks of it.
+fn standardised(residuals: &DVector<f64>, sigma: &DVector<f64>, leverage: &DVector<f64>) -> DVector<f64> {
+    let own_sd = |k: usize| sigma[k] * (1.0 - leverage[k]).max(0.0).sqrt();
+    DVector::from_fn(residuals.len(), |k, _| if own_sd(k) > 0.0 { residuals[k] / own_sd(k) } else { 0.0 })
 }
 
 /// Gyros with the same terms and the same standard errors share one factorisation.
@@ -237,7 +248,7 @@ impl GyroFit {
 
     fn finish(self, gyro: &CampaignGyro, noise: Noise, shared: &SharedFactors) -> GyroCalibration {
         let (design, sd, factor) = &shared.0[self.factor];
-        let Self { scale_source, known_e, fit, variances, .. } = self;
+        let Self { scale_source, known_e, fit, variances, evidence, .. } = self;
         let values = &design.expand * &fit.estimate;
         let covariance = noise.covariance_scale().map(|scale| {
             let equal = variances.iter().all(|v| *v == 1.0);
@@ -264,10 +275,7 @@ impl GyroFit {
             .column_iter()
             .map(|d| NullDirection { direction: (&design.expand * d).normalize(), gauge: None });
         let sigma = noise.factor.map(|f| DVector::from_fn(sd.len(), |k, _| sd[k] * f * variances[k].sqrt()));
-        let standardised = sigma.as_ref().map(|sigma| {
-            let own_sd = |k: usize| sigma[k] * (1.0 - fit.leverage[k]).max(0.0).sqrt();
-            DVector::from_fn(sd.len(), |k, _| if own_sd(k) > 0.0 { fit.residuals[k] / own_sd(k) } else { 0.0 })
-        });
+        let standardised = sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage));
         GyroCalibration {
             slot: gyro.slot,
             serial: gyro.serial.clone(),
@@ -279,6 +287,7 @@ impl GyroFit {
             null_directions: gauge.chain(cut).collect(),
             chi2: fit.chi2,
             dof: fit.dof,
+            p_value: noise.p_value(&evidence),
             noise,
             sigma,
             residuals: fit.residuals,

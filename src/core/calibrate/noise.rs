@@ -111,6 +111,23 @@ impl Noise {
     }
 }
 
+impl Noise {
+    /// Chance of residuals as large as these if the model and the noise scale are right.
+    pub fn p_value(&self, evidence: &Evidence) -> Option<f64> {
+        let (rest, rest_dof) = evidence.lack_of_fit();
+        match self.source {
+            Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
+            Source::SemAndRepeats | Source::SemRepeatsAndResiduals => {
+                f_tail((rest / self.factor?.powi(2), rest_dof), (self.dof, self.dof))
+            }
+            Source::Repeats | Source::Residuals => {
+                f_tail((rest, rest_dof), (self.pure_error.chi2, self.pure_error.dof as f64))
+            }
+            Source::None => None,
+        }
+    }
+}
+
 /// Relative scatter of standard errors given with their dwells' durations: the standard deviation of
 /// ln(sem sqrt(duration)), as means over longer times scatter less. Zero for fewer than five.
 pub fn sem_scatter(sems: impl Iterator<Item = (f64, f64)>) -> f64 {

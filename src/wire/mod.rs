@@ -7,6 +7,7 @@
 pub mod alert;
 pub mod answer;
 pub mod bench;
+pub mod calibration;
 pub mod campaign;
 pub mod campaign_csv;
 pub mod diagnosis;

@@ -1,0 +1,365 @@
+//! What the service answers to a campaign, and `calibrate` prints: the fit with its evidence, then as for a record.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::answer::{MethodBody, SeparationBody, VerdictBody};
+use super::bench::BenchBody;
+use super::record::SlotBody;
+use super::time;
+use super::triple::Triple;
+use crate::core::calibrate::bench::BenchCalibration;
+use crate::core::calibrate::design::unit;
+use crate::core::calibrate::noise::Noise;
+use crate::core::calibrate::outcome::Outcome;
+use crate::core::calibrate::{Calibration, GyroCalibration, NullDirection, Parameter, ScaleSource};
+use crate::core::campaign::{Campaign, unchecked};
+use crate::core::model::{Term, Terms};
+
+/// The answer to a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CampaignAnswer {
+    /// Identifier of the stored campaign; none where nothing is stored (the command line's `calibrate`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    pub imu: String,
+    pub station: String,
+    pub measured_at: String,
+    /// `imu`, `torque_feedback` or `turntable_servo`.
+    pub test: String,
+    pub calibration: CalibrationBody,
+    pub separations: Vec<SeparationBody>,
+    /// Gyros that were fitted but not separated, and why.
+    pub not_separated: Vec<NotSeparatedBody>,
+    /// Of a single-gyro bench test: what is stored and compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bench_result: Option<BenchBody>,
+    pub verdicts: Vec<VerdictBody>,
+    /// What could not be checked, and how the figures came about, in words.
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NotSeparatedBody {
+    pub slot: SlotBody,
+    pub serial: String,
+    pub reason: String,
+}
+
+/// The fit of every gyro.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CalibrationBody {
+    /// The terms that were asked for.
+    pub model: Vec<String>,
+    pub dwells: usize,
+    /// Groups of repeated dwells, as indices.
+    pub repeats: Vec<Vec<usize>>,
+    pub gyros: Vec<GyroFitBody>,
+}
+
+/// The fit of one gyro. Of a bench test, the coefficients of eq. (5) stand in `parameters`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroFitBody {
+    pub slot: SlotBody,
+    pub serial: String,
+    /// Whether E was `fitted`, `held` (known_e_pulse_per_arcsec) or is `missing`.
+    pub e_source: String,
+    pub parameters: Vec<ParameterBody>,
+    /// The parameters once more, under the names that a calibration record has for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub e_pulse_per_arcsec: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g_pulse_per_s_g0: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_pulse_per_s_g02: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_pulse_per_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub e_sd: Option<Triple>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub g_sd: Option<Triple>,
+    /// Covariance of the parameters, row by row in their order; none where nothing gives the noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Vec<Vec<f64>>>,
+    pub rank: usize,
+    /// Directions of the parameters that no dwell can see.
+    pub null_directions: Vec<NullDirectionBody>,
+    /// Against the standard errors as given; against 1 pulse/s where there are none.
+    pub chi2: f64,
+    pub dof: usize,
+    /// chi2/dof, where standard errors are given and dwells are left over.
+    pub reduced_chi2: Option<f64>,
+    /// Chance of residuals as large as these if the model and the noise scale are right.
+    pub p_value: Option<f64>,
+    pub noise: NoiseBody,
+    pub residuals: ResidualsBody,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ParameterBody {
+    pub name: String,
+    pub unit: String,
+    pub value: f64,
+    /// None where the dwells do not determine the parameter, or nothing gives the noise.
+    pub sd: Option<f64>,
+    /// Whether the dwells, with the gauge, leave one value.
+    pub determined: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NullDirectionBody {
+    /// Shares of the parameters, a unit vector; those of zero are left out.
+    pub direction: BTreeMap<String, f64>,
+    /// The condition that was imposed to make the estimate unique; none where it is cut off at the shortest one.
+    pub gauge: Option<String>,
+}
+
+/// How far the outputs are trusted, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NoiseBody {
+    /// `sem`, `repeats+sem`, `repeats+residuals+sem`, `residuals+sem`, `repeats`, `residuals` or `none`.
+    pub source: String,
+    /// Whether dwells were weighted by their standard errors.
+    pub weighted: bool,
+    /// What the standard errors are multiplied by; none without standard errors.
+    pub sem_factor: Option<f64>,
+    pub sem_factor_sd: Option<f64>,
+    /// Root mean square over the dwells of the standard deviation of one output.
+    pub rms_pulse_per_s: Option<f64>,
+    pub rms_deg_per_h: Option<f64>,
+    /// Degrees of freedom behind the scale; none where standard errors are taken at their word.
+    pub dof: Option<f64>,
+    /// Spread of repeats: chi2 against the standard errors as given, and its degrees of freedom.
+    pub pure_error_chi2: f64,
+    pub pure_error_dof: usize,
+}
+
+/// Dwell by dwell, in their order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ResidualsBody {
+    /// Measured less fitted.
+    pub pulse_per_s: Vec<f64>,
+    /// The same over |E|; none where E is unknown.
+    pub deg_per_h: Option<Vec<f64>>,
+    /// Over its own standard deviation; none where nothing gives the noise.
+    pub standardised: Option<Vec<f64>>,
+    /// Share of its own output in each fitted value, 0 to 1.
+    pub leverage: Vec<f64>,
+}
+
+impl CampaignAnswer {
+    /// Without an id or verdicts: those belong to what is stored.
+    pub fn of(campaign: &Campaign, outcome: &Outcome, method: MethodBody) -> Self {
+        let mut answer = Self {
+            id: None,
+            imu: campaign.imu.to_string(),
+            station: campaign.station.to_string(),
+            measured_at: time::format(campaign.measured_at),
+            test: campaign.test.name().to_owned(),
+            calibration: CalibrationBody {
+                model: names(campaign.terms()),
+                dwells: campaign.dwells.len(),
+                repeats: Vec::new(),
+                gyros: Vec::new(),
+            },
+            separations: Vec::new(),
+            not_separated: Vec::new(),
+            bench_result: None,
+            verdicts: Vec::new(),
+            notes: unchecked(campaign),
+        };
+        match outcome {
+            Outcome::Imu { calibration, separations } => {
+                answer.calibration.repeats.clone_from(&calibration.repeats);
+                answer.calibration.gyros =
+                    calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
+                answer.notes.extend(notes(calibration));
+                for (gyro, separation) in calibration.gyros.iter().zip(separations) {
+                    let (slot, serial) = (gyro.slot.into(), gyro.serial.to_string());
+                    match separation {
+                        Ok(s) => answer.separations.push(SeparationBody::of(&serial, s, method)),
+                        Err(why) => {
+                            answer.not_separated.push(NotSeparatedBody { slot, serial, reason: why.to_string() });
+                        }
+                    }
+                }
+            }
+            Outcome::Bench(bench) => {
+                answer.calibration.repeats.clone_from(&bench.repeats);
+                answer.calibration.gyros = vec![GyroFitBody::of_bench(campaign, bench)];
+                answer.bench_result = Some(BenchBody::of(&bench.result(campaign)));
+            }
+        }
+        answer
+    }
+}
+
+impl GyroFitBody {
+    fn of(gyro: &GyroCalibration, has_sem: bool) -> Self {
+        let scale = gyro.scale_factor();
+        let residuals = ResidualsBody {
+            pulse_per_s: list(&gyro.residuals),
+            deg_per_h: scale.map(|k| gyro.residuals.iter().map(|r| r / k).collect()),
+            standardised: gyro.standardised.as_ref().map(list),
+            leverage: list(&gyro.leverage),
+        };
+        let sd = |term| {
+            let p: &[Parameter] = gyro.of(term)?;
+            Some(Triple([p[0].sd?, p[1].sd?, p[2].sd?]))
+        };
+        let noise = NoiseBody::of(&gyro.noise, gyro.sigma.as_ref(), has_sem, scale);
+        Self {
+            slot: gyro.slot.into(),
+            serial: gyro.serial.to_string(),
+            e_source: scale_source(gyro.scale_source),
+            parameters: gyro.parameters.iter().map(ParameterBody::of).collect(),
+            e_pulse_per_arcsec: gyro.e().map(Triple::from),
+            g_pulse_per_s_g0: gyro.g().map(Triple::from),
+            p_pulse_per_s_g02: gyro.p().map(Triple::from),
+            bias_pulse_per_s: gyro.bias(),
+            e_sd: if gyro.scale_source == ScaleSource::Held { Some(Triple([0.0; 3])) } else { sd(Term::Scale) },
+            g_sd: sd(Term::GLinear),
+            covariance: gyro.covariance.as_ref().map(|c| c.row_iter().map(|r| r.iter().copied().collect()).collect()),
+            rank: gyro.rank,
+            null_directions: gyro.null_directions.iter().map(|n| NullDirectionBody::of(n, gyro)).collect(),
+            chi2: gyro.chi2,
+            dof: gyro.dof,
+            reduced_chi2: gyro.reduced_chi2().filter(|_| has_sem),
+            p_value: gyro.p_value,
+            noise,
+            residuals,
+        }
+    }
+
+    fn of_bench(campaign: &Campaign, bench: &BenchCalibration) -> Self {
+        let gyro = &campaign.gyros[0];
+        let has_sem = campaign.dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
+        let k = bench.e.norm();
+        Self {
+            slot: gyro.slot.into(),
+            serial: gyro.serial.to_string(),
+            e_source: scale_source(bench.scale_source),
+            parameters: bench
+                .coefficients
+                .iter()
+                .map(|c| ParameterBody {
+                    name: c.name.to_owned(),
+                    unit: c.unit.to_owned(),
+                    value: c.value,
+                    sd: c.sd,
+                    determined: true,
+                })
+                .collect(),
+            e_pulse_per_arcsec: Some(bench.e.into()),
+            g_pulse_per_s_g0: None,
+            p_pulse_per_s_g02: None,
+            bias_pulse_per_s: None,
+            e_sd: None,
+            g_sd: None,
+            covariance: None,
+            rank: bench.rank,
+            null_directions: bench
+                .gauge
+                .iter()
+                .map(|gauge| NullDirectionBody {
+                    direction: bench.null_direction().map(|(name, share)| (name.to_owned(), share)).collect(),
+                    gauge: Some((*gauge).to_owned()),
+                })
+                .collect(),
+            chi2: bench.chi2,
+            dof: bench.dof,
+            reduced_chi2: (has_sem && bench.dof > 0).then(|| bench.chi2 / bench.dof as f64),
+            p_value: None,
+            noise: NoiseBody::of(&bench.noise, bench.sigma.as_ref(), has_sem, Some(k)),
+            residuals: ResidualsBody {
+                pulse_per_s: list(&bench.residuals),
+                deg_per_h: Some(bench.residuals.iter().map(|r| r / k).collect()),
+                standardised: bench.standardised.as_ref().map(list),
+                leverage: list(&bench.leverage),
+            },
+        }
+    }
+}
+
+impl ParameterBody {
+    fn of(p: &Parameter) -> Self {
+        Self {
+            name: p.name.to_owned(),
+            unit: unit(p.term).to_owned(),
+            value: p.value,
+            sd: p.sd,
+            determined: p.determined,
+        }
+    }
+}
+
+impl NullDirectionBody {
+    fn of(null: &NullDirection, gyro: &GyroCalibration) -> Self {
+        let shares = gyro.parameters.iter().zip(null.direction.iter());
+        Self {
+            direction: shares.filter(|(_, s)| s.abs() > 1e-9).map(|(p, s)| (p.name.to_owned(), *s)).collect(),
+            gauge: null.gauge.map(str::to_owned),
+        }
+    }
+}
+
+impl NoiseBody {
+    fn of(noise: &Noise, sigma: Option<&DVector<f64>>, has_sem: bool, scale: Option<f64>) -> Self {
+        let rms = sigma.map(|s| (s.norm_squared() / s.len() as f64).sqrt());
+        Self {
+            source: noise.source.name().to_owned(),
+            weighted: has_sem,
+            sem_factor: noise.factor.filter(|_| has_sem),
+            sem_factor_sd: noise.factor_sd.filter(|_| has_sem),
+            rms_pulse_per_s: rms,
+            rms_deg_per_h: rms.zip(scale).map(|(rms, k)| rms / k),
+            dof: Some(noise.dof).filter(|dof| dof.is_finite()),
+            pure_error_chi2: noise.pure_error.chi2,
+            pure_error_dof: noise.pure_error.dof,
+        }
+    }
+}
+
+fn scale_source(source: ScaleSource) -> String {
+    match source {
+        ScaleSource::Fitted => "fitted",
+        ScaleSource::Held => "held",
+        ScaleSource::Missing => "missing",
+    }
+    .to_owned()
+}
+
+fn names(terms: Terms) -> Vec<String> {
+    terms.iter().map(|term| term.name().to_owned()).collect()
+}
+
+fn list(v: &DVector<f64>) -> Vec<f64> {
+    v.iter().copied().collect()
+}
+
+/// How the figures came about.
+fn notes(calibration: &Calibration) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !calibration.has_sem {
+        notes.push("no standard errors: all dwells have equal weight and the residuals give the noise".to_owned());
+    }
+    if calibration.growth > 0.1 {
+        let times = (1.0 + calibration.growth).sqrt();
+        notes.push(format!("the residuals at the fastest rate are {times:.1} times those at rest; sigmas follow them"));
+    }
+    if calibration.repeats.is_empty() {
+        notes.push(
+            "no repeated dwells: nothing but the fit itself tells noise from what the model leaves out".to_owned(),
+        );
+    }
+    let scattering = calibration.gyros.iter().filter(|g| g.p_value.is_some_and(|p| p < 1e-3)).map(|g| g.slot.name());
+    let scattering: Vec<&str> = scattering.collect();
+    if !scattering.is_empty() {
+        let gyros = scattering.join(", ");
+        notes.push(format!("{gyros}: residuals exceed the noise; the model leaves something out (see diagnose)"));
+    }
+    notes
+}

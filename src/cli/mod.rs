@@ -5,6 +5,7 @@
 //! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
 mod blindcheck;
+mod calibrate;
 mod client;
 mod demo;
 mod diagnose;
@@ -35,6 +36,7 @@ enum Command {
     Serve(serve::Serve),
     Demo(demo::Demo),
     Separate(separate::Separate),
+    Calibrate(calibrate::Calibrate),
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
     Simulate(simulate::Simulate),
@@ -47,6 +49,7 @@ impl Command {
             Self::Serve(serve) => serve.run(),
             Self::Demo(demo) => demo.run(),
             Self::Separate(separate) => separate.run(),
+            Self::Calibrate(calibrate) => calibrate.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
             Self::Simulate(simulate) => simulate.run(),

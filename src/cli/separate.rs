@@ -27,12 +27,21 @@ pub struct Separate {
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-enum Method {
+pub(super) enum Method {
     /// The nominal triad carried along to the measured input axis
     #[default]
     Rigid,
     /// Equations (7) to (13) of the paper, its errata applied
     Published,
+}
+
+impl From<Method> for MethodBody {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Rigid => Self::Rigid,
+            Method::Published => Self::Published,
+        }
+    }
 }
 
 impl Separate {
@@ -58,36 +67,37 @@ fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
 }
 
 fn answer(record: &Record, separations: &[Separation], method: Method) -> RecordAnswer {
-    let method = match method {
-        Method::Rigid => MethodBody::Rigid,
-        Method::Published => MethodBody::Published,
-    };
-    let body = |(gyro, s): (&GyroParameters, _)| SeparationBody::of(gyro.serial.as_str(), s, method);
+    let body = |(gyro, s): (&GyroParameters, _)| SeparationBody::of(gyro.serial.as_str(), s, method.into());
     let separations = record.gyros.iter().zip(separations).map(body).collect();
     RecordAnswer { id: None, separations, verdicts: Vec::new() }
 }
 
 fn tables(record: &Record, separations: &[Separation]) -> String {
+    let (imu, station, at) = (&record.imu, &record.station, time::format(record.calibrated_at));
+    let rows = record.gyros.iter().zip(separations).map(|(gyro, s)| (gyro.serial.as_str(), s));
+    format!("{imu}, calibrated by {station} at {at}\n\n{}", drift_and_mounting(rows))
+}
+
+/// Two tables: drift coefficients by every method, and the mounting, for gyros given by serial.
+pub(super) fn drift_and_mounting<'a>(gyros: impl Iterator<Item = (&'a str, &'a Separation)>) -> String {
     let mut drift = table(["gyro", "serial", "method", "D_I", "D_S", "closure", ""], 3..6);
     let mut mounting = table(["gyro", "|E|", "alpha x", "alpha y", "alpha z", "off nominal", "clocking"], 1..7);
-    for (gyro, s) in record.gyros.iter().zip(separations) {
-        add_drift_rows(&mut drift, gyro, s);
+    for (serial, s) in gyros {
+        add_drift_rows(&mut drift, serial, s);
         let alpha = s.alpha.map(|a| format!("{:.6}", a.to_degrees()));
         let [x, y, z] = alpha;
         let (off, clocking) = (s.misalignment.to_degrees() * 60.0, s.rigid.clocking().to_degrees());
         let scale = format!("{:.6}", s.scale_factor);
-        mounting.add_row([gyro.slot.name().into(), scale, x, y, z, format!("{off:.3}'"), format!("{clocking:+.4}")]);
+        mounting.add_row([s.slot.name().into(), scale, x, y, z, format!("{off:.3}'"), format!("{clocking:+.4}")]);
     }
-    let (imu, station, at) = (&record.imu, &record.station, time::format(record.calibrated_at));
     format!(
-        "{imu}, calibrated by {station} at {at}\n\n\
-         Drift coefficients, deg/(h g0)\n{drift}\n\n\
+        "Drift coefficients, deg/(h g0)\n{drift}\n\n\
          Mounting: |E| in pulse/arcsec, angles of the input axis in deg, clocking of S about I if D_O = 0 in truth\n{mounting}"
     )
 }
 
-fn add_drift_rows(table: &mut Table, gyro: &GyroParameters, s: &Separation) {
-    let (slot, serial) = (gyro.slot.name().to_owned(), gyro.serial.to_string());
+fn add_drift_rows(table: &mut Table, serial: &str, s: &Separation) {
+    let (slot, serial) = (s.slot.name().to_owned(), serial.to_owned());
     let [i_sd, s_sd, o_sd] = s.rigid.sd().map_or([None; 3], |sd| sd.map(Some));
     let r = &s.rigid;
     let figures = [figure(r.d_i, i_sd), figure(r.d_s, s_sd), figure(r.d_o, o_sd)];
@@ -111,8 +121,8 @@ fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [St
     }
 }
 
-/// The value, and its standard deviation to two digits where it is known.
-fn figure(value: f64, sd: Option<f64>) -> String {
+/// The value, and its standard deviation where it is known.
+pub(super) fn figure(value: f64, sd: Option<f64>) -> String {
     match sd {
         Some(sd) => format!("{value:+.6} ± {sd:.6}"),
         None => format!("{value:+.6}"),

@@ -1,0 +1,155 @@
+//! `calibrate`: one campaign of raw dwells in, the fit and the drift coefficients out. Nothing is stored or judged.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+
+use super::document::{self, Format, table};
+use super::separate::{Method, drift_and_mounting, figure};
+use crate::core::calibrate::outcome::{Outcome, evaluate};
+use crate::core::campaign::Campaign;
+use crate::core::model::Terms;
+use crate::core::mounting::Slot;
+use crate::core::record::Plausibility;
+use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
+use crate::wire::campaign::{parse, terms_from_names};
+
+/// Dwells with the largest standardised residuals that the table shows.
+const SHOWN_RESIDUALS: usize = 5;
+
+/// Fit the error model to one campaign of raw dwells, and separate its gyros
+#[derive(Debug, clap::Args)]
+pub struct Calibrate {
+    /// The campaign, in JSON or CSV; `-` is standard input
+    campaign: PathBuf,
+
+    /// Terms to fit, parted by commas: bias, g_linear, g_squared, scale [default: the campaign's, else all four]
+    #[arg(long, value_parser = terms)]
+    model: Option<Terms>,
+
+    /// In the JSON: the method of d_i and d_s; the other is always reported beside it
+    #[arg(long, value_enum, default_value_t)]
+    method: Method,
+
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+fn terms(list: &str) -> Result<Terms, String> {
+    let names: Vec<&str> = list.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    terms_from_names(&names).map_err(|faults| faults.0.into_iter().map(|f| f.detail).collect::<Vec<_>>().join("; "))
+}
+
+impl Calibrate {
+    pub fn run(self) -> anyhow::Result<()> {
+        let bytes = document::read(&self.campaign)?;
+        let file = || document::name(&self.campaign);
+        let mut campaign = parse(&bytes).with_context(file)?;
+        campaign.model = self.model.or(campaign.model);
+        let outcome = evaluate(&campaign, &Plausibility::default()).with_context(file)?;
+        let answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
+        match self.format {
+            Format::Table => document::print(&tables(&campaign, &outcome, &answer)),
+            Format::Json => document::print_json(&answer),
+        }
+    }
+}
+
+fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> String {
+    let CampaignAnswer { imu, station, measured_at, calibration, notes, .. } = answer;
+    let (dwells, model) = (calibration.dwells, calibration.model.join(", "));
+    let mut text = format!("{imu}, measured by {station} at {measured_at}: {dwells} dwells, model {model}\n\n");
+    text.push_str(&fit_table(&calibration.gyros));
+    text.push_str(&parameter_table(&calibration.gyros));
+    text.push_str(&residual_table(campaign, &calibration.gyros));
+    if let Outcome::Imu { calibration, separations } = outcome {
+        let separated = calibration.gyros.iter().zip(separations);
+        let rows: Vec<_> = separated.filter_map(|(g, s)| Some((g.serial.as_str(), s.as_ref().ok()?))).collect();
+        if !rows.is_empty() {
+            text.push_str(&drift_and_mounting(rows.into_iter()));
+            text.push('\n');
+        }
+    }
+    for gyro in &answer.not_separated {
+        text.push_str(&format!(
+            "\n{} ({}) is not separated: {}",
+            Slot::from(gyro.slot).name(),
+            gyro.serial,
+            gyro.reason
+        ));
+    }
+    for note in notes {
+        text.push_str(&format!("\nnote: {note}"));
+    }
+    text
+}
+
+fn fit_table(gyros: &[GyroFitBody]) -> String {
+    let head = ["gyro", "serial", "E", "rank", "left over", "chi2/dof", "p", "noise, deg/h", "its source"];
+    let mut fits = table(head, 3..8);
+    for gyro in gyros {
+        let noise = &gyro.noise;
+        let factor = match (noise.sem_factor, noise.sem_factor_sd) {
+            (Some(f), Some(sd)) if sd > 0.0 => format!("{}, factor {f:.2} ± {sd:.2}", noise.source),
+            _ => noise.source.clone(),
+        };
+        let optional = |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |v| format!("{v:.digits$}"));
+        fits.add_row([
+            Slot::from(gyro.slot).name().to_owned(),
+            gyro.serial.clone(),
+            gyro.e_source.clone(),
+            format!("{} of {}", gyro.rank, gyro.parameters.len()),
+            gyro.dof.to_string(),
+            optional(gyro.reduced_chi2, 2),
+            gyro.p_value.map_or("-".to_owned(), |p| format!("{p:.2e}")),
+            optional(noise.rms_deg_per_h, 5),
+            factor,
+        ]);
+    }
+    let gauges: Vec<String> = gyros.iter().flat_map(|g| &g.null_directions).filter_map(|n| n.gauge.clone()).collect();
+    let gauge = gauges.first().map_or(String::new(), |g| format!("Gauge: {g}\n"));
+    format!("Fit\n{fits}\n{gauge}\n")
+}
+
+fn parameter_table(gyros: &[GyroFitBody]) -> String {
+    let mut parameters = table(["gyro", "parameter", "value", "unit", ""], 2..3);
+    for gyro in gyros {
+        for p in &gyro.parameters {
+            let remark = if p.determined { "" } else { "not determined by these dwells" };
+            parameters.add_row([
+                Slot::from(gyro.slot).name().to_owned(),
+                p.name.clone(),
+                figure(p.value, p.sd),
+                p.unit.clone(),
+                remark.to_owned(),
+            ]);
+        }
+    }
+    format!("Parameters\n{parameters}\n\n")
+}
+
+/// The dwells that fit worst, over all gyros.
+fn residual_table(campaign: &Campaign, gyros: &[GyroFitBody]) -> String {
+    let mut worst: Vec<(f64, &GyroFitBody, usize)> = gyros
+        .iter()
+        .flat_map(|g| g.residuals.standardised.iter().flatten().enumerate().map(move |(k, r)| (*r, g, k)))
+        .collect();
+    worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    if worst.is_empty() {
+        return String::new();
+    }
+    let mut residuals = table(["dwell", "gyro", "phase", "pulse/s", "deg/h", "in sigma", "leverage"], 3..7);
+    for (standardised, gyro, k) in worst.into_iter().take(SHOWN_RESIDUALS) {
+        let list = &gyro.residuals;
+        residuals.add_row([
+            k.to_string(),
+            Slot::from(gyro.slot).name().to_owned(),
+            campaign.dwells[k].phase.name().to_owned(),
+            format!("{:+.6}", list.pulse_per_s[k]),
+            list.deg_per_h.as_ref().map_or("-".to_owned(), |d| format!("{:+.6}", d[k])),
+            format!("{standardised:+.2}"),
+            format!("{:.3}", list.leverage[k]),
+        ]);
+    }
+    format!("Largest residuals (dwells counted from 0)\n{residuals}\n\n")
+}

@@ -1,0 +1,180 @@
+//! `gyrowatch calibrate` as an operator uses it.
+
+use std::io::Write;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const CAMPAIGN: &str = "tests/data/practice/campaign-00.json";
+const XSENS: &str = "tests/data/measured/xsens-mti.json";
+
+fn calibrate(arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("gyrowatch").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("calibrate").args(arguments);
+    command
+}
+
+fn table(arguments: &[&str]) -> String {
+    String::from_utf8(calibrate(arguments).assert().success().get_output().stdout.clone()).unwrap()
+}
+
+fn answer(arguments: &[&str]) -> Value {
+    let output = calibrate(arguments).args(["--format", "json"]).assert().success();
+    serde_json::from_slice(&output.get_output().stdout).unwrap()
+}
+
+fn complaint(arguments: &[&str], status: i32) -> String {
+    let output = calibrate(arguments).assert().code(status);
+    assert_eq!(String::from_utf8_lossy(&output.get_output().stdout), "");
+    String::from_utf8(output.get_output().stderr.clone()).unwrap()
+}
+
+fn file(suffix: &str, text: &str) -> tempfile::NamedTempFile {
+    let mut file = tempfile::Builder::new().suffix(suffix).tempfile().unwrap();
+    file.write_all(text.as_bytes()).unwrap();
+    file
+}
+
+/// The campaign as the station's table program would write it, made here from the JSON.
+fn as_csv(path: &str) -> String {
+    let campaign: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    let mut text = String::new();
+    for (key, value) in campaign.as_object().unwrap().iter().filter(|(key, _)| *key != "dwells") {
+        let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        text.push_str(&format!("# {key}: {value}\r\n"));
+    }
+    let suffixes = |field: &str| match field {
+        "attitude" => vec!["_w", "_x", "_y", "_z"],
+        f if f.starts_with("output") => vec!["_1", "_2", "_3"],
+        _ => vec!["_x", "_y", "_z"],
+    };
+    for (k, dwell) in campaign["dwells"].as_array().unwrap().iter().enumerate() {
+        let (mut names, mut cells) = (Vec::new(), Vec::new());
+        for (field, value) in dwell.as_object().unwrap() {
+            match value {
+                Value::Array(list) => {
+                    names.extend(suffixes(field).iter().map(|s| format!("{field}{s}")));
+                    cells.extend(list.iter().map(Value::to_string));
+                }
+                Value::String(text) => {
+                    names.push(field.clone());
+                    cells.push(text.clone());
+                }
+                number => {
+                    names.push(field.clone());
+                    cells.push(number.to_string());
+                }
+            }
+        }
+        if k == 0 {
+            text.push_str(&format!("{}\r\n", names.join(",")));
+        }
+        text.push_str(&format!("{}\r\n", cells.join(",")));
+    }
+    text
+}
+
+#[test]
+fn a_campaign_yields_drift_with_sigmas_and_the_fit_with_its_evidence() {
+    let answer = answer(&[CAMPAIGN]);
+    assert_eq!(answer["calibration"]["model"], serde_json::json!(["bias", "g_linear", "g_squared", "scale"]));
+    assert_eq!(answer["calibration"]["repeats"].as_array().unwrap().len(), 6);
+    for (gyro, separation) in
+        answer["calibration"]["gyros"].as_array().unwrap().iter().zip(answer["separations"].as_array().unwrap())
+    {
+        assert_eq!((&gyro["rank"], &gyro["dof"]), (&Value::from(9), &Value::from(69)));
+        assert_eq!(gyro["null_directions"][0]["gauge"], "P_x + P_y + P_z = 0");
+        let p: f64 = (0..3).map(|i| gyro["p_pulse_per_s_g02"][i].as_f64().unwrap()).sum();
+        assert!(p.abs() < 1e-12);
+        assert_eq!(gyro["covariance"].as_array().unwrap().len(), 10);
+        for list in ["pulse_per_s", "deg_per_h", "standardised", "leverage"] {
+            assert_eq!(gyro["residuals"][list].as_array().unwrap().len(), 78, "{list}");
+        }
+        let leverage: f64 = gyro["residuals"]["leverage"].as_array().unwrap().iter().map(|h| h.as_f64().unwrap()).sum();
+        assert!((leverage - 9.0).abs() < 1e-9);
+        let sd = separation["d_i"]["sd"].as_f64().unwrap();
+        assert!((1e-4..4e-4).contains(&sd), "{sd}");
+        assert!(separation["published"]["branch"].is_string());
+    }
+}
+
+#[test]
+fn csv_gives_the_same_answer_as_json() {
+    let csv = file(".csv", &as_csv(CAMPAIGN));
+    assert_eq!(answer(&[csv.path().to_str().unwrap()]), answer(&[CAMPAIGN]));
+}
+
+#[test]
+fn the_table_shows_fit_parameters_residuals_and_drift() {
+    let text = table(&[CAMPAIGN]);
+    for words in ["IMU-9000, measured by ST-A", "Gauge: P_x + P_y + P_z = 0", "E_z", "Largest residuals", "published"] {
+        assert!(text.contains(words), "{words} is missing in\n{text}");
+    }
+}
+
+#[test]
+fn fewer_terms_are_fitted_with_model() {
+    let xsens = answer(&[XSENS, "--model", "bias,g_linear"]);
+    assert_eq!(xsens["calibration"]["gyros"][0]["e_source"], "held");
+    assert_eq!(xsens["separations"].as_array().unwrap().len(), 3);
+    let words: Vec<&str> = xsens["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    assert!(words.iter().any(|n| n.contains("no attitude column")), "{words:?}");
+
+    let no_scale = answer(&[CAMPAIGN, "--model", "bias,g_linear"]);
+    assert_eq!(no_scale["separations"], serde_json::json!([]));
+    let reason = no_scale["not_separated"][0]["reason"].as_str().unwrap();
+    assert!(reason.contains("D_I, D_S cannot be had in deg/(h*g0)"), "{reason}");
+    assert!(table(&[CAMPAIGN, "--model", "bias,scale"]).contains("is not separated: the model has no g_linear term"));
+    assert!(complaint(&[CAMPAIGN, "--model", "bias,jerk"], 2).contains("unknown term \"jerk\""));
+}
+
+#[test]
+fn a_refused_file_says_where_and_why() {
+    let text = std::fs::read_to_string(CAMPAIGN).unwrap();
+    let json = file(".json", &text.replacen("\"start_s\":240.0", "\"start_s\":100.0", 1));
+    let words = complaint(&[json.path().to_str().unwrap()], 1);
+    assert!(words.contains(json.path().to_str().unwrap()) && words.contains("/dwells/1/start_s: overlaps"), "{words}");
+    let csv = file(".csv", &as_csv(CAMPAIGN).replacen("temperature_c", "temp", 1));
+    let words = complaint(&[csv.path().to_str().unwrap()], 1);
+    assert!(words.contains("line 7, column"), "{words}");
+}
+
+#[test]
+fn exchanged_outputs_are_refused_as_an_impossible_e() {
+    let mut campaign: Value = serde_json::from_slice(&std::fs::read(CAMPAIGN).unwrap()).unwrap();
+    for dwell in campaign["dwells"].as_array_mut().unwrap() {
+        dwell["output_pulse_s"].as_array_mut().unwrap().swap(0, 2);
+    }
+    let exchanged = file(".json", &campaign.to_string());
+    let words = complaint(&[exchanged.path().to_str().unwrap()], 1);
+    assert!(
+        words.contains("/gyros/0") && words.contains("/gyros/2") && words.contains("deg from the input axis"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_bench_test_yields_a_bench_result() {
+    let text = std::fs::read_to_string(CAMPAIGN).unwrap();
+    let mut campaign: Value = serde_json::from_str(&text).unwrap();
+    campaign["test"] = "torque_feedback".into();
+    campaign["geometry"] =
+        serde_json::from_str(r#"{"input": [0.57735, -0.40825, 0.70711], "spin": [0, 0.866025, 0.5]}"#).unwrap();
+    campaign["gyros"] = serde_json::json!([{"serial": "LFG-9000-1"}]);
+    let dwells = campaign["dwells"].as_array_mut().unwrap();
+    dwells.retain(|d| d["phase"] == "static");
+    for dwell in dwells {
+        dwell["output_pulse_s"].as_array_mut().unwrap().truncate(1);
+        dwell["output_sem_pulse_s"].as_array_mut().unwrap().truncate(1);
+    }
+    let bench = file(".json", &campaign.to_string());
+    let answer = answer(&[bench.path().to_str().unwrap()]);
+    let result = &answer["bench_result"];
+    assert_eq!((&result["method"], &result["serial"]), (&"torque_feedback".into(), &"LFG-9000-1".into()));
+    // The same gyro in the same campaign: the key's D_I and D_S.
+    for (name, truth) in [("d_i", 3.526959), ("d_s", 0.145471)] {
+        let found = result[format!("{name}_deg_per_h_g0")].as_f64().unwrap();
+        let sd = result[format!("{name}_sd")].as_f64().unwrap();
+        assert!((found - truth).abs() < 4.0 * sd && sd < 2e-3, "{name}: {found} +- {sd}");
+    }
+}

@@ -1,9 +1,11 @@
 //! Simulated campaigns: the fit recovers what was put in, without bias, and its sigmas are right from both sides.
 
+use gyrowatch::core::calibrate::bench::calibrate_bench;
 use gyrowatch::core::calibrate::{Calibration, calibrate};
 use gyrowatch::core::record::Plausibility;
 use gyrowatch::simulate::presets::preset;
-use gyrowatch::simulate::scenario::{Scenario, StandardErrors};
+use gyrowatch::simulate::programme::Positions;
+use gyrowatch::simulate::scenario::{AxesChoice, GeometryChoice, GyroChoice, Scenario, StandardErrors, StatedE};
 use gyrowatch::simulate::{Simulated, simulate};
 use std::collections::BTreeMap;
 
@@ -44,16 +46,21 @@ impl Ratios {
         }
     }
 
-    /// rms(error/sd) from 0.9 to 1.1, and a mean that chance explains.
+    /// rms(error/sd) from 0.9 to 1.1, and a mean that chance explains. `--nocapture` shows the figures.
     fn assert_honest(&self, what: &str) {
         assert!(!self.0.is_empty());
+        let mut extremes = (f64::MAX, f64::MIN, 0.0_f64);
         for (name, ratios) in &self.0 {
+            eprintln!("{name} {:?}", (ratios.iter().map(|x| x * x).sum::<f64>() / ratios.len() as f64).sqrt());
             let n = ratios.len() as f64;
             let rms = (ratios.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
             let bias = ratios.iter().sum::<f64>() / n.sqrt();
+            extremes = (extremes.0.min(rms), extremes.1.max(rms), extremes.2.max(bias.abs()));
             assert!((0.9..1.1).contains(&rms), "{what}: rms(error/sd) of {name} is {rms:.3}");
             assert!(bias.abs() < 4.0 * rms, "{what}: the mean error of {name} is {bias:.1} of its own sigma");
         }
+        let (low, high, bias) = extremes;
+        println!("| {what} | {} | {low:.2} to {high:.2} | {bias:.1} |", self.0.len());
     }
 }
 
@@ -127,4 +134,88 @@ fn whatever_is_left_of_a_design_is_fitted_or_named_and_never_panics() {
             }
         }
     }
+}
+
+/// One gyro on a fixture: input along the fixture's X, spin along Y, turned by what the mounting leaves.
+fn on_a_bench(test: &str, positions: Positions, states_e: StatedE, change: impl Fn(&mut Scenario)) -> Ratios {
+    let axes = AxesChoice { input: [1.0, 0.0, 0.0], spin: [0.0, 1.0, 0.0] };
+    let mut scenario = Scenario {
+        test: test.into(),
+        geometry: GeometryChoice::Axes([("G1".to_owned(), axes)].into()),
+        gyros: vec![GyroChoice { slot: "G1".into(), states_e, ..GyroChoice::default() }],
+        ..Scenario::default()
+    };
+    scenario.programme.positions = positions;
+    scenario.programme.rates_arcsec_s = Vec::new();
+    change(&mut scenario);
+    let mut ratios = Ratios::default();
+    for seed in 0..4 * SEEDS {
+        let run = simulate(&Scenario { seed, ..scenario.clone() }).expect("a scenario that runs");
+        let bench = calibrate_bench(&run.campaign).unwrap_or_else(|why| panic!("{test}: {why}"));
+        let truth = &run.world.gyros[0];
+        let drift = truth.input() * truth.drift.d_i + truth.spin() * truth.drift.d_s;
+        for (name, expected) in [
+            ("D_F", truth.drift.d_f),
+            ("D_I", drift.dot(&bench.axes.row(0).transpose())),
+            ("D_S", drift.dot(&bench.axes.row(1).transpose())),
+            ("D_O", drift.dot(&bench.axes.row(2).transpose())),
+        ] {
+            let found = bench.coefficient(name).expect("these positions show it");
+            ratios.add(name, found.value, expected, found.sd.expect("a noise scale"));
+        }
+        for name in ["D_II", "D_SS"] {
+            if let Some(found) = bench.coefficient(name) {
+                ratios.add(name, found.value, 0.0, found.sd.expect("a noise scale"));
+            }
+        }
+    }
+    ratios
+}
+
+#[test]
+fn raw_bench_tests_are_recovered_with_honest_sigmas() {
+    let tumble = on_a_bench("torque_feedback", Positions::PolarTumble, StatedE::True, |_| ());
+    assert!(tumble.0.contains_key("D_SS"), "a tumble shows D_II - D_SS");
+    tumble.assert_honest("polar-axis tumble, E stated");
+    let edges = on_a_bench("torque_feedback", Positions::WithEdges, StatedE::No, |_| ());
+    edges.assert_honest("36 positions, E from the Earth's rate");
+    let servo = |scenario: &mut Scenario| {
+        scenario.population.scale_factor = 1.0;
+        scenario.population.scale_factor_sd = 0.0;
+        scenario.population.misalignment_arcmin = 0.0;
+    };
+    on_a_bench("turntable_servo", Positions::WithEdges, StatedE::No, servo).assert_honest("servo turntable");
+}
+
+#[test]
+fn a_servo_table_that_cancels_the_gyro_is_recognised_by_the_earths_rate() {
+    let servo = |sign: f64| {
+        let mut scenario = Scenario { test: "turntable_servo".into(), ..Scenario::default() };
+        scenario.gyros.truncate(1);
+        scenario.population.scale_factor = 1.0;
+        scenario.population.scale_factor_sd = 0.0;
+        scenario.programme.rates_arcsec_s = Vec::new();
+        let mut run = simulate(&scenario).expect("it runs");
+        run.campaign.dwells.iter_mut().flat_map(|d| &mut d.output_pulse_s).for_each(|y| *y *= sign);
+        calibrate_bench(&run.campaign).map(|bench| bench.result(&run.campaign))
+    };
+    let (plain, cancelling) = (servo(1.0).expect("a table rate"), servo(-1.0).expect("a table rate"));
+    assert!((plain.d_i - cancelling.d_i).abs() < 1e-12 && (plain.d_s - cancelling.d_s).abs() < 1e-12);
+    let words = servo(1.47).expect_err("pulses are no table rate").to_string();
+    assert!(words.contains("known_e_pulse_per_arcsec"), "{words}");
+}
+
+#[test]
+fn a_bench_test_in_one_position_is_refused_with_the_reason() {
+    let mut scenario = Scenario { test: "torque_feedback".into(), ..Scenario::default() };
+    scenario.gyros.truncate(1);
+    let mut run = simulate(&scenario).expect("it runs");
+    let first = run.campaign.dwells[0].clone();
+    run.campaign.dwells.iter_mut().for_each(|d| *d = first.clone());
+    run.campaign.gyros[0].known_e = Some(run.world.gyros[0].e());
+    let words = calibrate_bench(&run.campaign).expect_err("one position").to_string();
+    assert!(words.contains("D_I, D_S"), "{words}");
+    run.campaign.gyros[0].known_e = None;
+    let words = calibrate_bench(&run.campaign).expect_err("no Earth's rate to go by").to_string();
+    assert!(words.contains("known_e_pulse_per_arcsec"), "{words}");
 }

@@ -22,7 +22,7 @@ use utoipa_axum::routes;
 use super::App;
 use super::document::{Document, check_media_type};
 use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Kind, Pipeline, Reply, Sent, Submission};
+use crate::pipeline::{Accepted, Kind, Pipeline, ReadCampaign, Reply, Sent, Submission};
 use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 
@@ -50,7 +50,7 @@ struct LineAnswer {
     error: Option<Problem>,
 }
 
-/// Stores records and bench results, one a line, each by itself: a bad line is named and holds up no other.
+/// Stores records, campaigns and bench results, one a line, each by itself: a bad line is named and holds up no other.
 #[utoipa::path(post, path = "/v1/import", tag = "records",
     request_body(content = String, content_type = "application/x-ndjson", description = "one JSON document a line"),
     responses(
@@ -238,6 +238,7 @@ struct ReadLine {
 #[derive(Clone, Copy)]
 enum SentKind {
     Record,
+    Campaign,
     Bench,
 }
 
@@ -293,6 +294,11 @@ fn submission(bytes: &[u8], pipeline: &Pipeline) -> Result<(Submission, (SentKin
             let body = Arc::clone(&calibration.body);
             Ok((Submission::Calibration(Box::new(calibration)), (SentKind::Record, body)))
         }
+        DocumentKind::Campaign => {
+            let ReadCampaign { submission, body, .. } = pipeline.read_campaign(bytes)?;
+            let kind = if matches!(submission, Submission::Bench(_)) { SentKind::Bench } else { SentKind::Campaign };
+            Ok((submission, (kind, body)))
+        }
         DocumentKind::Bench => {
             let bench = pipeline.read_bench_result(bytes)?;
             let body = Arc::clone(&bench.body);
@@ -312,6 +318,7 @@ async fn settled(
     }
     let sent = match kind {
         SentKind::Record => Sent::Calibration(Kind::Record, body),
+        SentKind::Campaign => Sent::Calibration(Kind::Campaign, body),
         SentKind::Bench => Sent::Bench(body),
     };
     let id = pipeline.settle(&accepted, sent).await?;

@@ -7,6 +7,7 @@
 mod agreement;
 mod baseline;
 mod bench_results;
+mod campaigns;
 mod docs;
 mod document;
 mod gyros;
@@ -51,6 +52,7 @@ pub fn router(app: App) -> Router {
         .routes(routes!(health::healthz))
         .routes(routes!(health::readyz))
         .merge(records::routes())
+        .merge(campaigns::routes())
         .merge(bench_results::routes())
         .merge(gyros::routes())
         .merge(trend::routes())

@@ -5,12 +5,11 @@ use sha2::{Digest, Sha256};
 use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
 use super::{Judged, Pipeline};
-use crate::config::JudgedMethod;
 use crate::core::fault::Faults;
 use crate::core::judge::Verdict;
 use crate::core::judge::history::Need;
 use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
-use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody};
+use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 
 /// A stored record with its answer.
 #[derive(Debug, Clone)]
@@ -27,10 +26,7 @@ impl Pipeline {
     }
 
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
-        let method = match self.config.judging.method {
-            JudgedMethod::Rigid => MethodBody::Rigid,
-            JudgedMethod::Published => MethodBody::Published,
-        };
+        let method = self.method();
         gyros.iter().map(|gyro| SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method)).collect()
     }
 
@@ -56,6 +52,7 @@ impl Pipeline {
     fn read_again(&self, kind: Kind, body: &str) -> Result<Calibration, Faults> {
         match kind {
             Kind::Record => self.reread_record(body),
+            Kind::Campaign => self.reread_campaign(body),
         }
     }
 

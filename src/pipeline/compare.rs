@@ -7,6 +7,7 @@ use super::read::anything;
 use super::{Accepted, Pipeline, Refused};
 use crate::store::{Id, Kind};
 use crate::wire::bench::BenchBody;
+use crate::wire::campaign;
 use crate::wire::json::{first_difference, parse};
 use crate::wire::record::RecordBody;
 
@@ -53,6 +54,10 @@ fn value_of(kind: Kind, body: &str) -> Value {
         Kind::Record => {
             let record = parse::<RecordBody>(body.as_bytes()).and_then(|record| record.to_core(&anything()));
             record.ok().and_then(|record| to_value(&RecordBody::of(&record)))
+        }
+        Kind::Campaign => {
+            let campaign = campaign::parse_json(body.as_bytes()).ok();
+            campaign.and_then(|campaign| serde_json::from_str(&campaign::to_json(&campaign)).ok())
         }
     };
     canonical.unwrap_or_else(|| as_it_stands(body))

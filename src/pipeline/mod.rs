@@ -15,6 +15,7 @@
 mod admit;
 mod agreement;
 mod answer;
+mod campaign;
 mod compare;
 mod judging;
 mod line;
@@ -33,6 +34,7 @@ use crate::system::Clock;
 
 pub use agreement::{Compared, Comparison};
 pub use answer::StoredRecord;
+pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
 pub use line::sample_of;
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
 use sha2::{Digest, Sha256};
 
 use super::Pipeline;
@@ -114,13 +115,24 @@ impl Pipeline {
     ) -> Result<CalibratedGyro, String> {
         let separation =
             separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance).map_err(|error| error.to_string())?;
+        let sds = (gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+        let requirements = self.requirements(geometry, gyro.slot, (&gyro.e, &gyro.g), sds);
+        Ok(CalibratedGyro { slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
+    }
+
+    /// E and G, with their standard deviations, against what Tables 3 and 4 require of the skewed geometry.
+    pub(super) fn requirements(
+        &self,
+        geometry: &Geometry,
+        slot: Slot,
+        (e, g): (&Vector3<f64>, &Vector3<f64>),
+        (e_sd, g_sd): (Option<&Vector3<f64>>, Option<&Vector3<f64>>),
+    ) -> [Option<Verdict>; 2] {
         let required = match geometry {
-            Geometry::Skewed if self.config.judging.requirements => Requirement::tables_3_and_4()[gyro.slot.index()],
+            Geometry::Skewed if self.config.judging.requirements => Requirement::tables_3_and_4()[slot.index()],
             _ => Requirement::default(),
         };
-        let confidence = self.config.judging.confidence;
-        let requirements = requirement(&required, &gyro.e, &gyro.g, gyro.e_sd.as_ref(), gyro.g_sd.as_ref(), confidence);
-        Ok(CalibratedGyro { slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
+        requirement(&required, e, g, e_sd, g_sd, self.config.judging.confidence)
     }
 
     /// Reads and checks a bench result.

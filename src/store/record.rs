@@ -14,17 +14,20 @@ use crate::core::time::UtcMicros;
 pub enum Kind {
     /// Parameters that the station fitted.
     Record,
+    /// Raw dwells, fitted here.
+    Campaign,
 }
 
 impl Kind {
     fn code(self) -> i64 {
         match self {
             Kind::Record => 0,
+            Kind::Campaign => 1,
         }
     }
 
     fn from_code(code: i64) -> Option<Self> {
-        [Kind::Record].into_iter().find(|kind| kind.code() == code)
+        [Kind::Record, Kind::Campaign].into_iter().find(|kind| kind.code() == code)
     }
 }
 

@@ -8,6 +8,7 @@ use serde::de::IgnoredAny;
 pub enum DocumentKind {
     Record,
     Bench,
+    Campaign,
 }
 
 /// The members that tell the kinds apart.
@@ -16,6 +17,7 @@ struct Marks {
     method: Option<IgnoredAny>,
     measured_at: Option<IgnoredAny>,
     gyros: Option<IgnoredAny>,
+    dwells: Option<IgnoredAny>,
 }
 
 impl DocumentKind {
@@ -26,7 +28,8 @@ impl DocumentKind {
             return Self::Record;
         }
         match serde_json::from_slice(bytes) {
-            Ok(Marks { method: Some(_), measured_at: Some(_), gyros: None }) => Self::Bench,
+            Ok(Marks { dwells: Some(_), .. }) => Self::Campaign,
+            Ok(Marks { method: Some(_), measured_at: Some(_), gyros: None, .. }) => Self::Bench,
             Ok(_) | Err(_) => Self::Record,
         }
     }
@@ -40,6 +43,7 @@ mod tests {
     fn kinds_are_told_apart_by_members_not_by_words() {
         for (text, kind) in [
             (r#"{"method":"torque_feedback","measured_at":"…","serial":"A"}"#, DocumentKind::Bench),
+            (r#"{"imu":"A","measured_at":"…","gyros":[],"dwells":[]}"#, DocumentKind::Campaign),
             (r#"{"imu":"A","calibrated_at":"…","gyros":[]}"#, DocumentKind::Record),
             (r#"{"imu":"A","note":"see \"measured_at\" and \"method\"","gyros":[]}"#, DocumentKind::Record),
             ("not json \"measured_at\"", DocumentKind::Record),

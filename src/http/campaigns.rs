@@ -1,0 +1,138 @@
+//! `/v1/campaigns`: raw dwells in, fitted here; as they are stored; and the diagnosis of their gap.
+
+use axum::Json;
+use axum::extract::{FromRequest, Path, Request, State};
+use axum::http::header::LOCATION;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use serde::Serialize;
+use serde_json::value::RawValue;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::{Document, check_media_type, idempotency_key};
+use crate::pipeline::{Accepted, Id, Kind, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::wire::calibration::CampaignAnswer;
+use crate::wire::campaign::{CampaignBody, is_csv};
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(post_campaign)).routes(routes!(get_campaign)).routes(routes!(get_diagnosis))
+}
+
+/// A campaign as JSON or CSV.
+struct Dwells(Bytes);
+
+impl<S: Send + Sync> FromRequest<S> for Dwells {
+    type Rejection = Response;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
+        check_media_type(request.headers(), &["application/json", "text/csv"]).map_err(IntoResponse::into_response)?;
+        Bytes::from_request(request, state).await.map(Self).map_err(IntoResponse::into_response)
+    }
+}
+
+/// Fits model (6) to the dwells, separates, stores and judges; the same rules as for records.
+///
+/// A raw single-gyro bench test (`"test": "torque_feedback"` or `"turntable_servo"`) becomes a bench result.
+#[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns",
+    request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
+    params(("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again")),
+    responses(
+        (status = 201, description = "stored and judged", body = CampaignAnswer, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = CampaignAnswer),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "neither application/json nor text/csv", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "what cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
+        (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
+async fn post_campaign(State(app): State<App>, headers: HeaderMap, body: Dwells) -> Result<Response, Problem> {
+    let bytes = body.0;
+    let key = idempotency_key(&headers)?;
+    let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
+    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text)).await;
+    let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
+    let ReadCampaign { submission, answer, body } = read.map_err(|faults| match is_csv(&bytes) {
+        true => Problem::of_faults(422, "Cannot be stored as it is", faults),
+        false => Document::problem(&bytes, faults),
+    })?;
+    let (submission, sent, place) = match submission {
+        Submission::Bench(mut bench) => {
+            bench.idempotency_key = key;
+            (Submission::Bench(bench), Sent::Bench(&body), "bench-results")
+        }
+        Submission::Calibration(mut calibration) => {
+            calibration.idempotency_key = key;
+            (Submission::Calibration(calibration), Sent::Calibration(Kind::Campaign, &body), "campaigns")
+        }
+        Submission::Event(_) => return Err(Problem::new(500, "Internal error", "a campaign is no event")),
+    };
+    let accepted = app.pipeline.submit(submission).await?;
+    let id = app.pipeline.settle(&accepted, sent).await?;
+    let location = [(LOCATION, format!("/v1/{place}/{id}"))];
+    match &accepted {
+        Accepted::Stored { judged, .. } => {
+            let answer = app.pipeline.campaign_answer(id, answer, judged);
+            Ok((StatusCode::CREATED, location, Json(answer)).into_response())
+        }
+        // Of a bench test nothing is judged: the answer is the fit, now as then.
+        Accepted::There { .. } if place == "bench-results" => {
+            Ok((location, Json(app.pipeline.campaign_answer(id, answer, &[]))).into_response())
+        }
+        Accepted::There { .. } => Ok((location, Json(stored(&app, id).await?.answer)).into_response()),
+    }
+}
+
+/// A stored campaign.
+#[derive(Serialize, ToSchema)]
+struct StoredCampaignBody {
+    #[serde(flatten)]
+    answer: CampaignAnswer,
+    received_at: String,
+    /// The campaign word for word as it was sent; one sent as CSV, as the JSON that says the same.
+    #[schema(value_type = CampaignBody)]
+    campaign: Box<RawValue>,
+}
+
+/// A stored campaign: what was sent, the fit with its evidence, what was separated, and how it is judged.
+#[utoipa::path(get, path = "/v1/campaigns/{id}", tag = "campaigns",
+    params(("id" = String, Path, description = "identifier of the campaign")),
+    responses(
+        (status = 200, description = "the campaign", body = StoredCampaignBody),
+        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
+async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
+    let id: Id = id.parse().map_err(|_| no_such(&id))?;
+    let StoredCampaign { row, answer } = stored(&app, id).await?;
+    let campaign = RawValue::from_string(row.body.to_string())
+        .map_err(|_| Problem::new(500, "Damaged database", format!("the body of campaign {id} is no JSON")))?;
+    Ok(Json(StoredCampaignBody { answer, received_at: time::format(row.received_at), campaign }))
+}
+
+/// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot be told.
+#[utoipa::path(get, path = "/v1/campaigns/{id}/diagnosis", tag = "campaigns",
+    params(("id" = String, Path, description = "identifier of the campaign")),
+    responses(
+        (status = 200, description = "the diagnosis", body = DiagnosisBody),
+        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "the campaign leaves nothing to hold against the model", body = Problem, content_type = "application/problem+json")))]
+async fn get_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DiagnosisBody>, Problem> {
+    let number: Id = id.parse().map_err(|_| no_such(&id))?;
+    let diagnosis = app.pipeline.diagnosis(number).await?.ok_or_else(|| no_such(&id))?;
+    let diagnosis = diagnosis.map_err(|why| Problem::new(422, "Nothing to diagnose", why.to_string()))?;
+    Ok(Json(DiagnosisBody::from(&diagnosis)))
+}
+
+async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {
+    app.pipeline.stored_campaign(id).await?.ok_or_else(|| no_such(&id.to_string()))
+}
+
+fn no_such(id: &str) -> Problem {
+    Problem::new(404, "No such campaign", format!("there is no campaign {id}"))
+}

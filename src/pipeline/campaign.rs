@@ -1,0 +1,164 @@
+//! Raw campaigns: fitted and separated where they come in, stored whole, read and diagnosed again from what is stored.
+
+use std::sync::Arc;
+
+use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
+use super::{Judged, Pipeline};
+use crate::config::JudgedMethod;
+use crate::core::calibrate::outcome::{Outcome, evaluate};
+use crate::core::campaign::Campaign;
+use crate::core::diagnose::{Diagnosis, Options, Refusal, diagnose};
+use crate::core::fault::Faults;
+use crate::core::record::Plausibility;
+use crate::store::{Id, Kind, RecordRow, StoreError};
+use crate::wire::answer::{MethodBody, VerdictBody};
+use crate::wire::calibration::CampaignAnswer;
+use crate::wire::campaign;
+
+/// A campaign that can be stored: what is submitted, and the answer but for its id and verdicts.
+#[derive(Debug, Clone)]
+pub struct ReadCampaign {
+    pub submission: Submission,
+    pub answer: CampaignAnswer,
+    /// As it is kept: JSON, whichever form it came in.
+    pub body: Arc<str>,
+}
+
+/// A stored campaign with its answer.
+#[derive(Debug, Clone)]
+pub struct StoredCampaign {
+    pub row: RecordRow,
+    pub answer: CampaignAnswer,
+}
+
+impl Pipeline {
+    /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.
+    /// Computing, about a millisecond: not for a thread that serves others.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer, or its line and column.
+    pub fn read_campaign(&self, bytes: &[u8]) -> Result<ReadCampaign, Faults> {
+        let campaign = campaign::parse(bytes)?;
+        self.check_time("/measured_at", campaign.measured_at)?;
+        let outcome = evaluate(&campaign, &self.config.plausibility.limits())?;
+        let (body, body_sha256) = match campaign::is_csv(bytes) {
+            true => kept(campaign::to_json(&campaign).as_bytes())?,
+            false => kept(bytes)?,
+        };
+        let answer = CampaignAnswer::of(&campaign, &outcome, self.method());
+        let submission = match &outcome {
+            Outcome::Imu { .. } => {
+                Submission::Calibration(Box::new(self.calibration_of(&campaign, &outcome, body.clone(), body_sha256)))
+            }
+            Outcome::Bench(bench) => Submission::Bench(Box::new(BenchTest {
+                result: bench.result(&campaign),
+                body: body.clone(),
+                body_sha256,
+                idempotency_key: None,
+            })),
+        };
+        Ok(ReadCampaign { submission, answer, body })
+    }
+
+    /// Reads a stored campaign: it was plausible once, whatever today's limits are.
+    pub(super) fn reread_campaign(&self, body: &str) -> Result<Calibration, Faults> {
+        let (campaign, outcome) = evaluated(body, &anything())?;
+        let (body, body_sha256) = kept(body.as_bytes())?;
+        Ok(self.calibration_of(&campaign, &outcome, body, body_sha256))
+    }
+
+    fn calibration_of(
+        &self,
+        campaign: &Campaign,
+        outcome: &Outcome,
+        body: Arc<str>,
+        body_sha256: [u8; 32],
+    ) -> Calibration {
+        let gyros = match outcome {
+            Outcome::Imu { calibration, separations } => {
+                let pairs = calibration.gyros.iter().zip(&campaign.gyros).zip(separations);
+                let separated = pairs.filter_map(|((fitted, gyro), separation)| {
+                    let separation = separation.as_ref().ok()?;
+                    let (e, g) = (fitted.e()?, fitted.g()?);
+                    let sd = fitted.covariance_eg().map(|c| c.diagonal().map(|v| v.max(0.0).sqrt()));
+                    let [e_sd, g_sd] = [0, 3].map(|row| sd.map(|sd| sd.fixed_rows::<3>(row).into_owned()));
+                    let requirements =
+                        self.requirements(&campaign.geometry, gyro.slot, (&e, &g), (e_sd.as_ref(), g_sd.as_ref()));
+                    Some(CalibratedGyro {
+                        slot: gyro.slot,
+                        serial: gyro.serial.clone(),
+                        separation: separation.clone(),
+                        requirements,
+                    })
+                });
+                separated.collect()
+            }
+            Outcome::Bench(_) => Vec::new(),
+        };
+        Calibration {
+            kind: Kind::Campaign,
+            imu: campaign.imu.clone(),
+            station: campaign.station.clone(),
+            calibrated_at: campaign.measured_at,
+            gyros,
+            body,
+            body_sha256,
+            idempotency_key: None,
+        }
+    }
+
+    /// The answer to a campaign that has just been stored.
+    pub fn campaign_answer(&self, id: Id, mut answer: CampaignAnswer, judged: &[Judged]) -> CampaignAnswer {
+        let verdicts = judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v)));
+        answer.verdicts = verdicts.collect();
+        answer.id = Some(id.to_string());
+        answer
+    }
+
+    /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
+    pub async fn stored_campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StoreError> {
+        let Some(stored) = self.stored_record(id).await? else { return Ok(None) };
+        if stored.row.kind != Kind::Campaign {
+            return Ok(None);
+        }
+        let (campaign, outcome) = evaluated(&stored.row.body, &anything()).map_err(|faults| damaged(id, &faults))?;
+        let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
+        answer.id = stored.answer.id;
+        answer.verdicts = stored.answer.verdicts;
+        Ok(Some(StoredCampaign { row: stored.row, answer }))
+    }
+
+    /// Diagnoses a stored campaign against its own model, on a thread for computing.
+    ///
+    /// # Errors
+    /// Of the store; inside, why there is nothing to be diagnosed.
+    pub async fn diagnosis(&self, id: Id) -> Result<Option<Result<Diagnosis, Refusal>>, StoreError> {
+        let Some(row) = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign) else {
+            return Ok(None);
+        };
+        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
+        let work = tokio::task::spawn_blocking(move || diagnose(&campaign, &Options::default()));
+        let diagnosis = work.await.map_err(|error| StoreError::Damaged(format!("diagnosis of {id}: {error}")))?;
+        Ok(Some(diagnosis))
+    }
+
+    pub(super) fn method(&self) -> MethodBody {
+        match self.config.judging.method {
+            JudgedMethod::Rigid => MethodBody::Rigid,
+            JudgedMethod::Published => MethodBody::Published,
+        }
+    }
+}
+
+fn evaluated(body: &str, limits: &Plausibility) -> Result<(Campaign, Outcome), Faults> {
+    let campaign = campaign::parse_json(body.as_bytes())?;
+    let outcome = evaluate(&campaign, limits)?;
+    Ok((campaign, outcome))
+}
+
+fn damaged(id: Id, faults: &Faults) -> StoreError {
+    StoreError::Damaged(format!("the body of campaign {id} cannot be read: {faults}"))
+}

@@ -10,6 +10,7 @@ mod bench_results;
 mod campaigns;
 mod docs;
 mod document;
+mod gyro_diagnosis;
 mod gyros;
 mod health;
 mod import;
@@ -55,6 +56,7 @@ pub fn router(app: App) -> Router {
         .merge(campaigns::routes())
         .merge(bench_results::routes())
         .merge(gyros::routes())
+        .merge(gyro_diagnosis::routes())
         .merge(trend::routes())
         .merge(agreement::routes())
         .merge(baseline::routes())

@@ -17,6 +17,7 @@ mod agreement;
 mod answer;
 mod campaign;
 mod compare;
+mod history;
 mod judging;
 mod line;
 mod read;
@@ -36,6 +37,7 @@ pub use agreement::{Compared, Comparison};
 pub use answer::StoredRecord;
 pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
+pub use history::ExplainedHistory;
 pub use line::sample_of;
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{BenchRow, Figures, Id, Kind, Names, Span, StoreError, Tables};

@@ -5,6 +5,7 @@ use sqlx::SqlitePool;
 use super::batch::{Batch, Rows};
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
+use super::id::Id;
 use super::open::Store;
 use crate::core::time::UtcMicros;
 
@@ -107,5 +108,14 @@ impl Store {
     pub async fn count_history(&self, gyro: u32) -> Result<i64, StoreError> {
         let sql = "SELECT count(*) FROM history WHERE gyro = $1";
         Ok(sqlx::query_scalar(sql).bind(gyro).fetch_one(&self.readers).await?)
+    }
+
+    /// The temperature of each of a gyro's records that states one; of a campaign that does not, the mean of its dwells.
+    pub async fn temperatures(&self, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
+        let sql = "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
+                          (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
+                   FROM history JOIN record ON record.id = history.record WHERE gyro = $1 AND json_valid(body)";
+        let rows: Vec<(i64, Option<f64>)> = sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
+        Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
     }
 }

@@ -1,0 +1,81 @@
+//! Why a coefficient changed: the history of a gyro, diagnosed from what the service holds.
+
+mod lab;
+
+use serde_json::Value;
+
+use lab::{Lab, day, record};
+
+/// Scatter of calibration, deg/(h g0): a fixed sequence that no cause follows.
+fn scatter(k: i64) -> f64 {
+    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0, 0.4, -0.3, 1.0, -0.8, 0.2, 0.6];
+    noise[(k * 5 % 17) as usize] * 1e-4
+}
+
+/// Twenty-four records, four weeks apart, every third one by the second station.
+async fn station_history(lab: &Lab, imu: &str, serial: &str, shift: i64, d_i: impl Fn(i64, bool) -> f64) {
+    let mut records = Vec::new();
+    for k in 0..24 {
+        let away = k % 3 == 2;
+        let d_i = 3.0 + scatter(k + shift) + d_i(k, away);
+        let mut sent = record(imu, &day(28 * k), &[("G1", serial, d_i, 4.0 + scatter(k + shift + 3))]);
+        sent["station"] = if away { "ST-2" } else { "ST-1" }.into();
+        sent["temperature_c"] = (40 + k * k % 7).into();
+        records.push(sent);
+    }
+    for answer in lab.imports(&records).await {
+        assert_eq!(answer["status"], 201, "{answer}");
+    }
+}
+
+async fn diagnosis(lab: &Lab, serial: &str, coefficient: &str) -> Value {
+    let answer = lab.get(&format!("/v1/gyros/{serial}/diagnosis")).await.ok();
+    assert_eq!(answer["serial"], serial);
+    let coefficients = answer["coefficients"].as_array().unwrap();
+    coefficients.iter().find(|c| c["coefficient"] == coefficient).unwrap().clone()
+}
+
+#[tokio::test]
+async fn an_ageing_gyro_is_told_from_a_stable_one() {
+    let lab = Lab::open().await;
+    station_history(&lab, "IMU-1", "AGES", 0, |k, _| 4e-4 * k as f64).await;
+    station_history(&lab, "IMU-2", "STAYS", 4, |_, _| 0.0).await;
+    let ages = diagnosis(&lab, "AGES", "D_I").await;
+    assert_eq!(ages["verdict"], "explained", "{ages}");
+    assert_eq!(ages["causes"][0]["cause"], "ageing");
+    let slope = ages["causes"][0]["estimates"][0]["value"].as_f64().unwrap();
+    let a_year = 4e-4 * 365.25 / 28.0;
+    assert!((slope / a_year - 1.0).abs() < 0.1, "{slope} is not {a_year}");
+    assert_eq!(diagnosis(&lab, "STAYS", "D_I").await["verdict"], "no_change");
+}
+
+#[tokio::test]
+async fn a_stations_offset_is_seen_on_the_other_gyros_too() {
+    let lab = Lab::open().await;
+    for (k, serial) in ["A", "B", "C"].into_iter().enumerate() {
+        let offset = |_, away| if away { 5e-3 } else { 0.0 };
+        station_history(&lab, &format!("IMU-{k}"), serial, 3 * k as i64, offset).await;
+    }
+    let answer = lab.get("/v1/gyros/A/diagnosis").await.ok();
+    assert_eq!(answer["peers"], 2);
+    let shifted = diagnosis(&lab, "A", "D_I").await;
+    assert_eq!(shifted["causes"][0]["cause"], "station", "{shifted}");
+}
+
+#[tokio::test]
+async fn a_temperature_that_the_records_state_is_a_candidate() {
+    let lab = Lab::open().await;
+    station_history(&lab, "IMU-1", "WARM", 0, |k, _| 2e-3 * (k * k % 7) as f64).await;
+    let warm = diagnosis(&lab, "WARM", "D_I").await;
+    assert_eq!(warm["causes"][0]["cause"], "temperature", "{warm}");
+    let per_kelvin = warm["causes"][0]["estimates"][0]["value"].as_f64().unwrap();
+    assert!((per_kelvin - 2e-3).abs() < 2e-4, "{per_kelvin}");
+}
+
+#[tokio::test]
+async fn too_few_records_say_so_and_unknown_gyros_are_not_found() {
+    let lab = Lab::open().await;
+    lab.posts(&record("IMU-1", &day(0), &[("G1", "NEW", 1.0, 2.0)])).await;
+    assert_eq!(diagnosis(&lab, "NEW", "D_S").await["verdict"], "too_few");
+    lab.get("/v1/gyros/NOBODY/diagnosis").await.refused(404);
+}

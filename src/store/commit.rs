@@ -10,6 +10,7 @@ use super::event::{self, EventRow};
 use super::history::{self, HistoryRow};
 use super::id::{Id, IdSource};
 use super::keys::{self, KeyRow};
+use super::lock::Lock;
 use super::names::Names;
 use super::record::{self, RecordRow};
 use super::verdicts::VerdictSheet;
@@ -56,11 +57,20 @@ pub struct Writer {
     checkpoints: Checkpoints,
     /// Set once a write could not be made durable: what the log then holds is not known.
     stopped: Option<String>,
+    /// The last write failed: whether writing works again, only writing can tell.
+    in_doubt: bool,
+    _lock: Lock,
 }
 
 impl Writer {
-    pub(super) fn new(connection: SqliteConnection, names: Names, ids: IdSource, checkpoints: Checkpoints) -> Self {
-        Self { connection, names, ids, checkpoints, stopped: None }
+    pub(super) fn new(
+        connection: SqliteConnection,
+        names: Names,
+        ids: IdSource,
+        checkpoints: Checkpoints,
+        lock: Lock,
+    ) -> Self {
+        Self { connection, names, ids, checkpoints, stopped: None, in_doubt: false, _lock: lock }
     }
 
     pub fn names(&self) -> &Names {
@@ -82,7 +92,9 @@ impl Writer {
         self.checkpoints.finish(&mut self.connection).await?;
         let batch = batch_of(changes);
         let pages = batch.pages();
-        if let Err(error) = batch.commit(&mut self.connection).await {
+        let committed = batch.commit(&mut self.connection).await;
+        self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
+        if let Err(error) = committed {
             if let StoreError::NotDurable(why) = &error {
                 self.stopped = Some(why.clone());
             }
@@ -94,6 +106,28 @@ impl Writer {
             tables.gyros.extend(&changes.gyros);
         });
         self.checkpoints.written(pages);
+        Ok(())
+    }
+
+    /// Whether writing works: the database can be locked for it, and after a failure it takes a write.
+    ///
+    /// # Errors
+    /// As [`Writer::commit`].
+    pub async fn probe(&mut self) -> Result<(), StoreError> {
+        if let Some(why) = &self.stopped {
+            return Err(StoreError::NotDurable(why.clone()));
+        }
+        // The number is of no use to anyone else; setting it writes the first page.
+        let sql = if self.in_doubt {
+            "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
+        } else {
+            "BEGIN IMMEDIATE; ROLLBACK"
+        };
+        if let Err(error) = sqlx::query(sql).execute(&mut self.connection).await {
+            let _nothing_left = sqlx::query("ROLLBACK").execute(&mut self.connection).await;
+            return Err(error.into());
+        }
+        self.in_doubt = false;
         Ok(())
     }
 

@@ -12,6 +12,9 @@ pub enum StoreError {
     /// Another process holds the database.
     #[error("the database is locked by another process")]
     Busy,
+    /// Another service has the database open.
+    #[error("another gyrowatch serves the database {0}; stop it first, or use a file of your own")]
+    InUse(String),
     /// A write did not reach the disk and cannot be known to; nothing may be written until a restart.
     #[error("a write could not be made durable: {0}; restart after checking the disk")]
     NotDurable(String),

@@ -14,6 +14,7 @@ mod gyro;
 mod history;
 mod id;
 mod keys;
+mod lock;
 mod names;
 mod open;
 mod record;

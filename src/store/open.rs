@@ -1,5 +1,6 @@
 //! Opening the database: connect options, migrations, the names in memory.
 
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -11,6 +12,7 @@ use super::checkpoint::Checkpoints;
 use super::commit::Writer;
 use super::error::StoreError;
 use super::id::IdSource;
+use super::lock;
 use super::names::{Names, Table, Tables};
 
 /// Where the database is, and how it is held open.
@@ -33,6 +35,7 @@ pub struct Options {
 pub struct Store {
     pub(super) readers: SqlitePool,
     pub(super) names: Names,
+    file: PathBuf,
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
@@ -41,9 +44,11 @@ const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "history", include_str!("../../m
 /// Opens the database, creates it if there is none, and brings its schema up to date.
 ///
 /// # Errors
-/// [`StoreError`] where the file cannot be opened, is no database, or holds a schema newer than this program.
+/// [`StoreError`] where the file cannot be opened, is served by another process, is no database, or holds a schema newer than this program.
 pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     let connect = connect_options(options)?;
+    let file = connect.get_filename().to_owned();
+    let lock = lock::take(&file)?;
     let mut connection = connect.clone().connect().await?;
     migrator().run(&mut connection).await.map_err(|error| match error {
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
@@ -60,9 +65,9 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let store = Store { readers, names: names.clone() };
+    let store = Store { readers, names: names.clone(), file };
     let checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages);
-    let writer = Writer::new(connection, names, IdSource::after(last_id), checkpoints);
+    let writer = Writer::new(connection, names, IdSource::after(last_id), checkpoints, lock);
     Ok((store, writer))
 }
 
@@ -125,6 +130,12 @@ impl Store {
     pub async fn ping(&self) -> Result<(), StoreError> {
         let mut connection = self.readers.acquire().await?;
         Ok(connection.ping().await?)
+    }
+
+    /// Bytes on disk: the database, and the write-ahead log beside it.
+    pub fn sizes(&self) -> (u64, u64) {
+        let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
+        (size(&self.file), size(&lock::beside(&self.file, "-wal")))
     }
 
     /// Waits for reads under way and closes the readers.

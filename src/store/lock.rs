@@ -1,0 +1,38 @@
+//! One service a database: two would each number gyros and identifiers by themselves.
+//!
+//! SQLite's own locks cannot tell: they are held for a transaction only. The operating system gives this one up when the
+//! process ends, however it ends. Programs that only read, or write a row by themselves, do not take it.
+
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use super::error::StoreError;
+
+/// Held as long as it lives; none for a database in memory.
+pub(super) type Lock = Option<File>;
+
+/// Takes the lock of the database in `file`.
+///
+/// # Errors
+/// [`StoreError::InUse`] where another process holds it, [`StoreError::ReadOnly`] where it cannot be taken at all.
+pub(super) fn take(file: &Path) -> Result<Lock, StoreError> {
+    let name = file.to_string_lossy();
+    if name == ":memory:" || name.starts_with("file:sqlx-in-memory") {
+        return Ok(None);
+    }
+    let path = beside(file, ".lock");
+    let failed = |error: std::io::Error| StoreError::ReadOnly(format!("{}: {error}", path.display()));
+    let lock = File::options().create(true).truncate(false).write(true).open(&path).map_err(failed)?;
+    match lock.try_lock() {
+        Ok(()) => Ok(Some(lock)),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(file.display().to_string())),
+        Err(TryLockError::Error(error)) => Err(failed(error)),
+    }
+}
+
+/// The file's name with `suffix` appended.
+pub(super) fn beside(file: &Path, suffix: &str) -> PathBuf {
+    let mut name = file.as_os_str().to_owned();
+    name.push(suffix);
+    name.into()
+}

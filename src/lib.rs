@@ -34,4 +34,5 @@ pub mod report;
 pub mod simulate;
 pub mod store;
 pub mod system;
+pub mod telemetry;
 pub mod wire;

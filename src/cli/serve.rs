@@ -16,6 +16,7 @@ use crate::http::{self, App};
 use crate::pipeline::Pipeline;
 use crate::store;
 use crate::system::Clock;
+use crate::telemetry;
 
 /// Run the service: HTTP API and pages
 #[derive(Debug, Args)]
@@ -40,6 +41,7 @@ pub(super) fn run(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Res
 
 async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
     let stop = stop_signal()?;
+    telemetry::start().context("cannot count metrics")?;
     let config = Arc::new(config);
     let listener = TcpListener::bind(config.server.listen)
         .await

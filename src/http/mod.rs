@@ -14,6 +14,7 @@ mod gyro_diagnosis;
 mod gyros;
 mod health;
 mod import;
+mod metrics;
 pub mod problem;
 mod query;
 mod records;
@@ -52,6 +53,7 @@ pub fn router(app: App) -> Router {
     let timed = OpenApiRouter::with_openapi(docs::head())
         .routes(routes!(health::healthz))
         .routes(routes!(health::readyz))
+        .merge(metrics::routes())
         .merge(records::routes())
         .merge(campaigns::routes())
         .merge(bench_results::routes())
@@ -74,5 +76,6 @@ pub fn router(app: App) -> Router {
         .layer(middleware::from_fn(problem::as_problem))
         .layer(CatchPanicLayer::new())
         .layer(middleware::from_fn(problem::as_problem))
+        .layer(middleware::from_fn(metrics::count))
         .with_state(app)
 }

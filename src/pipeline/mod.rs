@@ -52,11 +52,13 @@ pub struct Pipeline {
     jobs: mpsc::Sender<Job>,
 }
 
-/// Submissions that are to be answered together, in order.
+/// What the writer is asked to do.
 #[derive(Debug)]
-struct Job {
-    items: Vec<Submission>,
-    reply: oneshot::Sender<Vec<Reply>>,
+enum Job {
+    /// Submissions that are to be answered together, in order.
+    Store { items: Vec<Submission>, reply: oneshot::Sender<Vec<Reply>> },
+    /// Whether it could.
+    Probe(oneshot::Sender<Result<(), StoreError>>),
 }
 
 /// The answer to one submission.
@@ -121,9 +123,27 @@ impl Pipeline {
         &self.store
     }
 
-    /// Whether the writer still takes work.
-    pub fn is_alive(&self) -> bool {
-        !self.jobs.is_closed()
+    /// Writes that wait, and how many may.
+    pub fn waiting(&self) -> (usize, usize) {
+        let most = self.jobs.max_capacity();
+        (most - self.jobs.capacity(), most)
+    }
+
+    /// Whether a record would be stored now: the writer lives and the database can be written.
+    ///
+    /// # Errors
+    /// [`Refused`], as a record would be.
+    pub async fn probe(&self) -> Result<(), Refused> {
+        let (reply, answer) = oneshot::channel();
+        self.offer(Job::Probe(reply))?;
+        Ok(answer.await.map_err(|_| Refused::Stopping)??)
+    }
+
+    fn offer(&self, job: Job) -> Result<(), Refused> {
+        self.jobs.try_send(job).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => Refused::Busy,
+            mpsc::error::TrySendError::Closed(_) => Refused::Stopping,
+        })
     }
 
     /// Stores and judges one item; returns once it is on disk.
@@ -132,10 +152,7 @@ impl Pipeline {
     /// [`Refused`]; then nothing of it is stored.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         let (reply, answer) = oneshot::channel();
-        self.jobs.try_send(Job { items: vec![item], reply }).map_err(|error| match error {
-            mpsc::error::TrySendError::Full(_) => Refused::Busy,
-            mpsc::error::TrySendError::Closed(_) => Refused::Stopping,
-        })?;
+        self.offer(Job::Store { items: vec![item], reply })?;
         let mut replies = answer.await.map_err(|_| Refused::Stopping)?;
         replies.pop().unwrap_or(Err(Refused::Stopping))
     }
@@ -146,7 +163,7 @@ impl Pipeline {
         let count = items.len();
         let (reply, answer) = oneshot::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-        let _queued = self.jobs.send(Job { items, reply }).await;
+        let _queued = self.jobs.send(Job::Store { items, reply }).await;
         async move { answer.await.unwrap_or_else(|_| vec![Err(Refused::Stopping); count]) }
     }
 }

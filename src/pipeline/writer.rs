@@ -1,16 +1,19 @@
 //! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 
 use super::admit::{Desk, Group, Newest};
 use super::judging::{Judge, Verdicts};
 use super::read::{Calibration, Submission};
 use super::{Accepted, Job, Judged, Refused, Reply};
 use crate::config::Config;
+use crate::core::judge::Verdict;
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
+use crate::telemetry;
 
 /// Most items of one transaction: more would hold up others for longer than it saves.
 const MAX_ITEMS: usize = 8192;
@@ -37,14 +40,23 @@ impl Task {
         while queue.recv_many(&mut jobs, self.max_group).await > 0 {
             let (mut group, mut items) = (Vec::new(), 0);
             for job in jobs.drain(..) {
-                if items + job.items.len() > MAX_ITEMS && items > 0 {
+                let job = match job {
+                    Job::Store { items, reply } => (items, reply),
+                    Job::Probe(reply) => {
+                        let _gone = reply.send(self.writer.probe().await);
+                        continue;
+                    }
+                };
+                if items + job.0.len() > MAX_ITEMS && items > 0 {
                     self.process(std::mem::take(&mut group)).await;
                     items = 0;
                 }
-                items += job.items.len();
+                items += job.0.len();
                 group.push(job);
             }
-            self.process(group).await;
+            if !group.is_empty() {
+                self.process(group).await;
+            }
         }
         self.store.close().await;
         if let Err(error) = self.writer.close().await {
@@ -52,13 +64,14 @@ impl Task {
         }
     }
 
-    async fn process(&mut self, jobs: Vec<Job>) {
-        let items: Vec<&Submission> = jobs.iter().flat_map(|job| &job.items).collect();
-        let mut replies = self.store_all(&items).await.into_iter();
-        for job in jobs {
-            let replies = replies.by_ref().take(job.items.len()).collect();
+    async fn process(&mut self, jobs: Vec<(Vec<Submission>, oneshot::Sender<Vec<Reply>>)>) {
+        let items: Vec<&Submission> = jobs.iter().flat_map(|(items, _)| items).collect();
+        let replies = self.store_all(&items).await;
+        count(&items, &replies);
+        let mut replies = replies.into_iter();
+        for (items, reply) in jobs {
             // A sender that has gone away is answered when it sends the same again.
-            let _gone = job.reply.send(replies);
+            let _gone = reply.send(replies.by_ref().take(items.len()).collect());
         }
     }
 
@@ -101,9 +114,14 @@ impl Task {
         for item in items {
             replies.push(desk.admit(item, &mut group).await);
         }
+        let judging = Instant::now();
         let verdicts = self.judge.judge(&mut group.changes).await?;
+        metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         if !group.changes.is_empty() {
+            let committing = Instant::now();
             self.writer.commit(&group.changes).await?;
+            metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
+            metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
             self.newest.learn(&group.changes);
         }
         for (item, reply) in items.iter().zip(&mut replies) {
@@ -124,4 +142,34 @@ impl Task {
         };
         sent.gyros.iter().map(of).collect()
     }
+}
+
+/// Counts what has become of each item.
+fn count(items: &[&Submission], replies: &[Reply]) {
+    for (item, reply) in items.iter().zip(replies) {
+        let kind = match item {
+            Submission::Calibration(_) => "calibration",
+            Submission::Bench(_) => "bench_result",
+            Submission::Event(_) => "event",
+        };
+        let outcome = match reply {
+            Ok(Accepted::Stored { .. }) => "stored",
+            Ok(Accepted::There { .. }) => "there",
+            Err(Refused::Store(_)) => "failed",
+            Err(_) => "refused",
+        };
+        metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(1);
+        for verdict in reply.iter().flat_map(verdicts_of) {
+            metrics::counter!(telemetry::VERDICTS, "rule" => verdict.rule.name(), "state" => verdict.state.name())
+                .increment(1);
+        }
+    }
+}
+
+fn verdicts_of(accepted: &Accepted) -> impl Iterator<Item = &Verdict> {
+    let judged = match accepted {
+        Accepted::Stored { judged, .. } => judged.as_slice(),
+        Accepted::There { .. } => &[],
+    };
+    judged.iter().flat_map(|gyro| &gyro.verdicts)
 }

@@ -1,0 +1,54 @@
+//! `/metrics`, and the counting of requests.
+
+use std::time::Instant;
+
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::Method;
+use axum::http::header::CONTENT_TYPE;
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use metrics::{counter, gauge, histogram};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use crate::telemetry;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_metrics))
+}
+
+/// What the service counts about itself, in Prometheus' text format.
+#[utoipa::path(get, path = "/metrics", tag = "service",
+    responses((status = 200, description = "the metrics", body = String, content_type = "text/plain")))]
+async fn get_metrics(State(app): State<App>) -> Response {
+    let (database, log) = app.pipeline.store().sizes();
+    gauge!(telemetry::DATABASE).set(database as f64);
+    gauge!(telemetry::LOG).set(log as f64);
+    gauge!(telemetry::WAITING).set(app.pipeline.waiting().0 as f64);
+    ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response()
+}
+
+/// Counts a request under its route, so that names in paths do not make a series each.
+pub async fn count(request: Request, next: Next) -> Response {
+    let method = known(request.method());
+    let route = request.extensions().get::<MatchedPath>().map_or("none", MatchedPath::as_str).to_owned();
+    let begun = Instant::now();
+    let response = next.run(request).await;
+    let status = response.status().as_u16().to_string();
+    histogram!(telemetry::REQUEST_TIME, "method" => method, "route" => route.clone()).record(begun.elapsed());
+    counter!(telemetry::REQUESTS, "method" => method, "route" => route, "status" => status).increment(1);
+    response
+}
+
+/// A client may invent methods without end; they share one series.
+fn known(method: &Method) -> &'static str {
+    match *method {
+        Method::GET => "GET",
+        Method::HEAD => "HEAD",
+        Method::POST => "POST",
+        Method::PUT => "PUT",
+        Method::DELETE => "DELETE",
+        _ => "other",
+    }
+}

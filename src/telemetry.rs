@@ -1,0 +1,76 @@
+//! What the service counts about itself, for Prometheus: every metric is named and described here.
+//!
+//! The recorder is one a process, as the `metrics` macros want it. Without [`start`] (tests, command line) they count nothing.
+
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use metrics::{Unit, describe_counter, describe_gauge, describe_histogram, gauge};
+use metrics_exporter_prometheus::{BuildError, Matcher, PrometheusBuilder, PrometheusHandle};
+
+pub const REQUESTS: &str = "gyrowatch_http_requests_total";
+pub const REQUEST_TIME: &str = "gyrowatch_http_request_duration_seconds";
+pub const ITEMS: &str = "gyrowatch_items_total";
+pub const VERDICTS: &str = "gyrowatch_verdicts_total";
+pub const JUDGING: &str = "gyrowatch_judging_duration_seconds";
+pub const COMMIT: &str = "gyrowatch_commit_duration_seconds";
+pub const GROUP: &str = "gyrowatch_commit_items";
+pub const WAITING: &str = "gyrowatch_writes_waiting";
+pub const DATABASE: &str = "gyrowatch_database_size_bytes";
+pub const LOG: &str = "gyrowatch_database_log_size_bytes";
+const BUILD: &str = "gyrowatch_build_info";
+
+/// Upper bounds of the buckets of durations, seconds.
+const DURATIONS: [f64; 11] = [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, 2.0, 10.0];
+/// Upper bounds of the buckets of group sizes.
+const SIZES: [f64; 9] = [1.0, 2.0, 4.0, 8.0, 16.0, 64.0, 256.0, 1024.0, 8192.0];
+/// How often what was measured is sorted into its buckets: until then it takes memory.
+const UPKEEP: Duration = Duration::from_secs(5);
+
+static EXPORTER: OnceLock<PrometheusHandle> = OnceLock::new();
+
+/// Begins to count. A second call changes nothing. Call it on a runtime: a task keeps the memory bounded.
+///
+/// # Errors
+/// [`BuildError`] where another recorder is at work already.
+pub fn start() -> Result<(), BuildError> {
+    if EXPORTER.get().is_some() {
+        return Ok(());
+    }
+    let handle = PrometheusBuilder::new()
+        .set_buckets(&DURATIONS)?
+        .set_buckets_for_metric(Matcher::Full(GROUP.to_owned()), &SIZES)?
+        .install_recorder()?;
+    describe();
+    let exporter = EXPORTER.get_or_init(|| handle);
+    tokio::spawn(async move {
+        loop {
+            tokio::time::sleep(UPKEEP).await;
+            exporter.run_upkeep();
+        }
+    });
+    Ok(())
+}
+
+/// Everything counted so far, in Prometheus' text format; nothing before [`start`].
+pub fn render() -> String {
+    EXPORTER.get().map(PrometheusHandle::render).unwrap_or_default()
+}
+
+fn describe() {
+    describe_counter!(REQUESTS, "Requests answered, by method, route and status.");
+    describe_histogram!(REQUEST_TIME, Unit::Seconds, "From the request's head to the answer's, by method and route.");
+    describe_counter!(
+        ITEMS,
+        "Items submitted, by kind and what became of them: stored, there before, refused, failed."
+    );
+    describe_counter!(VERDICTS, "Verdicts on new records, by rule and state.");
+    describe_histogram!(JUDGING, Unit::Seconds, "Judging one group of items.");
+    describe_histogram!(COMMIT, Unit::Seconds, "Writing one group of items until it is on disk.");
+    describe_histogram!(GROUP, "Items that shared one commit.");
+    describe_gauge!(WAITING, "Writes that wait for the writer.");
+    describe_gauge!(DATABASE, Unit::Bytes, "Size of the database file.");
+    describe_gauge!(LOG, Unit::Bytes, "Size of the write-ahead log beside it.");
+    describe_gauge!(BUILD, "1, labelled with the version.");
+    gauge!(BUILD, "version" => env!("CARGO_PKG_VERSION")).set(1.0);
+}

@@ -1,0 +1,169 @@
+//! Running the service: is it ready, what does it count, and what does it refuse to be started on.
+
+mod support;
+
+use serde_json::Value;
+use sqlx::ConnectOptions;
+use support::{Server, data, gyrowatch};
+
+#[tokio::test]
+async fn it_is_not_ready_while_another_program_holds_the_database_and_says_so() {
+    let server = Server::start_with(&[("GYROWATCH_DATABASE__BUSY_TIMEOUT_S", "0.1")]).await;
+    assert_eq!(server.get("/readyz").await.status, 200);
+
+    let file = server.dir().join("gyrowatch.db");
+    let mut other = sqlx::sqlite::SqliteConnectOptions::new().filename(file).connect().await.unwrap();
+    sqlx::query("BEGIN IMMEDIATE").execute(&mut other).await.unwrap();
+    let answer = server.get("/readyz").await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (503, "application/problem+json"));
+    assert!(answer.json()["detail"].as_str().unwrap().contains("locked"), "{}", answer.text());
+    let refused = server.post("/v1/records", "application/json", data("paper.json")).await;
+    assert_eq!(refused.status, 503, "{}", refused.text());
+    assert!(refused.headers.contains_key("retry-after"));
+    assert_eq!(server.get("/healthz").await.status, 200, "it lives all the same");
+
+    sqlx::query("ROLLBACK").execute(&mut other).await.unwrap();
+    assert_eq!(server.get("/readyz").await.status, 200);
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+}
+
+#[tokio::test]
+async fn a_second_service_on_the_same_file_is_refused_until_the_first_is_gone() {
+    let mut first = Server::start().await;
+    let url = format!("sqlite://{}", first.dir().join("gyrowatch.db").display());
+    let second = || {
+        let mut command = gyrowatch();
+        command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0").env("GYROWATCH_DATABASE_URL", &url);
+        command.current_dir(first.dir()).output().unwrap()
+    };
+    let output = second();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("another gyrowatch") && said.contains("gyrowatch.db"), "{said}");
+    first.kill();
+    first.restart();
+    assert_eq!(first.get("/readyz").await.status, 200, "a killed service leaves no lock behind");
+}
+
+#[tokio::test]
+async fn a_file_that_is_no_database_is_named_at_the_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("torn.db");
+    std::fs::write(&file, "SQLite format 3\0 and then nothing of the kind").unwrap();
+    let url = format!("sqlite://{}", file.display());
+    let output = gyrowatch()
+        .arg("serve")
+        .current_dir(dir.path())
+        .envs([("GYROWATCH_LISTEN", "127.0.0.1:0"), ("GYROWATCH_DATABASE_URL", &url)])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("torn.db") && said.contains("damaged"), "{said}");
+}
+
+/// The value of the series whose line begins with `series`.
+fn metric(text: &str, series: &str) -> f64 {
+    let line = text.lines().find(|line| line.starts_with(series)).unwrap_or_else(|| panic!("{series} in\n{text}"));
+    line.rsplit_once(' ').unwrap().1.parse().unwrap()
+}
+
+#[tokio::test]
+async fn metrics_count_requests_items_verdicts_and_commits() {
+    let server = Server::start().await;
+    for status in [201, 200] {
+        assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, status);
+    }
+    assert_eq!(server.post("/v1/records", "application/json", "{").await.status, 400);
+    assert_eq!(server.get("/v1/gyros/LFG-0101").await.status, 200);
+    assert_eq!(server.get("/v1/gyros/LFG-0102").await.status, 200);
+    assert_eq!(server.get("/nowhere").await.status, 404);
+
+    let answer = server.get("/metrics").await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (200, "text/plain; version=0.0.4; charset=utf-8"));
+    let text = answer.text();
+    let requests = |rest: &str| metric(&text, &format!("gyrowatch_http_requests_total{{{rest}}}"));
+    assert_eq!(requests(r#"method="POST",route="/v1/records",status="201""#), 1.0);
+    assert_eq!(requests(r#"method="POST",route="/v1/records",status="200""#), 1.0);
+    assert_eq!(requests(r#"method="POST",route="/v1/records",status="400""#), 1.0);
+    assert_eq!(requests(r#"method="GET",route="/v1/gyros/{serial}",status="200""#), 2.0);
+    assert_eq!(requests(r#"method="GET",route="none",status="404""#), 1.0);
+    assert_eq!(metric(&text, r#"gyrowatch_items_total{kind="calibration",outcome="stored"}"#), 1.0);
+    assert_eq!(metric(&text, r#"gyrowatch_items_total{kind="calibration",outcome="there"}"#), 1.0);
+    assert_eq!(metric(&text, "gyrowatch_commit_duration_seconds_count"), 1.0);
+    assert!(metric(&text, "gyrowatch_commit_duration_seconds_sum") > 0.0);
+    let steps = metric(&text, r#"gyrowatch_verdicts_total{rule="step",state="indeterminate"}"#);
+    assert_eq!(steps, 6.0, "three gyros, two coefficients, no earlier record");
+    assert!(metric(&text, "gyrowatch_database_log_size_bytes") > 4096.0);
+    assert_eq!(metric(&text, "gyrowatch_writes_waiting"), 0.0);
+}
+
+/// Every `$ref` of a document.
+fn references(value: &Value, found: &mut Vec<String>) {
+    match value {
+        Value::Object(members) => {
+            for (name, member) in members {
+                match member {
+                    Value::String(target) if name == "$ref" => found.push(target.clone()),
+                    member => references(member, found),
+                }
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| references(item, found)),
+        _ => {}
+    }
+}
+
+#[tokio::test]
+async fn the_description_of_the_api_is_whole() {
+    let server = Server::start().await;
+    let document = server.get("/openapi.json").await.json();
+    assert_eq!(document["openapi"], "3.1.0");
+    let paths = document["paths"].as_object().unwrap();
+    for (method, path) in [
+        ("post", "/v1/records"),
+        ("get", "/v1/records/{id}"),
+        ("post", "/v1/bench-results"),
+        ("post", "/v1/import"),
+        ("get", "/v1/gyros"),
+        ("get", "/v1/gyros/{serial}"),
+        ("get", "/v1/gyros/{serial}/trend"),
+        ("get", "/v1/gyros/{serial}/agreement"),
+        ("post", "/v1/gyros/{serial}/baseline"),
+        ("get", "/healthz"),
+        ("get", "/readyz"),
+        ("get", "/metrics"),
+    ] {
+        assert!(paths.get(path).is_some_and(|operations| operations.get(method).is_some()), "{method} {path}");
+    }
+    let mut ids = Vec::new();
+    for (path, operations) in paths {
+        for (method, operation) in operations.as_object().unwrap() {
+            let named = format!("{method} {path}");
+            ids.push(operation["operationId"].as_str().unwrap_or_else(|| panic!("{named}")).to_owned());
+            assert!(operation["summary"].is_string(), "{named}: no summary");
+            let parameters = operation["parameters"].as_array().cloned().unwrap_or_default();
+            for variable in path.split('{').skip(1).map(|rest| rest.split('}').next().unwrap()) {
+                let described = |p: &Value| p["in"] == "path" && p["name"] == variable && p["required"] == true;
+                assert!(parameters.iter().any(described), "{named}: {variable} is not described");
+            }
+            // Served at all: another method's refusal names it, and no method is taken that is not described.
+            let concrete = path.replace(['{', '}'], "");
+            let allowed = server.call("PATCH", &concrete, &[], "").await;
+            assert_eq!(allowed.status, 405, "{named}");
+            let allow = allowed.headers["allow"].to_str().unwrap().to_ascii_lowercase();
+            assert!(allow.split(',').any(|one| one.trim() == method), "{named}: {allow}");
+        }
+    }
+    let operations = ids.len();
+    ids.sort();
+    ids.dedup();
+    assert_eq!(ids.len(), operations, "an operationId twice");
+    let mut targets = Vec::new();
+    references(&document, &mut targets);
+    assert!(!targets.is_empty());
+    for target in targets {
+        let pointer = target.strip_prefix('#').unwrap_or_else(|| panic!("{target} lies outside"));
+        assert!(document.pointer(pointer).is_some(), "{target} points nowhere");
+    }
+}

@@ -6,7 +6,7 @@ use axum::http::header::LOCATION;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use serde_json::value::RawValue;
+use serde_json::value::{RawValue, to_raw_value};
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -15,6 +15,8 @@ use super::App;
 use super::document::{Document, idempotency_key};
 use crate::pipeline::{Accepted, Id, Sent, Submission};
 use crate::wire::bench::BenchBody;
+use crate::wire::campaign::CampaignBody;
+use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -62,12 +64,16 @@ async fn post_bench_result(State(app): State<App>, headers: HeaderMap, body: Doc
 struct StoredBench {
     id: String,
     received_at: String,
-    /// The result word for word as it was sent.
+    /// The result word for word as it was sent; of raw dwells, what was fitted to them.
     #[schema(value_type = BenchBody)]
     bench_result: Box<RawValue>,
+    /// The raw dwells, where the result was fitted here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<CampaignBody>)]
+    campaign: Option<Box<RawValue>>,
 }
 
-/// A stored bench result, as it was sent.
+/// A stored bench result, as it was sent or as it was fitted.
 #[utoipa::path(get, path = "/v1/bench-results/{id}", tag = "bench results",
     params(("id" = String, Path, description = "identifier of the bench result")),
     responses(
@@ -77,7 +83,14 @@ async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Res
     let no_such = || Problem::new(404, "No such bench result", format!("there is no bench result {id}"));
     let number: Id = id.parse().map_err(|_| no_such())?;
     let row = app.pipeline.store().bench_result(number).await?.ok_or_else(no_such)?;
-    let bench_result = RawValue::from_string(row.body.to_string())
-        .map_err(|_| Problem::new(500, "Damaged database", format!("the body of bench result {id} is no JSON")))?;
-    Ok(Json(StoredBench { id: number.to_string(), received_at: time::format(row.received_at), bench_result }))
+    let damaged = || Problem::new(500, "Damaged database", format!("bench result {id} cannot be read"));
+    let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
+    let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {
+        DocumentKind::Campaign => {
+            let fitted = app.pipeline.fitted_bench(&row).map_err(|_| damaged())?;
+            (to_raw_value(&fitted).map_err(|_| damaged())?, Some(body))
+        }
+        DocumentKind::Record | DocumentKind::Bench => (body, None),
+    };
+    Ok(Json(StoredBench { id: number.to_string(), received_at: time::format(row.received_at), bench_result, campaign }))
 }

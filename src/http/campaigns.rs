@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::{FromRequest, Path, Request, State};
-use axum::http::header::LOCATION;
+use axum::http::header::{LOCATION, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -14,9 +14,9 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type, idempotency_key};
-use crate::pipeline::{Accepted, Id, Kind, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::pipeline::{Accepted, Asked, Id, Kind, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
-use crate::wire::campaign::{CampaignBody, is_csv};
+use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
 use crate::wire::time;
@@ -26,14 +26,16 @@ pub fn routes() -> OpenApiRouter<App> {
 }
 
 /// A campaign as JSON or CSV.
-struct Dwells(Bytes);
+struct Dwells(Bytes, Form);
 
 impl<S: Send + Sync> FromRequest<S> for Dwells {
     type Rejection = Response;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
         check_media_type(request.headers(), &["application/json", "text/csv"]).map_err(IntoResponse::into_response)?;
-        Bytes::from_request(request, state).await.map(Self).map_err(IntoResponse::into_response)
+        let form = if check_media_type(request.headers(), &["text/csv"]).is_ok() { Form::Csv } else { Form::Json };
+        let bytes = Bytes::from_request(request, state).await.map_err(IntoResponse::into_response)?;
+        Ok(Self(bytes, form))
     }
 }
 
@@ -54,14 +56,14 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
 async fn post_campaign(State(app): State<App>, headers: HeaderMap, body: Dwells) -> Result<Response, Problem> {
-    let bytes = body.0;
+    let Dwells(bytes, form) = body;
     let key = idempotency_key(&headers)?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
-    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text)).await;
+    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
-    let ReadCampaign { submission, answer, body } = read.map_err(|faults| match is_csv(&bytes) {
-        true => Problem::of_faults(422, "Cannot be stored as it is", faults),
-        false => Document::problem(&bytes, faults),
+    let ReadCampaign { submission, answer, body } = read.map_err(|faults| match form {
+        Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
+        Form::Json => Document::problem(&bytes, faults),
     })?;
     let (submission, sent, place) = match submission {
         Submission::Bench(mut bench) => {
@@ -120,13 +122,19 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
     params(("id" = String, Path, description = "identifier of the campaign")),
     responses(
         (status = 200, description = "the diagnosis", body = DiagnosisBody),
+        (status = 202, description = "others are being computed first; ask again", headers(("Retry-After" = u32, description = "seconds"))),
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "the campaign leaves nothing to hold against the model", body = Problem, content_type = "application/problem+json")))]
-async fn get_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DiagnosisBody>, Problem> {
+async fn get_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let number: Id = id.parse().map_err(|_| no_such(&id))?;
-    let diagnosis = app.pipeline.diagnosis(number).await?.ok_or_else(|| no_such(&id))?;
-    let diagnosis = diagnosis.map_err(|why| Problem::new(422, "Nothing to diagnose", why.to_string()))?;
-    Ok(Json(DiagnosisBody::from(&diagnosis)))
+    match app.pipeline.diagnosis(number).await? {
+        Asked::NoSuchCampaign => Err(no_such(&id)),
+        Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
+        Asked::Answered(diagnosed) => match &*diagnosed {
+            Ok(diagnosis) => Ok(Json(DiagnosisBody::from(diagnosis)).into_response()),
+            Err(why) => Err(Problem::new(422, "Nothing to diagnose", why.to_string())),
+        },
+    }
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {

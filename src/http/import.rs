@@ -23,6 +23,7 @@ use super::App;
 use super::document::{Document, check_media_type};
 use crate::core::fault::Faults;
 use crate::pipeline::{Accepted, Kind, Pipeline, ReadCampaign, Reply, Sent, Submission};
+use crate::wire::campaign::Form;
 use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 
@@ -295,7 +296,7 @@ fn submission(bytes: &[u8], pipeline: &Pipeline) -> Result<(Submission, (SentKin
             Ok((Submission::Calibration(Box::new(calibration)), (SentKind::Record, body)))
         }
         DocumentKind::Campaign => {
-            let ReadCampaign { submission, body, .. } = pipeline.read_campaign(bytes)?;
+            let ReadCampaign { submission, body, .. } = pipeline.read_campaign(bytes, Form::Json)?;
             let kind = if matches!(submission, Submission::Bench(_)) { SentKind::Bench } else { SentKind::Campaign };
             Ok((submission, (kind, body)))
         }

@@ -1,4 +1,4 @@
-//! Raw campaigns: fitted and separated where they come in, stored whole, read and diagnosed again from what is stored.
+//! Raw campaigns: fitted and separated where they come in, stored whole, read again from what is stored.
 
 use std::sync::Arc;
 
@@ -7,13 +7,14 @@ use super::{Judged, Pipeline};
 use crate::config::JudgedMethod;
 use crate::core::calibrate::outcome::{Outcome, evaluate};
 use crate::core::campaign::Campaign;
-use crate::core::diagnose::{Diagnosis, Options, Refusal, diagnose};
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
 use crate::core::record::Plausibility;
-use crate::store::{Id, Kind, RecordRow, StoreError};
+use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::{MethodBody, VerdictBody};
+use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
-use crate::wire::campaign;
+use crate::wire::campaign::{self, Form};
+use crate::wire::campaign_csv::parse_csv_as_sent;
 
 /// A campaign that can be stored: what is submitted, and the answer but for its id and verdicts.
 #[derive(Debug, Clone)]
@@ -37,14 +38,17 @@ impl Pipeline {
     ///
     /// # Errors
     /// Every fault, by its pointer, or its line and column.
-    pub fn read_campaign(&self, bytes: &[u8]) -> Result<ReadCampaign, Faults> {
-        let campaign = campaign::parse(bytes)?;
+    pub fn read_campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
+        let (campaign, as_json) = match form {
+            Form::Json => (campaign::parse_json(bytes)?, None),
+            Form::Csv => {
+                let (body, campaign) = parse_csv_as_sent(bytes)?;
+                (campaign, Some(serde_json::to_vec(&body).expect("strings and finite numbers always serialise")))
+            }
+        };
         self.check_time("/measured_at", campaign.measured_at)?;
         let outcome = evaluate(&campaign, &self.config.plausibility.limits())?;
-        let (body, body_sha256) = match campaign::is_csv(bytes) {
-            true => kept(campaign::to_json(&campaign).as_bytes())?,
-            false => kept(bytes)?,
-        };
+        let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
         let answer = CampaignAnswer::of(&campaign, &outcome, self.method());
         let submission = match &outcome {
             Outcome::Imu { .. } => {
@@ -131,18 +135,18 @@ impl Pipeline {
         Ok(Some(StoredCampaign { row: stored.row, answer }))
     }
 
-    /// Diagnoses a stored campaign against its own model, on a thread for computing.
+    /// The bench result that was fitted to stored dwells.
     ///
     /// # Errors
-    /// Of the store; inside, why there is nothing to be diagnosed.
-    pub async fn diagnosis(&self, id: Id) -> Result<Option<Result<Diagnosis, Refusal>>, StoreError> {
-        let Some(row) = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign) else {
-            return Ok(None);
-        };
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
-        let work = tokio::task::spawn_blocking(move || diagnose(&campaign, &Options::default()));
-        let diagnosis = work.await.map_err(|error| StoreError::Damaged(format!("diagnosis of {id}: {error}")))?;
-        Ok(Some(diagnosis))
+    /// Every fault of the stored body.
+    pub fn fitted_bench(&self, row: &BenchRow) -> Result<BenchBody, Faults> {
+        let (campaign, outcome) = evaluated(&row.body, &anything())?;
+        match outcome {
+            Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
+            Outcome::Imu { .. } => {
+                Err(Fault { pointer: "/test".to_owned(), detail: "is no bench test".to_owned() }.into())
+            }
+        }
     }
 
     pub(super) fn method(&self) -> MethodBody {
@@ -159,6 +163,6 @@ fn evaluated(body: &str, limits: &Plausibility) -> Result<(Campaign, Outcome), F
     Ok((campaign, outcome))
 }
 
-fn damaged(id: Id, faults: &Faults) -> StoreError {
+pub(super) fn damaged(id: Id, faults: &Faults) -> StoreError {
     StoreError::Damaged(format!("the body of campaign {id} cannot be read: {faults}"))
 }

@@ -55,17 +55,21 @@ fn value_of(kind: Kind, body: &str) -> Value {
             let record = parse::<RecordBody>(body.as_bytes()).and_then(|record| record.to_core(&anything()));
             record.ok().and_then(|record| to_value(&RecordBody::of(&record)))
         }
-        Kind::Campaign => {
-            let campaign = campaign::parse_json(body.as_bytes()).ok();
-            campaign.and_then(|campaign| serde_json::from_str(&campaign::to_json(&campaign)).ok())
-        }
+        Kind::Campaign => campaign_value(body),
     };
     canonical.unwrap_or_else(|| as_it_stands(body))
 }
 
 fn bench_value(body: &str) -> Value {
     let result = parse::<BenchBody>(body.as_bytes()).and_then(|bench| bench.to_core(f64::INFINITY));
-    result.ok().and_then(|result| to_value(&BenchBody::of(&result))).unwrap_or_else(|| as_it_stands(body))
+    let value = result.ok().and_then(|result| to_value(&BenchBody::of(&result)));
+    value.or_else(|| campaign_value(body)).unwrap_or_else(|| as_it_stands(body))
+}
+
+/// Of a campaign, or a raw bench test.
+fn campaign_value(body: &str) -> Option<Value> {
+    let campaign = campaign::parse_json(body.as_bytes()).ok()?;
+    serde_json::from_str(&campaign::to_json(&campaign)).ok()
 }
 
 fn to_value(body: &impl Serialize) -> Option<Value> {

@@ -17,6 +17,7 @@ mod agreement;
 mod answer;
 mod campaign;
 mod compare;
+mod diagnosing;
 mod history;
 mod judging;
 mod line;
@@ -37,6 +38,7 @@ pub use agreement::{Compared, Comparison};
 pub use answer::StoredRecord;
 pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
+pub use diagnosing::{Asked, Diagnosed};
 pub use history::ExplainedHistory;
 pub use line::sample_of;
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
@@ -50,6 +52,7 @@ pub struct Pipeline {
     config: Arc<Config>,
     clock: Clock,
     jobs: mpsc::Sender<Job>,
+    diagnoses: Arc<diagnosing::Diagnoses>,
 }
 
 /// What the writer is asked to do.
@@ -116,7 +119,7 @@ impl Pipeline {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone()).await?;
         let handle = tokio::spawn(task.run(queue));
-        Ok((Self { store, config, clock, jobs }, handle))
+        Ok((Self { store, config, clock, jobs, diagnoses: Arc::default() }, handle))
     }
 
     pub fn store(&self) -> &Store {

@@ -115,10 +115,16 @@ pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
     if is_csv(bytes) { super::campaign_csv::parse_csv(bytes) } else { parse_json(bytes) }
 }
 
-/// Whether a campaign is meant as CSV: JSON begins with a brace, after a byte-order mark at most.
-pub fn is_csv(bytes: &[u8]) -> bool {
+fn is_csv(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     !matches!(text.iter().find(|b| !b.is_ascii_whitespace()), Some(b'{' | b'[') | None)
+}
+
+/// How a campaign is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Json,
+    Csv,
 }
 
 /// The campaign as one JSON document, ready to be read by [`parse_json`].

@@ -33,6 +33,14 @@ use crate::core::fault::{Fault, Faults};
 /// # Errors
 /// All faults that could be found, with line and column.
 pub fn parse_csv(bytes: &[u8]) -> Result<Campaign, Faults> {
+    Ok(parse_csv_as_sent(bytes)?.1)
+}
+
+/// As [`parse_csv`], with the document that the table says, number by number as sent.
+///
+/// # Errors
+/// All faults that could be found, with line and column.
+pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Faults> {
     let text = text_of(bytes)?;
     let mut faults = Faults::default();
     let (head, table_line) = Head::read(text, &mut faults);
@@ -52,10 +60,13 @@ pub fn parse_csv(bytes: &[u8]) -> Result<Campaign, Faults> {
         return Err(faults);
     }
     body.dwells = rows.iter().map(|row| row.dwell(&columns)).collect();
-    body.to_core().map_err(|part| {
-        located(part, &head, &columns, &rows, &mut faults);
-        faults
-    })
+    match body.to_core() {
+        Ok(campaign) => Ok((body, campaign)),
+        Err(part) => {
+            located(part, &head, &columns, &rows, &mut faults);
+            Err(faults)
+        }
+    }
 }
 
 fn text_of(bytes: &[u8]) -> Result<&str, Faults> {

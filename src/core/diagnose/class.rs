@@ -12,8 +12,8 @@ const EVIDENCE_MARGIN: f64 = 3.0;
 const FIT_MARGIN: f64 = 2.0;
 
 /// Squared standard deviations that an effect must explain in a further gyro, by number of coefficients: probabilities
-/// of 1.4, 1.6 and 1.8 % under noise, where an own detectability of 4.5 is found in 97 %.
-const MEMBER: [f64; 3] = [6.0, 8.3, 10.0];
+/// of 0.6, 0.7 and 0.8 % under noise, where an own detectability of 4.5 is found in 95 %.
+const MEMBER: [f64; 3] = [7.5, 9.8, 11.8];
 
 /// Contract entries that stand in for choice `i` as well as it does, itself first.
 pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect> {

@@ -29,11 +29,12 @@ pub(super) struct Errors {
     pub count: usize,
 }
 
-/// Errors of the gyros that the effects in question act on, without and with them, `kept` in the model both times.
+/// Errors of all gyros without and with the effects in question, `kept` in the model both times. A gyro that they leave
+/// alone counts too: what other causes leave in it is part of the gap that is not closed.
 pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
     let by_time = asked.iter().any(|part| follows_time(part.effect));
     let mut errors = Errors::default();
-    for j in (0..frame.gyros.len()).filter(|&j| asked.iter().any(|part| part.members[j])) {
+    for (j, &variance) in variances.iter().enumerate() {
         let without = basis(frame, j, kept, None);
         let with = basis(frame, j, kept, Some(asked));
         let (plain, augmented) = (residual(frame, j, &without), residual(frame, j, &with));
@@ -42,8 +43,8 @@ pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
             for fold in predictable(&with, fold, &lost) {
                 let (e, f) = (left_out(&without, &plain, &fold), left_out(&with, &augmented, &fold));
                 let (Some((e, noise)), Some((f, _))) = (e, f) else { continue };
-                errors.without += e.norm_squared() / variances[j];
-                errors.with += f.norm_squared() / variances[j];
+                errors.without += e.norm_squared() / variance;
+                errors.with += f.norm_squared() / variance;
                 errors.floor += noise;
                 errors.count += fold.len();
             }
@@ -51,7 +52,7 @@ pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
         // A dwell that the effect itself sets aside is not predicted by anything; without the effect it stays in.
         for k in lost {
             if let Some((e, noise)) = left_out(&without, &plain, &[k]) {
-                errors.without += e.norm_squared() / variances[j];
+                errors.without += e.norm_squared() / variance;
                 errors.with += noise;
                 errors.floor += noise;
                 errors.count += 1;

@@ -20,8 +20,10 @@ use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
 
-/// Probability below which what remains is significant.
+/// Probability below which what remains is significant where nothing was named, and beside a name. A name speaks for
+/// a cause of nearly its form as well: there what it leaves has to be looked at more closely.
 const REMAINS: f64 = 0.01;
+const REMAINS_BESIDE_A_NAME: f64 = 0.03;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
 const UNSEEN: f64 = 10.0;
@@ -40,7 +42,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let fit = fit::fit(frame, &parts);
     let signs = signs(settled, &search, &named, &fit, &crowded);
-    let remains = signs.p_value < REMAINS;
+    let remains = signs.p_value < level(&named);
     let variances = floor_variances(frame, &fit, remains);
     let noise_floor = floor::report(frame, &variances, !remains);
     let gap = gap(settled, &search, &variances, &signs, named.is_empty());
@@ -115,6 +117,10 @@ fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
     (named, crowded)
 }
 
+fn level(named: &[Named]) -> f64 {
+    if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
+}
+
 fn shared(a: &[bool], b: &[bool]) -> bool {
     a.iter().zip(b).any(|(a, b)| *a && *b)
 }
@@ -177,8 +183,8 @@ fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded
     let tests = Left { frame, extras: &extras, residuals: &fit.residuals }.tests();
     let all_slots: Vec<Slot> = frame.setting.gyros.iter().map(|g| g.slot).collect();
     let p_value = remaining::combined(tests.iter().map(|t| t.p_value));
-    if list.is_empty() && p_value < REMAINS {
-        list = remaining::signs(&tests, &all_slots, 10.0 * REMAINS);
+    if list.is_empty() && p_value < level(named) {
+        list = remaining::signs(&tests, &all_slots, 10.0 * level(named));
         if list.is_empty() {
             list.push(Sign { kind: "tests_together", slots: all_slots, p_value });
         }
@@ -213,9 +219,11 @@ fn effects(
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
     (0..named.len())
         .map(|p| {
-            let kept: Vec<&Part> = parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part).collect();
-            let others: Vec<Part> = kept.iter().map(|part| (*part).clone()).collect();
-            let errors = heldout::errors(frame, &kept, &[&parts[p]], variances);
+            // How far each shrinks the gap in the order of adoption, so that the closures lead from the gap to what remains.
+            let earlier: Vec<&Part> = parts[..p].iter().collect();
+            let others: Vec<Part> =
+                parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part.clone()).collect();
+            let errors = heldout::errors(frame, &earlier, &[&parts[p]], variances);
             let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
             NamedEffect {
                 effect: parts[p].effect,

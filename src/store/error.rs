@@ -15,6 +15,9 @@ pub enum StoreError {
     /// Another service has the database open.
     #[error("another gyrowatch serves the database {0}; stop it first, or use a file of your own")]
     InUse(String),
+    /// A file beside the database, such as a backup, cannot be read or written.
+    #[error("{0}")]
+    File(String),
     /// A write did not reach the disk and cannot be known to; nothing may be written until a restart.
     #[error("a write could not be made durable: {0}; restart after checking the disk")]
     NotDurable(String),

@@ -3,6 +3,7 @@
 //! One connection writes ([`Writer`]), a pool reads ([`Store`]). Rows are plain types of this module; converting
 //! them to and from the core's types and the wire's is the pipeline's and the edge's work.
 
+mod backup;
 mod batch;
 mod bench;
 mod checkpoint;
@@ -20,6 +21,7 @@ mod open;
 mod record;
 mod verdicts;
 
+pub use backup::{Holdings, backup, check, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
 pub use error::StoreError;

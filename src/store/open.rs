@@ -35,11 +35,12 @@ pub struct Options {
 pub struct Store {
     pub(super) readers: SqlitePool,
     pub(super) names: Names,
-    file: PathBuf,
+    pub(super) file: PathBuf,
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "history", include_str!("../../migrations/sqlite/0001_history.sql"))];
+pub(super) const MIGRATIONS: [(i64, &str, &str); 1] =
+    [(1, "history", include_str!("../../migrations/sqlite/0001_history.sql"))];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
 ///
@@ -73,7 +74,7 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
 
 /// WAL with `synchronous = FULL`: the log is on disk before a commit returns. Checkpoints are made by
 /// [`Writer`]'s second connection, off the committing path, so the automatic ones are switched off.
-fn connect_options(options: &Options) -> Result<SqliteConnectOptions, StoreError> {
+pub(super) fn connect_options(options: &Options) -> Result<SqliteConnectOptions, StoreError> {
     let connect = SqliteConnectOptions::from_str(&options.url)?
         .create_if_missing(true)
         .journal_mode(SqliteJournalMode::Wal)
@@ -96,7 +97,7 @@ fn migrator() -> Migrator {
     Migrator::with_migrations(migrations.into())
 }
 
-async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {
+pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tables, StoreError> {
     Ok(Tables {
         imus: load_table(connection, "SELECT id, name FROM imu ORDER BY id").await?,
         stations: load_table(connection, "SELECT id, name FROM station ORDER BY id").await?,

@@ -1,0 +1,165 @@
+//! Copies of the database: made while it is served, and checked before they count.
+
+use std::fs::{self, File};
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use sqlx::{ConnectOptions, SqliteConnection};
+
+use super::error::StoreError;
+use super::history::Span;
+use super::id::Id;
+use super::lock::beside;
+use super::names::Names;
+use super::open::{MIGRATIONS, Options, Store, connect_options, load_names};
+
+/// What a checked file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Holdings {
+    pub gyros: usize,
+    pub records: usize,
+    /// Rows of the gyros' histories.
+    pub figures: usize,
+    pub bench_results: usize,
+}
+
+/// Copies the database as it stands at one instant into `target`, served or not, and checks the copy.
+///
+/// # Errors
+/// [`StoreError`] where `target` exists, a file cannot be read or written, or the copy does not pass [`check`]; then
+/// there is no `target`.
+pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreError> {
+    let source = connect_options(options)?.get_filename().to_owned();
+    let mut source = reading(&source).busy_timeout(options.busy_timeout).connect().await?;
+    placed(target, async |part: &Path| {
+        let into = part.to_str().ok_or_else(|| failed(part, &"its name is not UTF-8"))?;
+        sqlx::query("VACUUM INTO $1").bind(into).execute(&mut source).await?;
+        Ok(())
+    })
+    .await
+}
+
+/// Copies a backup to where the configured database is to be, and checks the copy.
+///
+/// # Errors
+/// As [`backup`]: a database that is there is never overwritten.
+pub async fn restore(file: &Path, options: &Options) -> Result<Holdings, StoreError> {
+    let target = connect_options(options)?.get_filename().to_owned();
+    placed(&target, async |part: &Path| {
+        fs::copy(file, part).map_err(|error| failed(file, &error))?;
+        Ok(())
+    })
+    .await
+}
+
+/// Lets `write` make a file beside `target`, checks it, and gives it its name once it is on disk.
+async fn placed(
+    target: &Path,
+    write: impl AsyncFnOnce(&Path) -> Result<(), StoreError>,
+) -> Result<Holdings, StoreError> {
+    // Takes the name, so that nothing that comes up meanwhile is overwritten.
+    File::create_new(target).map_err(|error| failed(target, &error))?;
+    let part = beside(target, ".part");
+    let finished = async {
+        write(&part).await?;
+        let holdings = check(&part).await?;
+        File::open(&part).and_then(|file| file.sync_all()).map_err(|error| failed(&part, &error))?;
+        fs::rename(&part, target).map_err(|error| failed(target, &error))?;
+        let directory = target.parent().filter(|dir| !dir.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        File::open(directory).and_then(|dir| dir.sync_all()).map_err(|error| failed(directory, &error))?;
+        Ok(holdings)
+    }
+    .await;
+    if finished.is_err() {
+        for leftover in [&part, target] {
+            let _may_not_be_there = fs::remove_file(leftover);
+        }
+    }
+    finished
+}
+
+/// Reads everything: SQLite's structure and references, every record's and bench result's hash, every stored figure's and verdict's
+/// checksum.
+///
+/// # Errors
+/// [`StoreError::Damaged`] naming the first thing that is not as it was written; [`StoreError::File`] where it is no
+/// database of this program.
+pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
+    let readers = SqlitePoolOptions::new().max_connections(1).connect_with(reading(file)).await?;
+    let names = {
+        let mut connection = readers.acquire().await?;
+        structure(&mut connection).await?;
+        schema(&mut connection, file).await?;
+        Names::new(load_names(&mut connection).await?)
+    };
+    let store = Store { readers, names, file: file.to_owned() };
+    let holdings = contents(&store).await;
+    store.close().await;
+    holdings
+}
+
+async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    let found: Vec<String> = sqlx::query_scalar("PRAGMA integrity_check(3)").fetch_all(&mut *connection).await?;
+    if found != ["ok"] {
+        return Err(StoreError::Damaged(found.join("; ")));
+    }
+    let dangling: Option<String> =
+        sqlx::query_scalar("SELECT \"table\" FROM pragma_foreign_key_check").fetch_optional(connection).await?;
+    match dangling {
+        None => Ok(()),
+        Some(table) => Err(StoreError::Damaged(format!("a row of the table {table} refers to one that is missing"))),
+    }
+}
+
+async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), StoreError> {
+    let ours = "SELECT count(*) FROM sqlite_schema WHERE name IN ('_sqlx_migrations', 'record', 'history')";
+    if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
+        return Err(failed(file, &"no database of gyrowatch"));
+    }
+    let version: Option<i64> =
+        sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
+    let newest = MIGRATIONS.iter().map(|(version, ..)| *version).max();
+    if version > newest {
+        return Err(failed(file, &"written by a newer version of gyrowatch"));
+    }
+    Ok(())
+}
+
+async fn contents(store: &Store) -> Result<Holdings, StoreError> {
+    let mut holdings = Holdings::default();
+    let records: Vec<i64> = sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(&store.readers).await?;
+    for id in records.into_iter().map(Id) {
+        let missing = || StoreError::Damaged(format!("record {id} is in an index only"));
+        let row = store.record(id).await?.ok_or_else(missing)?;
+        unchanged("record", id, &row.body, row.body_sha256)?;
+        holdings.records += 1;
+    }
+    let gyros: Vec<u32> = sqlx::query_scalar("SELECT id FROM gyro ORDER BY id").fetch_all(&store.readers).await?;
+    for gyro in gyros {
+        holdings.gyros += 1;
+        holdings.figures += store.history(gyro, Span::EVER, usize::MAX).await?.len();
+        store.events(gyro).await?;
+        for row in store.bench_results(gyro, Span::EVER).await? {
+            unchanged("bench result", row.id, &row.body, row.body_sha256)?;
+            holdings.bench_results += 1;
+        }
+    }
+    Ok(holdings)
+}
+
+fn unchanged(what: &str, id: Id, body: &str, hash: [u8; 32]) -> Result<(), StoreError> {
+    if Sha256::digest(body.as_bytes()).as_slice() == hash {
+        return Ok(());
+    }
+    Err(StoreError::Damaged(format!("{what} {id}: its text is not the one that was stored")))
+}
+
+/// Reads only, and leaves the journal mode as it is.
+fn reading(file: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new().filename(file).read_only(true).disable_statement_logging()
+}
+
+fn failed(file: &Path, error: &dyn std::fmt::Display) -> StoreError {
+    StoreError::File(format!("{}: {error}", file.display()))
+}

@@ -4,6 +4,7 @@
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
 //! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
+mod backup;
 mod blindcheck;
 mod calibrate;
 mod client;
@@ -12,6 +13,7 @@ mod diagnose;
 mod document;
 mod experiment;
 mod import;
+mod restore;
 mod separate;
 mod serve;
 mod simulate;
@@ -41,6 +43,8 @@ enum Command {
     Import(import::Import),
     Simulate(simulate::Simulate),
     Blindcheck(blindcheck::Blindcheck),
+    Backup(backup::Backup),
+    Restore(restore::Restore),
 }
 
 impl Command {
@@ -54,6 +58,8 @@ impl Command {
             Self::Import(import) => import.run(),
             Self::Simulate(simulate) => simulate.run(),
             Self::Blindcheck(blindcheck) => blindcheck.run(),
+            Self::Backup(backup) => backup.run(),
+            Self::Restore(restore) => restore.run(),
         }
     }
 }

@@ -1,0 +1,36 @@
+//! `backup`: a copy of the database, taken while it is served, and checked.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::block_on;
+use crate::config::Config;
+use crate::store::{self, Holdings};
+
+/// Copy the database into one file, served or not, and check the copy
+#[derive(Debug, Args)]
+pub struct Backup {
+    /// The file to write; it must not exist
+    file: PathBuf,
+    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
+    #[arg(long = "config", value_name = "FILE")]
+    config: Vec<PathBuf>,
+}
+
+impl Backup {
+    pub fn run(self) -> anyhow::Result<()> {
+        let database = Config::load(&self.config, std::env::vars())?.database;
+        let copied = block_on(async { Ok(store::backup(&database.options(), &self.file).await?) });
+        let holdings = copied.with_context(|| format!("no backup of {} was made", database.url))?;
+        println!("{}: {}", self.file.display(), in_words(&holdings));
+        Ok(())
+    }
+}
+
+/// What was found whole.
+pub(super) fn in_words(holdings: &Holdings) -> String {
+    let Holdings { gyros, records, figures, bench_results } = holdings;
+    format!("whole; {records} records, {bench_results} bench results, {figures} calibrations of {gyros} gyros")
+}

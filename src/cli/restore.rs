@@ -1,0 +1,40 @@
+//! `restore`: a backup checked, and put where a database is missing.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::backup::in_words;
+use super::block_on;
+use crate::config::Config;
+use crate::store;
+
+/// Check a backup and put it where the database is to be; what is there already is never overwritten
+#[derive(Debug, Args)]
+pub struct Restore {
+    /// The backup
+    file: PathBuf,
+    /// Check the backup and do nothing else
+    #[arg(long)]
+    check: bool,
+    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
+    #[arg(long = "config", value_name = "FILE")]
+    config: Vec<PathBuf>,
+}
+
+impl Restore {
+    pub fn run(self) -> anyhow::Result<()> {
+        let file = self.file.display();
+        if self.check {
+            let checked = block_on(async { Ok(store::check(&self.file).await?) });
+            println!("{file}: {}", in_words(&checked.with_context(|| file.to_string())?));
+            return Ok(());
+        }
+        let database = Config::load(&self.config, std::env::vars())?.database;
+        let restored = block_on(async { Ok(store::restore(&self.file, &database.options()).await?) });
+        let holdings = restored.with_context(|| format!("{file} was not restored to {}", database.url))?;
+        println!("{}: {}", database.url, in_words(&holdings));
+        Ok(())
+    }
+}

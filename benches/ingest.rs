@@ -1,0 +1,159 @@
+//! Durable ingest over HTTP beside a bare sqlx loop with the same durability, in one run: what counts is the ratio.
+//!
+//! `cargo bench --bench ingest`
+//!
+//! Client and service share the machine. Each connection posts records of one IMU of its own, one after the other; a
+//! record counts when its 201 is read. The bare loop writes the same body and three rows of 120 bytes a record, one
+//! transaction a record, WAL and `synchronous = FULL` as the service has them.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use gyrowatch::config::Config;
+use gyrowatch::core::time::UtcMicros;
+use gyrowatch::http::{self, App};
+use gyrowatch::pipeline::Pipeline;
+use gyrowatch::store;
+use gyrowatch::system::{self, Clock};
+use gyrowatch::wire::time;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous};
+use sqlx::{ConnectOptions, Connection};
+use tempfile::TempDir;
+use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::task::JoinSet;
+
+const RECORDS: usize = 8_000;
+const PAPER: &str = include_str!("../tests/data/paper.json");
+
+fn main() {
+    system::install_crypto();
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    runtime.block_on(async {
+        let bare = bare_loop().await;
+        println!("{:<34}{bare:>9.0} records/s", "bare sqlx, one commit a record");
+        for connections in [1, 16, 64] {
+            let (rate, p99) = over_http(connections).await;
+            println!(
+                "{:<34}{rate:>9.0} records/s  {:>5.2} of bare  p99 {:.1} ms",
+                format!("HTTP, {connections} connections"),
+                rate / bare,
+                p99.as_secs_f64() * 1e3
+            );
+        }
+    });
+}
+
+/// The paper's record as IMU number `imu` would send it at its `k`-th calibration.
+fn body(imu: usize, k: usize) -> String {
+    let at = time::format(UtcMicros(946_684_800_000_000 + k as i64 * 60_000_000));
+    PAPER
+        .replace("IMU-07", &format!("IMU-{imu}"))
+        .replace("LFG-", &format!("L{imu}-"))
+        .replace("2026-03-01T08:00:00Z", &at)
+}
+
+async fn bare_loop() -> f64 {
+    let dir = TempDir::new().expect("a directory");
+    let mut connection = SqliteConnectOptions::new()
+        .filename(dir.path().join("bare.db"))
+        .create_if_missing(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .disable_statement_logging()
+        .connect()
+        .await
+        .expect("a database");
+    for sql in [
+        "CREATE TABLE record (id INTEGER PRIMARY KEY, body TEXT NOT NULL) STRICT",
+        "CREATE TABLE history (gyro INTEGER, at INTEGER, figures BLOB, PRIMARY KEY (gyro, at)) STRICT, WITHOUT ROWID",
+    ] {
+        sqlx::query(sql).execute(&mut connection).await.expect("a table");
+    }
+    let begun = Instant::now();
+    for k in 0..RECORDS {
+        let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.expect("a transaction");
+        sqlx::query("INSERT INTO record VALUES ($1, $2)")
+            .bind(k as i64)
+            .bind(body(0, k))
+            .execute(&mut *transaction)
+            .await
+            .expect("a row");
+        sqlx::query("INSERT INTO history VALUES (1, $1, $2), (2, $1, $2), (3, $1, $2)")
+            .bind(k as i64)
+            .bind(vec![7_u8; 120])
+            .execute(&mut *transaction)
+            .await
+            .expect("rows");
+        transaction.commit().await.expect("a commit");
+    }
+    RECORDS as f64 / begun.elapsed().as_secs_f64()
+}
+
+/// Records a second, and the 99th percentile of the time to an answer.
+async fn over_http(connections: usize) -> (f64, Duration) {
+    let dir = TempDir::new().expect("a directory");
+    let mut config = Config::defaults();
+    config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+    let config = Arc::new(config);
+    let (store, writer) = store::open(&config.database.options()).await.expect("a database");
+    let (pipeline, written) =
+        Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.expect("a pipeline");
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let router = http::router(App { config: Arc::clone(&config), clock: Clock::System, pipeline });
+    let served = tokio::spawn(async move {
+        let stop = async move { drop(stopped.await) };
+        http::server::serve(listener, router, &config.server, stop).await;
+    });
+    let begun = Instant::now();
+    let mut senders = JoinSet::new();
+    for imu in 0..connections {
+        senders.spawn(post(address, imu, RECORDS / connections));
+    }
+    let mut times: Vec<Duration> = senders.join_all().await.into_iter().flatten().collect();
+    let rate = times.len() as f64 / begun.elapsed().as_secs_f64();
+    times.sort_unstable();
+    let p99 = times[times.len() * 99 / 100];
+    stop.send(()).expect("the service runs");
+    served.await.expect("the service stops");
+    written.await.expect("the writer stops");
+    (rate, p99)
+}
+
+async fn post(address: SocketAddr, imu: usize, count: usize) -> Vec<Duration> {
+    let stream = TcpStream::connect(address).await.expect("a connection");
+    stream.set_nodelay(true).expect("an option");
+    let mut stream = BufReader::new(stream);
+    let mut times = Vec::with_capacity(count);
+    for k in 0..count {
+        let body = body(imu, k);
+        let head = "POST /v1/records HTTP/1.1\r\nhost: bench\r\ncontent-type: application/json\r\ncontent-length:";
+        let request = format!("{head} {}\r\n\r\n{body}", body.len());
+        let begun = Instant::now();
+        stream.write_all(request.as_bytes()).await.expect("a request");
+        assert_eq!(answer(&mut stream).await, 201);
+        times.push(begun.elapsed());
+    }
+    times
+}
+
+/// The status of the answer; its body is read and dropped.
+async fn answer(stream: &mut BufReader<TcpStream>) -> u16 {
+    let (mut line, mut status, mut length) = (String::new(), 0, 0);
+    loop {
+        line.clear();
+        stream.read_line(&mut line).await.expect("a line");
+        match line.trim_end().split_once(' ') {
+            None => break,
+            Some(("HTTP/1.1", rest)) => status = rest[..3].parse().expect("a status"),
+            Some(("content-length:", bytes)) => length = bytes.parse().expect("a length"),
+            Some(_) => {}
+        }
+    }
+    let mut body = vec![0; length];
+    stream.read_exact(&mut body).await.expect("a body");
+    status
+}

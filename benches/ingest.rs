@@ -45,9 +45,9 @@ fn main() {
     });
 }
 
-/// The paper's record as IMU number `imu` would send it at its `k`-th calibration.
+/// The paper's record as IMU number `imu` would send it at its `k`-th calibration, one a day.
 fn body(imu: usize, k: usize) -> String {
-    let at = time::format(UtcMicros(946_684_800_000_000 + k as i64 * 60_000_000));
+    let at = time::format(UtcMicros(946_684_800_000_000 + k as i64 * UtcMicros::DAY));
     PAPER
         .replace("IMU-07", &format!("IMU-{imu}"))
         .replace("LFG-", &format!("L{imu}-"))

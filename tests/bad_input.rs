@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use support::Server;
+use tokio::io::AsyncReadExt;
 
 /// Tables 3 and 4 of the paper.
 fn paper() -> Value {
@@ -289,11 +290,19 @@ async fn a_body_of_the_wrong_kind_is_415() {
 #[tokio::test]
 async fn a_body_over_the_limit_is_413_however_it_is_declared() {
     let server = Server::start().await;
-    let large = "x".repeat(32 << 20);
-    let answer = server.post("/v1/records", "application/json", large.clone()).await;
-    assert_eq!(problem(&answer).0, 413);
-    let answer = server.post_chunked("/v1/records", "application/json", large).await;
-    assert_eq!(problem(&answer).0, 413);
+    // Just over the limit: of a longer body the rest is never read, and the connection breaks under the sender.
+    let large = "x".repeat((4 << 20) + 1);
+    let declared = format!("content-length: {}\r\n\r\n{large}", large.len());
+    let chunked = format!("transfer-encoding: chunked\r\n\r\n{:x}\r\n{large}", large.len());
+    for body in [declared, chunked] {
+        let head = "POST /v1/records HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\n";
+        let mut stream = server.open_and_send(&format!("{head}{body}")).await;
+        let mut answer = vec![0; 4096];
+        let read = stream.read(&mut answer).await.unwrap();
+        let answer = String::from_utf8_lossy(&answer[..read]).to_lowercase();
+        assert!(answer.starts_with("http/1.1 413 "), "{answer}");
+        assert!(answer.contains("content-type: application/problem+json"), "{answer}");
+    }
     assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
 }
 

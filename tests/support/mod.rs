@@ -125,14 +125,6 @@ impl Server {
         self.post(path, "application/json", body.to_string()).await
     }
 
-    /// Without a declared length.
-    pub async fn post_chunked(&self, path: &str, content_type: &str, body: String) -> Answer {
-        let parts: Vec<Result<Vec<u8>, std::io::Error>> =
-            body.into_bytes().chunks(64 * 1024).map(|part| Ok(part.to_vec())).collect();
-        let body = reqwest::Body::wrap_stream(futures::stream::iter(parts));
-        self.post(path, content_type, body).await
-    }
-
     /// An empty header value leaves the header out.
     pub async fn call(
         &self,

@@ -18,7 +18,7 @@ use crate::store;
 use crate::system::Clock;
 use crate::telemetry;
 
-/// Run the service: HTTP API and pages
+/// Run the service
 #[derive(Debug, Args)]
 pub struct Serve {
     /// Configuration file; repeat for several, later ones win [default: config/*.toml].

@@ -88,12 +88,13 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
     }
     let base = service.base();
     println!(
-        "\nThe fleet                        {base}/\n\
-         A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
-         One that jumped on transport     {base}/gyros/LFG-0008\n\
+        "\nThe API, to read and try          {base}/docs\n\
+         The fleet                        {base}/v1/gyros\n\
+         A gyro whose D_I rises           {base}/v1/gyros/LFG-0004\n\
+         Why it does                      {base}/v1/gyros/LFG-0004/diagnosis\n\
+         One that jumped on transport     {base}/v1/gyros/LFG-0008/trend?coefficient=D_S\n\
          Table 5, method beside method    {base}/v1/gyros/PAPER-T5-G1/agreement\n\
-         A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\
-         The API and its reader           {base}/docs\n\n\
+         A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\n\
          Ctrl-C stops it; the data stay in the file."
     );
     Ok(())

@@ -121,7 +121,8 @@ impl Records {
         (n * (n - 1.0) * (2.0 * n + 5.0) / 18.0).sqrt()
     }
 
-    /// Theil-Sen slope per day, and Sen's interval: the slopes of rank (N -+ z sd(S))/2 among the N pairs.
+    /// Theil-Sen slope per day, and Sen's interval among the N pairs: the slopes of rank (N - z sd(S))/2 and
+    /// (N + z sd(S))/2 + 1, counted from 1, which a change of sign turns into one another.
     fn slope(&self, z: f64) -> Slope {
         let mut slopes = [0.0; PAIRS];
         let mut pairs = 0;
@@ -140,7 +141,7 @@ impl Records {
         let rank = |r: f64| slopes[(r.max(0.0) as usize).min(pairs - 1)];
         let middle = pairs as f64 / 2.0;
         let median = 0.5 * (slopes[(pairs - 1) / 2] + slopes[pairs / 2]);
-        Slope { low: rank((middle - half).floor()), median, high: rank((middle + half).ceil()) }
+        Slope { low: rank((middle - half).floor() - 1.0), median, high: rank((middle + half).ceil()) }
     }
 
     /// Median of x - slope t, minus the baseline: the deviation at the judged record.

@@ -17,7 +17,9 @@ mod agreement;
 mod answer;
 mod campaign;
 mod compare;
+mod course;
 mod diagnosing;
+mod fleet;
 mod history;
 mod judging;
 mod line;
@@ -38,11 +40,13 @@ pub use agreement::{Compared, Comparison};
 pub use answer::StoredRecord;
 pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
+pub use course::{Baseline, Course};
 pub use diagnosing::{Asked, Diagnosed};
+pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
 pub use line::sample_of;
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
-pub use crate::store::{BenchRow, Figures, Id, Kind, Names, Span, StoreError, Tables};
+pub use crate::store::{BenchRow, EventRow, Figures, Id, Kind, Names, Span, StoreError, Tables};
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
 
 /// The way in, and the way back to what is stored. Cheap to clone.

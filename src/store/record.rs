@@ -129,4 +129,16 @@ impl Store {
         let found: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(id.0).fetch_optional(&self.readers).await?;
         found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
     }
+
+    /// The verdict sheets of several records.
+    pub async fn verdict_sheets(
+        &self,
+        records: impl Iterator<Item = Id>,
+    ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
+        let ids: Vec<String> = records.map(|id| id.0.to_string()).collect();
+        let sql = "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))";
+        let rows: Vec<(i64, Vec<u8>)> =
+            sqlx::query_as(sql).bind(format!("[{}]", ids.join(","))).fetch_all(&self.readers).await?;
+        rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
+    }
 }

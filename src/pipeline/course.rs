@@ -1,0 +1,89 @@
+//! One gyro's whole course: every calibration, bench result and event, and the levels it was held against.
+
+use super::Pipeline;
+use super::fleet::level;
+use super::line::{baseline_of, sample_of};
+use crate::config::JudgedMethod;
+use crate::core::judge::Limits;
+use crate::core::judge::history::{Mark, Sample};
+use crate::core::time::UtcMicros;
+use crate::store::{BenchRow, EventRow, Figures, Span, StoreError};
+
+/// Everything about one gyro, oldest first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    pub figures: Vec<Figures>,
+    pub benches: Vec<BenchRow>,
+    pub events: Vec<EventRow>,
+    pub baselines: Vec<Baseline>,
+    /// What its newest record is judged against.
+    pub limits: Limits,
+}
+
+/// The level that the records from one reset to the next are compared with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Baseline {
+    pub from: UtcMicros,
+    pub until: UtcMicros,
+    /// D_I, D_S and the closure; none where there are too few records.
+    pub level: [Option<f64>; 3],
+}
+
+impl Pipeline {
+    /// A gyro's course, its baselines by `method`.
+    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StoreError> {
+        let figures = self.store.history(gyro, Span::EVER, usize::MAX).await?;
+        let events = self.store.events(gyro).await?;
+        let benches = self.store.bench_results(gyro, Span::EVER).await?;
+        let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
+        let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
+        let samples: Vec<Sample> = figures.iter().map(|figures| sample_of(figures, method)).collect();
+        let marks: Vec<Mark> = events.iter().map(|event| Mark { at: event.at, event: event.event }).collect();
+        Ok(Course { baselines: baselines(&samples, &marks, &limits), figures, benches, events, limits })
+    }
+}
+
+/// One baseline for each stretch between the events that reset it.
+fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baseline> {
+    let Some((first, last)) = samples.first().zip(samples.last()) else { return Vec::new() };
+    let resets = marks.iter().filter(|mark| mark.event.resets_baseline() && mark.at > first.at && mark.at <= last.at);
+    let mut starts: Vec<UtcMicros> = std::iter::once(first.at).chain(resets.map(|mark| mark.at)).collect();
+    starts.dedup();
+    let ends = starts[1..].iter().copied().chain([last.at]);
+    let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline, None];
+    let stretch = |(&from, until): (&UtcMicros, UtcMicros)| {
+        let end = samples.partition_point(|sample| sample.at < until || until == last.at);
+        let records = baseline_of(&samples[..end], marks, from);
+        Baseline { from, until, level: [0, 1, 2].map(|column| level(records, column, fixed[column])) }
+    };
+    starts.iter().zip(ends).map(stretch).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::Event;
+    use crate::core::judge::history::Measured;
+
+    fn day(day: i64) -> UtcMicros {
+        UtcMicros(day * UtcMicros::DAY)
+    }
+
+    fn samples(values: &[(i64, f64)]) -> Vec<Sample> {
+        values.iter().map(|&(d, value)| Sample { at: day(d), d: [Measured::exact(value); 3] }).collect()
+    }
+
+    #[test]
+    fn every_reset_begins_a_level_of_its_own_and_too_few_records_give_none() {
+        let all = samples(&[(0, 1.0), (10, 2.0), (20, 3.0), (30, 9.0), (40, 5.0), (50, 5.0), (60, 8.0), (70, 1.0)]);
+        let mark = |at, event| Mark { at: day(at), event };
+        let marks = [mark(5, Event::Transport), mark(35, Event::Repair), mark(65, Event::Baseline)];
+        let found = baselines(&all, &marks, &Limits::from_budget(0.01));
+        let seen: Vec<_> = found.iter().map(|b| (b.from, b.until, b.level[0])).collect();
+        assert_eq!(
+            seen,
+            [(day(0), day(35), Some(2.0)), (day(35), day(65), Some(6.0)), (day(65), day(70), None)],
+            "transport resets nothing; the last baseline has one record of three"
+        );
+    }
+}

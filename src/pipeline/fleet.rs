@@ -1,0 +1,116 @@
+//! The fleet at a glance: every gyro's newest figures, how it stands, and its last few values.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use super::Pipeline;
+use super::line::{load_marks, sample_of};
+use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, baseline_since};
+use crate::core::judge::{Coefficient, Rule, State, overdue};
+use crate::core::time::UtcMicros;
+use crate::store::{Figures, Span, StoreError, StoredVerdict};
+
+/// How one gyro stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    pub number: u32,
+    pub serial: Arc<str>,
+    /// Its newest calibration; none for a gyro that only a bench has seen.
+    pub newest: Option<Figures>,
+    /// The worst that the rules that could judge say of it; none before the first calibration.
+    pub state: Option<State>,
+    /// What it violates.
+    pub exceeded: Vec<(Coefficient, Rule)>,
+    /// The largest figure over its limit, of the rules of D_I, D_S and the closure.
+    pub load: f64,
+    /// Days since its last calibration, where that is longer than its interval.
+    pub overdue_days: Option<f64>,
+}
+
+/// A gyro's last few values, and what they are held against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Glimpse {
+    /// Oldest first, by the judged method.
+    pub samples: Vec<Sample>,
+    /// Level of D_I and D_S that the newest is compared with; none before the baseline is complete.
+    pub level: [Option<f64>; 2],
+    /// How far D_I and D_S may lie from it, deg/(h g0).
+    pub budget: [Option<f64>; 2],
+}
+
+impl Pipeline {
+    /// Every gyro, in the order in which they were first seen.
+    pub async fn fleet(&self) -> Result<Vec<Standing>, StoreError> {
+        let newest = self.store.newest_of_gyros(0, u32::MAX).await?;
+        let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
+        let sheets = self.store.verdict_sheets(records.into_iter()).await?;
+        let verdicts: HashMap<_, _> = sheets
+            .iter()
+            .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
+            .collect();
+        let now = self.clock.now();
+        let tables = self.store.names().read();
+        let standing = |(number, newest): (u32, Option<Figures>)| {
+            let serial = tables.gyros.name(number)?.clone();
+            let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
+            let verdicts = of_newest.copied().unwrap_or_default();
+            let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
+            let interval = self.config.judging.limits(imu, &serial).interval_days;
+            let late = newest.as_ref().zip(interval).map(|(figures, days)| overdue(figures.at, now, days));
+            Some(Standing {
+                number,
+                serial,
+                state: newest.as_ref().map(|_| worst(verdicts)),
+                exceeded: exceeded(verdicts),
+                load: verdicts.iter().filter_map(load).fold(0.0, f64::max),
+                overdue_days: late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value),
+                newest,
+            })
+        };
+        Ok(newest.into_iter().filter_map(standing).collect())
+    }
+
+    /// The last `count` values of a gyro.
+    pub async fn glimpse(&self, gyro: u32, imu: &str, serial: &str, count: usize) -> Result<Glimpse, StoreError> {
+        let rows = self.store.newest_history(gyro, Span::EVER, count).await?;
+        let marks = load_marks(&self.store, gyro).await?;
+        let last = rows.last().map_or(UtcMicros(0), |figures| figures.at);
+        let from = baseline_since(&marks, last).unwrap_or(Span::EVER.from);
+        let first = self.store.history(gyro, Span { from, to: last }, BASELINE_RECORDS).await?;
+        let method = self.config.judging.method;
+        let baseline: Vec<Sample> = first.iter().map(|figures| sample_of(figures, method)).collect();
+        let limits = self.config.judging.limits(imu, serial);
+        let drifts = [limits.d_i, limits.d_s];
+        Ok(Glimpse {
+            samples: rows.iter().map(|figures| sample_of(figures, method)).collect(),
+            level: [0, 1].map(|column| level(&baseline, column, drifts[column].fixed_baseline)),
+            budget: drifts.map(|drift| drift.baseline),
+        })
+    }
+}
+
+/// The mean of a complete baseline, or the one that is fixed.
+pub(super) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>) -> Option<f64> {
+    if let Some(fixed) = fixed {
+        return Some(fixed.value);
+    }
+    let sum: f64 = baseline.iter().map(|sample| sample.d[column].value).sum();
+    (baseline.len() >= BASELINE_RECORDS).then_some(sum / baseline.len() as f64)
+}
+
+/// The worst of the rules that could judge.
+fn worst(verdicts: &[StoredVerdict]) -> State {
+    let judged = verdicts.iter().filter(|verdict| verdict.value.is_some());
+    judged.map(|verdict| verdict.state).max().unwrap_or(State::Indeterminate)
+}
+
+fn exceeded(verdicts: &[StoredVerdict]) -> Vec<(Coefficient, Rule)> {
+    let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
+    beyond.map(|verdict| (verdict.coefficient, verdict.rule)).collect()
+}
+
+/// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no measure.
+fn load(verdict: &StoredVerdict) -> Option<f64> {
+    let of_history = verdict.rule != Rule::Requirement && verdict.limit > 0.0;
+    verdict.value.filter(|_| of_history).map(|value| value / verdict.limit)
+}

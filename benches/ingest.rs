@@ -103,7 +103,8 @@ async fn over_http(connections: usize) -> (f64, Duration) {
     let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
     let address = listener.local_addr().expect("an address");
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
-    let router = http::router(App { config: Arc::clone(&config), clock: Clock::System, pipeline });
+    let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
+    let router = http::router(app, axum::Router::new());
     let served = tokio::spawn(async move {
         let stop = async move { drop(stopped.await) };
         http::server::serve(listener, router, &config.server, stop).await;

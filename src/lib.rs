@@ -29,6 +29,7 @@ pub mod config;
 pub mod core;
 pub mod experiment;
 pub mod http;
+pub mod pages;
 pub mod pipeline;
 pub mod report;
 pub mod simulate;

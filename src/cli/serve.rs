@@ -13,6 +13,7 @@ use tracing_subscriber::EnvFilter;
 
 use crate::config::{Config, Log, LogFormat};
 use crate::http::{self, App};
+use crate::pages::{self, Pages};
 use crate::pipeline::Pipeline;
 use crate::store;
 use crate::system::Clock;
@@ -51,7 +52,9 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
-    let router = http::router(App { config: Arc::clone(&config), clock: Clock::System, pipeline });
+    let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: pipeline.clone() };
+    let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
+    let router = http::router(app, pages::router(pages));
     tracing::info!(%address, database = %config.database.url, "listening");
     println!("gyrowatch listens on http://{address}");
     ready(address);

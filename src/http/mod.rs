@@ -47,8 +47,8 @@ pub struct App {
     pub pipeline: Pipeline,
 }
 
-/// The whole service as one router.
-pub fn router(app: App) -> Router {
+/// The whole service as one router, the web `pages` included.
+pub fn router(app: App, pages: Router) -> Router {
     let server = app.config.server.clone();
     let timed = OpenApiRouter::with_openapi(docs::head())
         .routes(routes!(health::healthz))
@@ -69,6 +69,8 @@ pub fn router(app: App) -> Router {
     let (router, openapi) = timed.merge(import::routes()).split_for_parts();
     router
         .merge(docs::router(openapi))
+        .with_state(app)
+        .merge(pages)
         .fallback(problem::no_such_path)
         .layer(DefaultBodyLimit::max(server.max_body_bytes))
         .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
@@ -77,5 +79,4 @@ pub fn router(app: App) -> Router {
         .layer(CatchPanicLayer::new())
         .layer(middleware::from_fn(problem::as_problem))
         .layer(middleware::from_fn(metrics::count))
-        .with_state(app)
 }

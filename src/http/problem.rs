@@ -40,8 +40,10 @@ pub async fn as_problem(request: Request, next: Next) -> Response {
     let response = next.run(request).await;
     let status = response.status();
     let is_error = status.is_client_error() || status.is_server_error();
-    let is_problem = response.headers().get(CONTENT_TYPE).is_some_and(|t| t == PROBLEM_JSON);
-    if !is_error || is_problem {
+    let content_type = response.headers().get(CONTENT_TYPE).and_then(|t| t.to_str().ok()).unwrap_or_default();
+    // The web pages say in words what went wrong.
+    let is_said = content_type == PROBLEM_JSON || content_type.starts_with("text/html");
+    if !is_error || is_said {
         return response;
     }
     let (mut parts, body) = response.into_parts();

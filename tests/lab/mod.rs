@@ -71,7 +71,8 @@ impl Lab {
             Pipeline::start(store, writer, config.clone(), self.clock.clone()).await.expect("the pipeline starts");
         let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
         let address = listener.local_addr().expect("an address");
-        let router = http::router(App { config: config.clone(), clock: self.clock.clone(), pipeline });
+        let app = App { config: config.clone(), clock: self.clock.clone(), pipeline };
+        let router = http::router(app, axum::Router::new());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(async move {
             http::server::serve(listener, router, &config.server, async {

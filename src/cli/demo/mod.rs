@@ -39,6 +39,7 @@ impl Demo {
             ("GYROWATCH_SERVER__LISTEN".to_owned(), self.listen.to_string()),
             ("GYROWATCH_DATABASE__URL".to_owned(), format!("sqlite://{}", self.database.display())),
             ("GYROWATCH_LOG__FILTER".to_owned(), "warn".to_owned()),
+            ("GYROWATCH_JUDGING__INTERVAL_DAYS".to_owned(), "90".to_owned()),
         ];
         let config = Config::load(&[], keys)?;
         serve::run(config, |address| {
@@ -88,13 +89,14 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
     }
     let base = service.base();
     println!(
-        "\nThe API, to read and try          {base}/docs\n\
-         The fleet                        {base}/v1/gyros\n\
-         A gyro whose D_I rises           {base}/v1/gyros/LFG-0004\n\
+        "\nThe fleet                        {base}/\n\
+         A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
          Why it does                      {base}/v1/gyros/LFG-0004/diagnosis\n\
-         One that jumped on transport     {base}/v1/gyros/LFG-0008/trend?coefficient=D_S\n\
-         Table 5, method beside method    {base}/v1/gyros/PAPER-T5-G1/agreement\n\
-         A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\n\
+         One that jumped on transport     {base}/gyros/LFG-0008\n\
+         One that was repaired and moved  {base}/gyros/LFG-0011\n\
+         Table 5, method beside method    {base}/gyros/PAPER-T5-G1\n\
+         A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\
+         The API, to read and try         {base}/docs\n\n\
          Ctrl-C stops it; the data stay in the file."
     );
     Ok(())

@@ -1,0 +1,89 @@
+//! Style sheet, script and plot library, held compressed. Their names carry a hash of their content, so that a browser may
+//! keep them for ever and a new version is another name.
+
+use std::io::{Read, Write};
+use std::sync::LazyLock;
+
+use axum::extract::Path;
+use axum::http::header::{ACCEPT_ENCODING, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_TYPE, VARY};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use flate2::Compression;
+use flate2::read::GzDecoder;
+use flate2::write::GzEncoder;
+
+/// Something that pages load.
+pub(super) struct Asset {
+    /// Path on this service.
+    pub path: String,
+    media_type: &'static str,
+    compressed: Bytes,
+}
+
+pub(super) static STYLE: LazyLock<Asset> =
+    LazyLock::new(|| Asset::new("style", "css", "text/css; charset=utf-8", include_str!("static/style.css")));
+pub(super) static SCRIPT: LazyLock<Asset> =
+    LazyLock::new(|| Asset::new("pages", "js", "text/javascript; charset=utf-8", include_str!("static/pages.js")));
+/// Plotly, the first of the scripts that its crate carries for pages without a network.
+pub(super) static PLOTLY: LazyLock<Asset> = LazyLock::new(|| {
+    let sources = plotly::Plot::offline_js_sources();
+    Asset::new("plotly", "js", "text/javascript; charset=utf-8", first_script(&sources))
+});
+
+/// The content of the first of several script elements. Within it the end tag cannot occur: it would end there.
+fn first_script(elements: &str) -> &str {
+    let content = elements.split_once('>').map_or("", |(_, rest)| rest);
+    content.split_once("</script>").map_or(content, |(script, _)| script)
+}
+
+impl Asset {
+    fn new(stem: &str, ending: &str, media_type: &'static str, content: &str) -> Self {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+        let compressed = encoder.write_all(content.as_bytes()).and_then(|()| encoder.finish());
+        let compressed = compressed.expect("writing to memory cannot fail").into();
+        let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content.as_bytes()));
+        Self { path, media_type, compressed }
+    }
+}
+
+/// Answers with the asset of that name.
+pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Response {
+    let all = [&STYLE, &SCRIPT, &PLOTLY];
+    let Some(asset) = all.into_iter().find(|asset| asset.path.strip_prefix("/assets/") == Some(&name)) else {
+        return StatusCode::NOT_FOUND.into_response();
+    };
+    let head = [
+        (CONTENT_TYPE, asset.media_type),
+        (CACHE_CONTROL, "public, max-age=31536000, immutable"),
+        (VARY, "accept-encoding"),
+    ];
+    let takes_gzip =
+        headers.get(ACCEPT_ENCODING).and_then(|taken| taken.to_str().ok()).is_some_and(|taken| taken.contains("gzip"));
+    if takes_gzip {
+        return (head, [(CONTENT_ENCODING, "gzip")], asset.compressed.clone()).into_response();
+    }
+    let mut plain = Vec::new();
+    GzDecoder::new(&*asset.compressed).read_to_end(&mut plain).expect("what was compressed here can be read again");
+    (head, plain).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plot_library_is_plotly_alone() {
+        let sources = plotly::Plot::offline_js_sources();
+        let script = first_script(&sources);
+        assert!(script.trim_start().starts_with("/**\n* plotly.js v"), "{:?}", &script[..80]);
+        assert!(script.len() > 3_000_000 && !script.contains("MathJax-script"), "{} bytes", script.len());
+    }
+
+    #[test]
+    fn another_content_has_another_name() {
+        let path = |content| Asset::new("style", "css", "text/css", content).path;
+        assert_ne!(path("a{}"), path("b{}"));
+        assert_eq!(path("a{}"), path("a{}"));
+    }
+}

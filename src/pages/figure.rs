@@ -1,0 +1,60 @@
+//! Figures as people write them: value and uncertainty to the same place.
+
+/// Digits of a figure whose uncertainty nobody has stated: a ten-thousandth of the usual budget of 1e-2 deg/(h g0), as the
+/// paper's Table 5 prints.
+const DRIFT_DECIMALS: usize = 6;
+
+/// A drift coefficient, deg/(h g0).
+pub(super) fn drift(value: f64, sd: Option<f64>) -> String {
+    with_sd(value, sd, DRIFT_DECIMALS)
+}
+
+/// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is known.
+pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
+    match sd.filter(|sd| *sd > 0.0 && sd.is_finite()) {
+        Some(sd) if (1e-9..1e7).contains(&sd) => {
+            let places = places(sd, 2);
+            format!("{value:.places$} ± {sd:.places$}")
+        }
+        Some(sd) => format!("{value:e} ± {sd:.1e}"),
+        None => fixed(value, decimals),
+    }
+}
+
+/// A number of so many decimals; of those that round to nothing, three digits with an exponent.
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let lost = value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32));
+    if lost { format!("{value:.2e}") } else { text }
+}
+
+/// Decimals that show `digits` significant digits of `size`.
+fn places(size: f64, digits: i32) -> usize {
+    let decimals = |size: f64| (digits - 1 - size.log10().floor() as i32).max(0) as usize;
+    // Rounding may carry into another digit: 0.00996 to two digits is 0.010.
+    let first = decimals(size);
+    let rounded = (size * 10_f64.powi(first as i32)).round() / 10_f64.powi(first as i32);
+    decimals(rounded).min(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn value_and_uncertainty_end_at_the_same_place() {
+        for (value, sd, text) in [
+            (4.192621, Some(0.000404), "4.19262 ± 0.00040"),
+            (-9.976657, Some(0.01), "-9.977 ± 0.010"),
+            (1.5, Some(0.00996), "1.500 ± 0.010"),
+            (12345.6, Some(37.0), "12346 ± 37"),
+            (2.957643, None, "2.957643"),
+            (2.0, Some(0.0), "2.000000"),
+            (2.0, Some(f64::NAN), "2.000000"),
+            (3e-9, None, "3.00e-9"),
+            (0.0, None, "0.000000"),
+        ] {
+            assert_eq!(drift(value, sd), text);
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! `/`: the fleet at a glance. What is narrowed down stays in the address.
+
+use axum::extract::{Query, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::figure;
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::spark;
+use super::standing::Grade;
+use super::viewer::Viewer;
+use crate::core::judge::history::Measured;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Glimpse, Standing, Tables, sample_of};
+use crate::wire::problem::Problem;
+
+/// Gyros on one page, and values in one small line.
+const ROWS: usize = 40;
+const VALUES: usize = 24;
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Filters {
+    /// Part of a serial, IMU or station.
+    #[serde(default)]
+    q: String,
+    /// `exceeded`, `warning`, `indeterminate`, `within` or `overdue`.
+    #[serde(default)]
+    state: String,
+    #[serde(default)]
+    station: String,
+    #[serde(default)]
+    page: usize,
+}
+
+/// A gyro with its names.
+struct Row {
+    standing: Standing,
+    grade: Grade,
+    imu: String,
+    station: String,
+}
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
+    viewer.show(build(&pages, &viewer, &filters).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let fleet = pages.pipeline.fleet().await?;
+    let all: Vec<Row> = {
+        let tables = pages.pipeline.store().names().read();
+        fleet.into_iter().map(|standing| Row::of(standing, &tables)).collect()
+    };
+    let mut found: Vec<&Row> = all.iter().filter(|row| filters.fit(row)).collect();
+    found.sort_by(|a, b| b.urgency().partial_cmp(&a.urgency()).unwrap_or(std::cmp::Ordering::Equal));
+    let count = found.len();
+    let last_page = count.saturating_sub(1) / ROWS;
+    let number = filters.page.min(last_page);
+    let shown: Vec<&Row> = found.into_iter().skip(number * ROWS).take(ROWS).collect();
+    let mut glimpses = Vec::with_capacity(shown.len());
+    for row in &shown {
+        let (gyro, serial) = (row.standing.number, &row.standing.serial);
+        glimpses.push(pages.pipeline.glimpse(gyro, &row.imu, serial, VALUES).await?);
+    }
+    let now = pages.clock.now();
+    let body = html! {
+        h1 { (t.fleet) }
+        (tiles(viewer, &all, filters))
+        (search(viewer, filters))
+        @if all.is_empty() {
+            p.lead { (t.nothing_yet) }
+        } @else if shown.is_empty() {
+            p.lead { (t.none_found) }
+        } @else {
+            p.note { (count) " " (t.gyros) ", " (t.worst_first) ". " (t.band_note) " " (t.unit) }
+            (table(viewer, pages, &shown, &glimpses, now))
+            (pager(viewer, filters, number, last_page))
+        }
+        (stations(viewer, &all))
+    };
+    Ok(Page { title: t.fleet.into(), section: Section::Fleet, plots: false, body })
+}
+
+impl Row {
+    fn of(standing: Standing, tables: &Tables) -> Self {
+        let newest = standing.newest.as_ref();
+        let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name).to_owned();
+        let station =
+            newest.and_then(|figures| tables.stations.name(figures.station)).map_or("", |name| &**name).to_owned();
+        Self { grade: Grade::of(&standing), standing, imu, station }
+    }
+
+    /// What comes first: the grade, then what is overdue, then how near the nearest limit is.
+    fn urgency(&self) -> (Grade, bool, f64) {
+        (self.grade, self.standing.overdue_days.is_some(), self.standing.load)
+    }
+}
+
+impl Filters {
+    fn fit(&self, row: &Row) -> bool {
+        let wanted = self.q.trim().to_lowercase();
+        let named = [&*row.standing.serial, &row.imu, &row.station].map(str::to_lowercase);
+        let by_name = wanted.is_empty() || named.iter().any(|name| name.contains(&wanted));
+        let by_state = match self.state.as_str() {
+            "" => true,
+            "overdue" => row.standing.overdue_days.is_some(),
+            state => row.grade.name() == state,
+        };
+        by_name && by_state && (self.station.is_empty() || self.station == row.station)
+    }
+
+    /// The address of the same list with another state and page.
+    fn address(&self, state: &str, page: usize) -> String {
+        let page = if page > 0 { page.to_string() } else { String::new() };
+        let all = [("q", self.q.trim()), ("state", state), ("station", &self.station), ("page", &page)];
+        let given = all.iter().filter(|(_, value)| !value.is_empty());
+        let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
+        if query.is_empty() { "/".into() } else { format!("/?{}", query.join("&")) }
+    }
+}
+
+/// How many of the fleet are in each state; each leads to them.
+fn tiles(viewer: &Viewer, all: &[Row], filters: &Filters) -> Markup {
+    let t = viewer.text();
+    let of_grade = |grade: Grade| {
+        let count = all.iter().filter(|row| row.grade == grade).count();
+        (grade.name(), grade.word(t), count)
+    };
+    let overdue = all.iter().filter(|row| row.standing.overdue_days.is_some()).count();
+    let counts = [
+        of_grade(Grade::Exceeded),
+        of_grade(Grade::Warning),
+        of_grade(Grade::Undecided),
+        of_grade(Grade::Within),
+        ("overdue", t.overdue, overdue),
+        ("", t.all_states, all.len()),
+    ];
+    html! {
+        ul.tiles {
+            @for (state, name, count) in counts {
+                li {
+                    a.(if state.is_empty() { "total" } else { state }) href=(filters.address(state, 0))
+                        aria-current=[(filters.state == state).then_some("true")] {
+                        strong { (count) } span { (name) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn search(viewer: &Viewer, filters: &Filters) -> Markup {
+    let t = viewer.text();
+    let narrowed = !(filters.q.is_empty() && filters.state.is_empty() && filters.station.is_empty());
+    html! {
+        form.search role="search" action="/" method="get" {
+            input type="search" name="q" value=(filters.q) placeholder=(t.search_hint) aria-label=(t.search_hint);
+            @if !filters.state.is_empty() { input type="hidden" name="state" value=(filters.state); }
+            @if !filters.station.is_empty() { input type="hidden" name="station" value=(filters.station); }
+            button { (t.search) }
+            @if !filters.station.is_empty() { span.note { (t.station) ": " (filters.station) } }
+            @if narrowed { a href="/" { (t.clear_filters) } }
+        }
+    }
+}
+
+fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], now: UtcMicros) -> Markup {
+    let t = viewer.text();
+    html! {
+        div.scroll {
+            table.fleet {
+                thead { tr {
+                    th { (t.state) } th { (t.serial) } th { (t.imu) }
+                    th { (symbol("D_I")) } th { (symbol("D_S")) }
+                    th { (t.violates) } th { (t.calibrated) } th { (t.station) }
+                } }
+                tbody { @for (row, glimpse) in rows.iter().zip(glimpses) { (line(viewer, pages, row, glimpse, now)) } }
+            }
+        }
+    }
+}
+
+fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMicros) -> Markup {
+    let (t, standing) = (viewer.text(), &row.standing);
+    let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
+    html! {
+        tr {
+            td { (row.grade.badge(t)) }
+            th scope="row" { a href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+            td {
+                @if let Some(figures) = &standing.newest {
+                    a href={ "/?q=" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
+                }
+            }
+            @for column in 0..2 {
+                td.trend {
+                    @if let Some(sample) = &newest { (trend(glimpse, column, sample.d[column])) }
+                }
+            }
+            td {
+                @for (coefficient, rule) in &standing.exceeded {
+                    span.broken { (symbol(coefficient.name())) " " (t.rule(*rule)) }
+                }
+                @if standing.overdue_days.is_some() { span.broken { (t.overdue) } }
+            }
+            td { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now)) } }
+            td { (row.station) }
+        }
+    }
+}
+
+fn trend(glimpse: &Glimpse, column: usize, newest: Measured) -> Markup {
+    let values: Vec<f64> = glimpse.samples.iter().map(|sample| sample.d[column].value).collect();
+    let written = figure::drift(newest.value, newest.sd);
+    html! {
+        (spark::line(&values, glimpse.level[column], glimpse.budget[column], &written))
+        span.n { (written) }
+    }
+}
+
+fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros) -> Markup {
+    let t = viewer.text();
+    let days = now.days_since(at).floor();
+    html! {
+        span.nowrap { (instant(at)) }
+        br;
+        span.quiet { @if days < 1.0 { (t.today) } @else { (format!("{days:.0}")) " " (t.days_ago) } }
+    }
+}
+
+fn pager(viewer: &Viewer, filters: &Filters, number: usize, last: usize) -> Markup {
+    let t = viewer.text();
+    html! {
+        @if last > 0 {
+            nav.pager aria-label=(t.page_of) {
+                @if number > 0 { a rel="prev" href=(filters.address(&filters.state, number - 1)) { (t.previous) } }
+                span { (number + 1) " / " (last + 1) }
+                @if number < last { a rel="next" href=(filters.address(&filters.state, number + 1)) { (t.next) } }
+            }
+        }
+    }
+}
+
+/// The stations that calibrated the gyros last.
+fn stations(viewer: &Viewer, all: &[Row]) -> Markup {
+    let t = viewer.text();
+    let mut stations = std::collections::BTreeMap::<&str, (usize, usize, UtcMicros)>::new();
+    for row in all {
+        let Some(figures) = &row.standing.newest else { continue };
+        let (count, exceeded, last) = stations.entry(&row.station).or_insert((0, 0, figures.at));
+        *count += 1;
+        *exceeded += usize::from(row.grade == Grade::Exceeded);
+        *last = (*last).max(figures.at);
+    }
+    html! {
+        @if !stations.is_empty() {
+            h2 { (t.stations) }
+            div.scroll { table {
+                thead { tr { th { (t.station) } th { (t.gyros) } th { (t.exceeded) } th { (t.last_seen) } } }
+                tbody { @for (name, (count, exceeded, last)) in stations {
+                    tr {
+                        th scope="row" { a href={ "/?station=" (encoded(name)) } { (name) } }
+                        td.n { (count) } td.n { (exceeded) } td { (instant(last)) }
+                    }
+                } }
+            } }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_stay_in_the_address() {
+        let filters = Filters { q: " IMU 07&".into(), station: "ST-2".into(), ..Filters::default() };
+        assert_eq!(filters.address("exceeded", 2), "/?q=IMU%2007%26&state=exceeded&station=ST-2&page=2");
+        assert_eq!(Filters::default().address("", 0), "/");
+    }
+}

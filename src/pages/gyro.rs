@@ -1,0 +1,214 @@
+//! `/gyros/{serial}`: one gyro, from its plot down to every figure.
+
+use axum::extract::{Path, Query, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::course::{self, Shown};
+use super::figure;
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::standing::Grade;
+use super::verdicts;
+use super::viewer::Viewer;
+use crate::core::judge::{Coefficient, Rule, State};
+use crate::pipeline::{Comparison, Course, Figures, Tables, sample_of};
+use crate::wire::answer::VerdictBody;
+use crate::wire::problem::Problem;
+
+/// Calibrations in one table.
+const ROWS: usize = 30;
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Asked {
+    /// `rigid`, `published` or `bench`; the judged one where it is left out.
+    method: Option<String>,
+    /// Tables of older calibrations: how many to pass over.
+    #[serde(default)]
+    skip: usize,
+}
+
+pub(super) async fn page(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(serial): Path<String>,
+    Query(asked): Query<Asked>,
+) -> Response {
+    viewer.show(build(&pages, &viewer, &serial, &asked).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {
+    let number = pages.pipeline.store().names().read().gyros.number(serial);
+    let number = number
+        .ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))?;
+    let shown = Shown::asked(asked.method.as_deref(), pages.config.judging.method);
+    let course = pages.pipeline.course(number, serial, shown.separation()).await?;
+    let comparison = pages.pipeline.compare_methods(number, None).await?;
+    let verdicts = newest_verdicts(pages, serial, &course).await?;
+    let tables = pages.pipeline.store().names().read();
+    let body = html! {
+        (head(viewer, serial, &verdicts, &course, &tables))
+        (verdict_section(viewer, &verdicts))
+        (history(viewer, serial, shown, &course, &tables))
+        (agreement(viewer, serial, &comparison))
+        (course::happenings(viewer, &course, &tables))
+        (calibrations(viewer, serial, shown, asked.skip, &course, &tables))
+    };
+    Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
+}
+
+async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<VerdictBody>, Problem> {
+    let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
+    let stored = pages.pipeline.stored_record(newest.record).await?;
+    let all = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
+    Ok(all.filter(|verdict| verdict.serial == serial).collect())
+}
+
+fn head(viewer: &Viewer, serial: &str, verdicts: &[VerdictBody], course: &Course, tables: &Tables) -> Markup {
+    let t = viewer.text();
+    let newest = course.figures.last();
+    let broken = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded.name());
+    let broken = broken.filter_map(|verdict| Rule::from_name(&verdict.rule));
+    let grade = Grade::judged(newest.map(|figures| verdicts::worst(figures, verdicts)), broken);
+    html! {
+        h1 {
+            (serial) " "
+            (grade.badge(t))
+        }
+        @if let Some(figures) = newest {
+            p.lead {
+                (course::seat(figures, tables)) " · " (t.station) " " (course::name(tables.stations.name(figures.station)))
+                " · " (t.calibrated) " " (instant(figures.at))
+            }
+        } @else {
+            p.lead { (t.never_calibrated) }
+        }
+    }
+}
+
+fn verdict_section(viewer: &Viewer, verdicts: &[VerdictBody]) -> Markup {
+    html! {
+        @if !verdicts.is_empty() {
+            section {
+                h2 { (viewer.text().verdicts) }
+                (verdicts::list(viewer, verdicts))
+            }
+        }
+    }
+}
+
+fn history(viewer: &Viewer, serial: &str, shown: Shown, course: &Course, tables: &Tables) -> Markup {
+    let t = viewer.text();
+    let plot = course::plot(viewer, serial, shown, course, tables);
+    let left_out = plot.strips.iter().flat_map(|strip| &strip.series).find_map(|series| series.thinned());
+    html! {
+        section {
+            h2 { (t.history) }
+            nav.tabs aria-label=(t.method) {
+                @for one in Shown::ALL {
+                    a href={ "?method=" (one.name()) } aria-current=[(one == shown).then_some("true")] { (one.title(t)) }
+                }
+            }
+            (plot.markup(t))
+            p.note {
+                (t.plot_note) " "
+                @if let Some(of) = left_out { (of) " " (t.thinned) ". " }
+                (t.csv) ": "
+                @for coefficient in ["D_I", "D_S", "D_O"] {
+                    a href={ "/v1/gyros/" (encoded(serial)) "/trend?coefficient=" (coefficient) "&method="
+                             (shown.separation_name()) "&format=csv" }
+                      download={ (serial) "-" (coefficient) ".csv" } { (symbol(coefficient)) } " "
+                }
+            }
+        }
+    }
+}
+
+/// Results side by side in the form of the paper's Table 5.
+fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
+    let t = viewer.text();
+    html! {
+        section {
+            h2 { (t.agreement) }
+            @if comparison.results.len() < 2 {
+                p { (t.one_result) }
+            }
+            @if !comparison.results.is_empty() {
+                p.note { (t.agreement_note) " " (t.unit) }
+                div.scroll { table {
+                    thead { tr {
+                        th { (t.method) } th { (t.date) } th { (t.station) }
+                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) }
+                    } }
+                    tbody { @for result in &comparison.results {
+                        tr.beside[!result.counts] {
+                            th scope="row" { (t.method(result.method)) @if !result.counts { br; span.quiet { (t.not_counted) } } }
+                            td { (instant(result.at)) }
+                            td {
+                                (result.station)
+                                @if let Some((imu, slot)) = &result.seat { br; span.quiet { (imu) " " (slot.name()) } }
+                            }
+                            @for measured in result.d { td.n { (figure::drift(measured.value, measured.sd)) } }
+                        }
+                    } }
+                    tfoot { tr {
+                        th scope="row" colspan="3" { (t.range) }
+                        @for range in comparison.range {
+                            td.n { @if let Some(range) = range { (figure::fixed(range, 6)) } }
+                        }
+                    } }
+                } }
+                @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| VerdictBody::of(serial, v)).collect();
+                (verdicts::list(viewer, &verdicts))
+            }
+        }
+    }
+}
+
+fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course: &Course, tables: &Tables) -> Markup {
+    let t = viewer.text();
+    let count = course.figures.len();
+    let rows = course.figures.iter().rev().skip(skip).take(ROWS);
+    let to = |skip: usize| format!("/gyros/{}?method={}&skip={skip}#calibrations", encoded(serial), shown.name());
+    html! {
+        @if count > 0 {
+            section #calibrations {
+                h2 { (t.calibrations) }
+                p.note {
+                    (skip + 1) "–" ((skip + ROWS).min(count)) " / " (count) ", "
+                    (t.method_of(shown.separation())) ", " (t.unit)
+                }
+                div.scroll { table {
+                    thead { tr {
+                        th { (t.calibrated) } th { (t.imu) } th { (t.station) }
+                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
+                    } }
+                    tbody { @for figures in rows { (calibration(viewer, shown, figures, tables)) } }
+                } }
+                nav.pager aria-label=(t.calibrations) {
+                    @if skip > 0 { a href=(to(0)) { (t.newer) } }
+                    @if skip + ROWS < count { a rel="next" href=(to(skip + ROWS)) { (t.older) } }
+                }
+            }
+        }
+    }
+}
+
+fn calibration(viewer: &Viewer, shown: Shown, figures: &Figures, tables: &Tables) -> Markup {
+    let sample = sample_of(figures, shown.separation());
+    let states = [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().zip(figures.states.0);
+    let beyond: Vec<_> = states.filter(|(_, state)| *state == Some(State::Exceeded)).collect();
+    html! {
+        tr {
+            td { a href={ "/v1/records/" (figures.record) } { (instant(figures.at)) } }
+            td { (course::seat(figures, tables)) }
+            td { (course::name(tables.stations.name(figures.station))) }
+            @for measured in sample.d { td.n { (figure::drift(measured.value, measured.sd)) } }
+            td {
+                (verdicts::badge(viewer, figures.states.worst().unwrap_or(State::Indeterminate))) " "
+                @for (coefficient, _) in beyond { (symbol(coefficient.name())) " " }
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The frame of every page, and how pages and failures leave.
+
+use axum::http::StatusCode;
+use axum::http::header::{
+    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY, VARY, X_CONTENT_TYPE_OPTIONS,
+};
+use axum::response::{IntoResponse, Response};
+use maud::{DOCTYPE, Markup, html};
+
+use super::assets::{PLOTLY, SCRIPT, STYLE};
+use super::viewer::{Theme, Viewer};
+use crate::core::time::UtcMicros;
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+/// Nothing is loaded from elsewhere and nothing inline runs. Plotly puts style elements into the page, and pictures that
+/// are saved are made from blobs.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+                      connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
+
+/// A page within its frame.
+pub(super) struct Page {
+    pub title: String,
+    /// Which entry of the navigation it belongs to.
+    pub section: Section,
+    /// Whether it has plots to draw.
+    pub plots: bool,
+    pub body: Markup,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Section {
+    Fleet,
+    None,
+}
+
+impl Viewer {
+    /// The page, or in words why there is none.
+    pub fn show(&self, page: Result<Page, Problem>) -> Response {
+        match page {
+            Ok(page) => self.respond(StatusCode::OK, &page),
+            Err(problem) => {
+                let status = StatusCode::from_u16(problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+                self.respond(status, &self.failure(&problem))
+            }
+        }
+    }
+
+    fn respond(&self, status: StatusCode, page: &Page) -> Response {
+        let head = [
+            (CONTENT_TYPE, "text/html; charset=utf-8"),
+            (CONTENT_SECURITY_POLICY, POLICY),
+            (X_CONTENT_TYPE_OPTIONS, "nosniff"),
+            (REFERRER_POLICY, "same-origin"),
+            (CACHE_CONTROL, "no-cache"),
+            (VARY, "accept-language, cookie"),
+        ];
+        (status, head, self.document(page).into_string()).into_response()
+    }
+
+    fn failure(&self, problem: &Problem) -> Page {
+        let t = self.text();
+        let body = html! {
+            h1 { (t.error_title) }
+            p.lead { (problem.detail) }
+            @if !problem.errors.is_empty() {
+                ul { @for place in &problem.errors { li { code { (place.pointer) } " " (place.detail) } } }
+            }
+            p { a href="/" { (t.error_back) } }
+        };
+        Page { title: t.error_title.into(), section: Section::None, plots: false, body }
+    }
+
+    fn document(&self, page: &Page) -> Markup {
+        let t = self.text();
+        html! {
+            (DOCTYPE)
+            html lang=(self.language.name()) data-theme=[self.theme.map(Theme::name)] {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (page.title) " · gyrowatch" }
+                    link rel="icon" href="data:,";
+                    link rel="stylesheet" href=(STYLE.path);
+                    @if page.plots { script src=(PLOTLY.path) defer {} }
+                    script src=(SCRIPT.path) defer {}
+                }
+                body {
+                    a.skip href="#content" { (t.skip) }
+                    header.bar {
+                        a.name href="/" { "gyrowatch" }
+                        nav aria-label=(t.navigation) {
+                            (entry("/", t.fleet, page.section == Section::Fleet))
+                            (entry("/docs", t.api, false))
+                        }
+                        (self.switches())
+                    }
+                    main #content { (page.body) }
+                }
+            }
+        }
+    }
+
+    /// Language, and light or dark: links that a cookie remembers.
+    fn switches(&self) -> Markup {
+        let t = self.text();
+        let other = match self.language {
+            super::text::Language::English => "zh",
+            super::text::Language::Chinese => "en",
+        };
+        let to = |key: &str, value: &str| format!("/preference?{key}={value}&back={}", encoded(&self.here));
+        html! {
+            div.switches {
+                a href=(to("language", other)) lang=(other) { (t.other_language) }
+                a.to-dark href=(to("theme", "dark")) { (t.dark) }
+                a.to-light href=(to("theme", "light")) { (t.light) }
+            }
+        }
+    }
+}
+
+fn entry(path: &str, name: &str, here: bool) -> Markup {
+    html! { a href=(path) aria-current=[here.then_some("page")] { (name) } }
+}
+
+/// An instant: in UTC as it stands, in the viewer's zone once the script has run.
+pub(super) fn instant(at: UtcMicros) -> Markup {
+    let utc = time::format(at);
+    let shown = format!("{} {}", &utc[..utc.find('T').unwrap_or(utc.len())], clock(&utc));
+    html! { time datetime=(utc) title=(utc) { (shown) } }
+}
+
+/// Hours and minutes of an RFC 3339 time, with what they are counted in.
+fn clock(utc: &str) -> String {
+    let start = utc.find('T').map_or(utc.len(), |at| at + 1);
+    format!("{} UTC", utc.get(start..start + 5).unwrap_or_default())
+}
+
+/// `D_I` with its index set low.
+pub(super) fn symbol(name: &str) -> Markup {
+    match name.split_once('_') {
+        Some((letter, index)) => html! { var { (letter) sub { (index) } } },
+        None => html! { var { (name) } },
+    }
+}
+
+/// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.
+pub(super) fn encoded(text: &str) -> String {
+    let mut encoded = String::with_capacity(text.len());
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
+            encoded.push(char::from(byte));
+        } else {
+            encoded.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    encoded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_fit_into_addresses_whatever_they_hold() {
+        assert_eq!(encoded("LFG-0101_a.b~"), "LFG-0101_a.b~");
+        assert_eq!(encoded("a/b?c d&陀"), "a%2Fb%3Fc%20d%26%E9%99%80");
+    }
+
+    #[test]
+    fn instants_are_written_to_the_minute_and_kept_whole() {
+        let at = time::parse("2026-03-01T08:05:30.25Z").unwrap();
+        let written = instant(at).into_string();
+        assert_eq!(
+            written,
+            r#"<time datetime="2026-03-01T08:05:30.25Z" title="2026-03-01T08:05:30.25Z">2026-03-01 08:05 UTC</time>"#
+        );
+    }
+}

@@ -1,0 +1,45 @@
+//! The web pages: rendered here, whole without scripts; a script of our own draws plots and local times over them.
+//!
+//! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is named,
+//! and the content security policy allows none.
+
+mod assets;
+mod course;
+mod figure;
+mod fleet;
+mod gyro;
+mod layout;
+mod plot;
+mod spark;
+mod standing;
+mod text;
+mod thin;
+mod verdicts;
+mod viewer;
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::routing::get;
+
+use crate::config::Config;
+use crate::pipeline::Pipeline;
+use crate::system::Clock;
+
+/// What every page may use. Cheap to clone.
+#[derive(Clone)]
+pub struct Pages {
+    pub config: Arc<Config>,
+    pub clock: Clock,
+    pub pipeline: Pipeline,
+}
+
+/// Every page, and what they load.
+pub fn router(pages: Pages) -> Router {
+    Router::new()
+        .route("/", get(fleet::page))
+        .route("/gyros/{serial}", get(gyro::page))
+        .route("/preference", get(viewer::prefer))
+        .route("/assets/{name}", get(assets::serve))
+        .with_state(pages)
+}

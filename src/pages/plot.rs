@@ -1,0 +1,181 @@
+//! A gyro's history as numbers for the script that draws it, in a block of JSON that is no script.
+
+use std::collections::HashMap;
+
+use maud::{Markup, PreEscaped, html};
+use serde::Serialize;
+
+use super::text::Text;
+use super::thin;
+use crate::core::judge::State;
+use crate::core::judge::history::Measured;
+use crate::core::time::UtcMicros;
+
+/// Points of one coefficient at the most: more would weigh more than a page should and show no more.
+const MOST_POINTS: usize = 2000;
+
+/// One measured value with what is said when the pointer is over it.
+pub(super) struct Point {
+    pub at: UtcMicros,
+    pub measured: Measured,
+    pub state: Option<State>,
+    /// Whether it lies outside the budget about its baseline.
+    pub outside: bool,
+    /// Where and by whom it was measured.
+    pub place: String,
+}
+
+/// Values of one coefficient by one method.
+#[derive(Serialize)]
+pub(super) struct Series {
+    name: String,
+    /// Drawn as diamonds beside the main series.
+    bench: bool,
+    /// Milliseconds since 1970.
+    t: Vec<i64>,
+    v: Vec<f64>,
+    sd: Option<Vec<Option<f64>>>,
+    /// 0 within or not judged, 1 undecided, 2 flagged but inside the budget, 3 exceeded and outside.
+    state: Vec<u8>,
+    /// Index into `places`.
+    place: Vec<u32>,
+    places: Vec<String>,
+    /// How many there were before thinning.
+    of: usize,
+}
+
+/// From, to, level, budget.
+pub(super) type Band = (i64, i64, f64, Option<f64>);
+
+/// One coefficient's strip.
+#[derive(Serialize)]
+pub(super) struct Strip {
+    pub symbol: &'static str,
+    pub series: Vec<Series>,
+    pub bands: Vec<Band>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Mark {
+    pub t: i64,
+    pub label: String,
+    pub event: bool,
+}
+
+/// What the script needs to draw one gyro.
+#[derive(Serialize)]
+pub(super) struct Plot {
+    pub name: String,
+    pub unit: &'static str,
+    pub strips: Vec<Strip>,
+    pub marks: Vec<Mark>,
+    /// The words of states, as `Series::state` counts them.
+    pub states: [&'static str; 4],
+    /// Where the newest baseline begins.
+    pub since: Option<i64>,
+}
+
+impl Series {
+    pub fn new(name: &str, bench: bool, points: &[Point]) -> Self {
+        let values: Vec<f64> = points.iter().map(|point| point.measured.value).collect();
+        let kept = thin::indices(&values, MOST_POINTS);
+        let kept: Vec<&Point> = kept.into_iter().map(|i| &points[i]).collect();
+        let mut places = Vec::new();
+        let mut known = HashMap::<&str, u32>::new();
+        let place = kept.iter().map(|point| {
+            *known.entry(&point.place).or_insert_with(|| {
+                places.push(point.place.clone());
+                places.len() as u32 - 1
+            })
+        });
+        let place = place.collect();
+        let any_sd = kept.iter().any(|point| point.measured.sd.is_some());
+        Self {
+            name: name.to_owned(),
+            bench,
+            t: kept.iter().map(|point| millis(point.at)).collect(),
+            v: kept.iter().map(|point| rounded(point.measured.value)).collect(),
+            sd: any_sd.then(|| kept.iter().map(|point| point.measured.sd.map(rounded)).collect()),
+            state: kept.iter().map(|point| code(point)).collect(),
+            place,
+            places,
+            of: points.len(),
+        }
+    }
+
+    /// Whether points were left out, and how many there were.
+    pub fn thinned(&self) -> Option<usize> {
+        (self.of > self.t.len()).then_some(self.of)
+    }
+}
+
+impl Plot {
+    /// Where the script puts the plot, and the numbers for it.
+    pub fn markup(&self, t: &Text) -> Markup {
+        let numbers = serde_json::to_string(self).expect("numbers and text can always be written to memory");
+        // The only thing that could end the block early.
+        let numbers = numbers.replace('<', "\\u003c");
+        html! {
+            div.plot-tools hidden {
+                @if self.since.is_some() { button type="button" data-zoom="since" { (t.since_baseline) } }
+                button type="button" data-zoom="all" { (t.whole_history) }
+                button type="button" data-zoom="picture" { (t.save_picture) }
+            }
+            div.plot data-plot="history" {}
+            script type="application/json" { (PreEscaped(numbers)) }
+        }
+    }
+}
+
+pub(super) fn millis(at: UtcMicros) -> i64 {
+    at.0.div_euclid(1000)
+}
+
+fn code(point: &Point) -> u8 {
+    match point.state {
+        Some(State::Exceeded) if point.outside => 3,
+        Some(State::Exceeded) => 2,
+        Some(State::Indeterminate) => 1,
+        Some(State::Within) | None => 0,
+    }
+}
+
+/// To 1e-9 deg/(h g0): a millionth of what is judged, and half the weight.
+fn rounded(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_station_calls_itself_cannot_end_the_block() {
+        let point = Point {
+            at: UtcMicros(1_000),
+            measured: Measured::exact(1.0),
+            state: None,
+            outside: false,
+            place: "</script><b>".into(),
+        };
+        let strips = vec![Strip { symbol: "D_I", series: vec![Series::new("rigid", false, &[point])], bands: vec![] }];
+        let plot = Plot { name: "</script>".into(), unit: "", strips, marks: vec![], states: [""; 4], since: None };
+        let markup = plot.markup(super::super::text::Language::English.text()).into_string();
+        assert_eq!(markup.matches("</script>").count(), 1, "{markup}");
+    }
+
+    #[test]
+    fn a_long_history_is_thinned_and_says_so() {
+        let point = |i: i64| Point {
+            at: UtcMicros(i * UtcMicros::DAY),
+            measured: Measured::exact(if i == 7_777 { 9.0 } else { (i as f64).sin() }),
+            state: None,
+            outside: false,
+            place: String::new(),
+        };
+        let points: Vec<Point> = (0..20_000).map(point).collect();
+        let series = Series::new("rigid", false, &points);
+        assert_eq!(series.thinned(), Some(20_000));
+        assert!(series.v.contains(&9.0) && series.v.len() <= MOST_POINTS && series.places.len() == 1);
+    }
+}

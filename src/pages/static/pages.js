@@ -1,0 +1,172 @@
+// What the pages gain with scripts: times in the viewer's zone, plots to zoom. Nothing is only here.
+"use strict";
+(() => {
+  const two = (n) => String(n).padStart(2, "0");
+  const local = (at) =>
+    `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${two(at.getHours())}:${two(at.getMinutes())}`;
+
+  for (const time of document.querySelectorAll("time[datetime]")) {
+    const at = new Date(time.dateTime);
+    if (isNaN(at)) continue;
+    time.title = time.textContent;
+    time.textContent = local(at);
+  }
+
+  const colour = (name) => {
+    // Resolves light-dark(): a custom property alone keeps it unresolved.
+    const probe = document.createElement("span");
+    probe.style.color = `var(--${name})`;
+    document.body.append(probe);
+    const resolved = getComputedStyle(probe).color;
+    probe.remove();
+    return resolved;
+  };
+
+  const SYMBOLS = ["circle", "circle-open", "triangle-up-open", "triangle-up"];
+  const INDEX = { I: "<sub>I</sub>", S: "<sub>S</sub>", O: "<sub>O</sub>" };
+  const title = (symbol) => symbol.replace(/_([ISO])$/, (_, index) => INDEX[index]);
+
+  const tracesOf = (plot, strip, row, palette) =>
+    strip.series.map((series, i) => {
+      const main = !series.bench;
+      return {
+        type: "scatter",
+        mode: main ? "lines+markers" : "markers",
+        name: series.name,
+        legendgroup: series.name,
+        showlegend: row === 0,
+        x: series.t.map((t) => new Date(t)),
+        y: series.v,
+        error_y: series.sd ? { type: "data", array: series.sd, thickness: 1, width: 2, color: palette.quiet } : undefined,
+        line: { color: palette.quiet, width: 1 },
+        marker: {
+          size: main ? 7 : 9,
+          color: main ? series.state.map((s) => [palette.good, palette.open, palette.open, palette.bad][s]) : palette.link,
+          symbol: main ? series.state.map((s) => SYMBOLS[s]) : i % 2 ? "diamond-open" : "diamond",
+        },
+        text: series.t.map((t, k) => {
+          const sd = series.sd && series.sd[k] !== null ? ` ± ${series.sd[k].toPrecision(2)}` : "";
+          const state = main ? `<br>${plot.states[series.state[k]]}` : "";
+          return (
+            `<b>${title(strip.symbol)} = ${series.v[k]}${sd}</b> ${plot.unit}<br>${series.name}<br>` +
+            `${local(new Date(t))}<br>${new Date(t).toISOString().slice(0, 16).replace("T", " ")} UTC<br>` +
+            escaped(series.places[series.place[k]]) + state
+          );
+        }),
+        hovertemplate: "%{text}<extra></extra>",
+        xaxis: "x",
+        yaxis: row ? `y${row + 1}` : "y",
+      };
+    });
+
+  const escaped = (text) => text.replace(/[<>&]/g, (c) => ({ "<": "&lt;", ">": "&gt;", "&": "&amp;" })[c]);
+
+  const shapesOf = (strip, row, palette) => {
+    const axis = row ? `y${row + 1}` : "y";
+    const of = (shape) => ({ xref: "x", yref: axis, layer: "below", ...shape });
+    return strip.bands.flatMap(([from, to, level, budget]) => {
+      const [x0, x1] = [new Date(from), new Date(to)];
+      const middle = of({ type: "line", x0, x1, y0: level, y1: level, line: { color: palette.quiet, width: 1, dash: "dash" } });
+      if (budget === null) return [middle];
+      const band = of({
+        type: "rect", x0, x1, y0: level - budget, y1: level + budget, fillcolor: palette.band, line: { width: 0 },
+      });
+      return [band, middle];
+    });
+  };
+
+  const layoutOf = (plot, palette, narrow) => {
+    const rows = plot.strips.length;
+    const layout = {
+      height: 60 + rows * (narrow ? 190 : 230),
+      margin: { l: narrow ? 58 : 80, r: 12, t: narrow ? 50 : 30, b: 40 },
+      paper_bgcolor: "rgba(0,0,0,0)",
+      plot_bgcolor: "rgba(0,0,0,0)",
+      font: { color: palette.text, family: getComputedStyle(document.body).fontFamily, size: narrow ? 11 : 12 },
+      hoverlabel: { align: "left", bgcolor: palette.raised, bordercolor: palette.line, font: { color: palette.text } },
+      legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
+      hovermode: "closest",
+      dragmode: "zoom",
+      xaxis: { type: "date", gridcolor: palette.line, linecolor: palette.line, anchor: rows > 1 ? `y${rows}` : "y" },
+      shapes: [],
+      annotations: [],
+    };
+    const gap = 0.05;
+    plot.strips.forEach((strip, row) => {
+      const size = (1 - gap * (rows - 1)) / rows;
+      const top = 1 - row * (size + gap);
+      layout[row ? `yaxis${row + 1}` : "yaxis"] = {
+        domain: [Math.max(0, top - size), top],
+        title: { text: `${title(strip.symbol)}, ${plot.unit}`, standoff: 6 },
+        gridcolor: palette.line, zeroline: false, linecolor: palette.line, tickformat: "~g", nticks: 6,
+      };
+      layout.shapes.push(...shapesOf(strip, row, palette));
+    });
+    for (const mark of plot.marks) {
+      const x = new Date(mark.t);
+      const line = { color: mark.event ? palette.bad : palette.quiet, width: 1, dash: mark.event ? "solid" : "dot" };
+      layout.shapes.push({ type: "line", xref: "x", yref: "paper", x0: x, x1: x, y0: 0, y1: 1, line });
+      layout.annotations.push({
+        xref: "x", yref: "paper", x, y: 1, yanchor: "top", xanchor: "left", textangle: 90, showarrow: false,
+        text: escaped(mark.label), font: { size: 10, color: line.color },
+      });
+    }
+    return layout;
+  };
+
+  // All that was measured since an instant, in every strip.
+  const rangesSince = (plot, since) => {
+    const ranges = {};
+    let end = since;
+    plot.strips.forEach((strip, row) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (const series of strip.series) {
+        series.t.forEach((t, k) => {
+          if (t < since) return;
+          end = Math.max(end, t);
+          low = Math.min(low, series.v[k]);
+          high = Math.max(high, series.v[k]);
+        });
+      }
+      for (const [from, , level, budget] of strip.bands) {
+        if (from < since) continue;
+        low = Math.min(low, level - (budget || 0));
+        high = Math.max(high, level + (budget || 0));
+      }
+      const edge = 0.06 * (high - low || 1e-6);
+      if (low <= high) ranges[row ? `yaxis${row + 1}.range` : "yaxis.range"] = [low - edge, high + edge];
+    });
+    const day = 864e5;
+    ranges["xaxis.range"] = [new Date(since - day), new Date(end + 0.04 * (end - since) + day)];
+    return ranges;
+  };
+
+  const draw = (place) => {
+    const plot = JSON.parse(place.nextElementSibling.textContent);
+    const tools = place.previousElementSibling;
+    const palette = {};
+    const paint = () => {
+      for (const name of ["text", "quiet", "line", "link", "bad", "open", "good", "band", "raised"]) palette[name] = colour(name);
+      const traces = plot.strips.flatMap((strip, row) => tracesOf(plot, strip, row, palette));
+      const layout = layoutOf(plot, palette, place.clientWidth < 600);
+      return Plotly.react(place, traces, layout, { responsive: true, displaylogo: false, displayModeBar: false });
+    };
+    paint().then(() => { place.dataset.drawn = "true"; });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+    tools.hidden = false;
+    tools.addEventListener("click", (event) => {
+      const wanted = event.target.dataset.zoom;
+      if (wanted === "picture") {
+        const size = { width: 1200, height: place.clientHeight * 1200 / Math.max(place.clientWidth, 600) };
+        Plotly.downloadImage(place, { format: "png", filename: plot.name, scale: 2, ...size });
+      } else if (wanted === "since") {
+        Plotly.relayout(place, rangesSince(plot, plot.since));
+      } else if (wanted === "all") {
+        const axes = plot.strips.map((_, row) => [row ? `yaxis${row + 1}.autorange` : "yaxis.autorange", true]);
+        Plotly.relayout(place, { "xaxis.autorange": true, ...Object.fromEntries(axes) });
+      }
+    });
+  };
+
+  if (window.Plotly) document.querySelectorAll("[data-plot=history]").forEach(draw);
+})();

@@ -1,0 +1,96 @@
+//! Every word of the pages, in both languages side by side: what is missing in one does not compile.
+
+mod words;
+
+pub(super) use words::Text;
+
+use crate::core::judge::{Coefficient, Event, Rule, State};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Language {
+    English,
+    Chinese,
+}
+
+impl Language {
+    /// By its tag (RFC 5646).
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name.to_ascii_lowercase().as_str() {
+            "en" => Some(Self::English),
+            "zh" => Some(Self::Chinese),
+            _ => None,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::English => "en",
+            Self::Chinese => "zh",
+        }
+    }
+
+    pub fn text(self) -> &'static Text {
+        match self {
+            Self::English => &words::ENGLISH,
+            Self::Chinese => &words::CHINESE,
+        }
+    }
+}
+
+impl Text {
+    pub fn state(&self, state: State) -> &'static str {
+        match state {
+            State::Within => self.within,
+            State::Indeterminate => self.indeterminate,
+            State::Exceeded => self.exceeded,
+        }
+    }
+
+    pub fn rule(&self, rule: Rule) -> &'static str {
+        match rule {
+            Rule::Step => self.rule_step,
+            Rule::Range => self.rule_range,
+            Rule::Baseline => self.rule_baseline,
+            Rule::Trend => self.rule_trend,
+            Rule::Cusum => self.rule_cusum,
+            Rule::RmsSuccessive => self.rule_rms_successive,
+            Rule::Closure => self.rule_closure,
+            Rule::Agreement => self.rule_agreement,
+            Rule::Requirement => self.rule_requirement,
+            Rule::Overdue => self.rule_overdue,
+        }
+    }
+
+    pub fn event(&self, event: Event) -> &'static str {
+        match event {
+            Event::Baseline => self.event_baseline,
+            Event::Repair => self.event_repair,
+            Event::Reinstallation => self.event_reinstallation,
+            Event::Transport => self.event_transport,
+            Event::Firmware => self.event_firmware,
+            Event::Note => self.event_note,
+        }
+    }
+
+    /// A method by its name on the wire.
+    pub fn method(&self, name: &str) -> &'static str {
+        match name {
+            "published" => self.method_published,
+            "torque_feedback" => self.method_torque_feedback,
+            "turntable_servo" => self.method_turntable_servo,
+            _ => self.method_rigid,
+        }
+    }
+
+    /// What a coefficient is, in a few words.
+    pub fn meaning(&self, coefficient: Coefficient) -> &'static str {
+        match coefficient {
+            Coefficient::DI => self.meaning_d_i,
+            Coefficient::DS => self.meaning_d_s,
+            Coefficient::DO => self.meaning_d_o,
+            Coefficient::E => self.meaning_e,
+            Coefficient::G => self.meaning_g,
+            Coefficient::All => self.meaning_all,
+        }
+    }
+}

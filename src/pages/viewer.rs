@@ -1,0 +1,144 @@
+//! Who looks: in which language, light or dark. By the browser's word, or by what was chosen and is kept in a cookie.
+
+use std::convert::Infallible;
+
+use axum::extract::{FromRequestParts, Query};
+use axum::http::header::{ACCEPT_LANGUAGE, COOKIE, LOCATION, SET_COOKIE};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+
+use super::text::{Language, Text};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Theme {
+    Light,
+    Dark,
+}
+
+impl Theme {
+    pub fn name(self) -> &'static str {
+        match self {
+            Theme::Light => "light",
+            Theme::Dark => "dark",
+        }
+    }
+}
+
+pub(super) struct Viewer {
+    pub language: Language,
+    /// None: as the system says.
+    pub theme: Option<Theme>,
+    /// Path and query of the page that is looked at.
+    pub here: String,
+}
+
+impl Viewer {
+    pub fn text(&self) -> &'static Text {
+        self.language.text()
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Viewer {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
+        let theme = match cookie(&parts.headers, "theme") {
+            Some("light") => Some(Theme::Light),
+            Some("dark") => Some(Theme::Dark),
+            _ => None,
+        };
+        let chosen = cookie(&parts.headers, "language").and_then(Language::from_name);
+        let language = chosen.unwrap_or_else(|| preferred(&parts.headers));
+        let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
+        Ok(Self { language, theme, here })
+    }
+}
+
+fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+    let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let mut pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
+}
+
+/// The first language of `Accept-Language` that there is, by weight; English where there is none.
+fn preferred(headers: &HeaderMap) -> Language {
+    let accepted = headers.get(ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let mut wanted: Vec<(f32, Language)> = accepted
+        .split(',')
+        .filter_map(|range| {
+            let (tag, weight) = range.split_once(';').unwrap_or((range, ""));
+            let weight = weight.trim().strip_prefix("q=").map_or(Some(1.0), |q| q.parse().ok())?;
+            let language = tag.trim().split('-').next().and_then(Language::from_name)?;
+            (weight > 0.0).then_some((weight, language))
+        })
+        .collect();
+    wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+    wanted.first().map_or(Language::English, |(_, language)| *language)
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Preference {
+    language: Option<String>,
+    theme: Option<String>,
+    /// Where to go on.
+    back: Option<String>,
+}
+
+/// Keeps a choice in a cookie and goes back to where it was made.
+pub(super) async fn prefer(Query(chosen): Query<Preference>) -> Response {
+    let language = chosen.language.as_deref().and_then(Language::from_name).map(|l| ("language", l.name()));
+    let theme = chosen.theme.as_deref().filter(|name| matches!(*name, "light" | "dark")).map(|name| ("theme", name));
+    let back = chosen.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
+    let mut response = (StatusCode::SEE_OTHER, [(LOCATION, back)]).into_response();
+    for (name, value) in language.into_iter().chain(theme) {
+        let kept = format!("{name}={value}; Path=/; Max-Age=31536000; SameSite=Lax");
+        response.headers_mut().append(SET_COOKIE, kept.parse().expect("names and values are plain ASCII"));
+    }
+    response
+}
+
+/// A path on this service: nobody is sent elsewhere.
+fn is_local(path: &str) -> bool {
+    let plain = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
+    plain && path.starts_with('/') && !path.starts_with("//")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn accepting(value: &str) -> Language {
+        let mut headers = HeaderMap::new();
+        headers.insert(ACCEPT_LANGUAGE, value.parse().unwrap());
+        preferred(&headers)
+    }
+
+    #[test]
+    fn the_browser_says_which_language() {
+        assert_eq!(accepting("zh-CN,zh;q=0.9,en;q=0.8"), Language::Chinese);
+        assert_eq!(accepting("en-GB,zh;q=0.9"), Language::English);
+        assert_eq!(accepting("fr, zh-TW;q=0.3, en;q=0.5"), Language::English);
+        assert_eq!(accepting("de"), Language::English);
+        assert_eq!(accepting("en;q=0, zh;q=0.1"), Language::Chinese);
+        assert_eq!(preferred(&HeaderMap::new()), Language::English);
+    }
+
+    #[test]
+    fn nobody_is_sent_to_another_host() {
+        assert!(is_local("/gyros/LFG-1?method=bench"));
+        for elsewhere in ["//evil.example", "https://evil.example", "/\\evil.example", "", "gyros", "/a\r\nb"] {
+            assert!(!is_local(elsewhere), "{elsewhere}");
+        }
+    }
+
+    #[test]
+    fn a_cookie_is_found_among_others() {
+        let mut headers = HeaderMap::new();
+        headers.insert(COOKIE, "a=b; theme=dark;language=zh".parse().unwrap());
+        assert_eq!((cookie(&headers, "theme"), cookie(&headers, "language")), (Some("dark"), Some("zh")));
+        assert_eq!(cookie(&headers, "other"), None);
+    }
+}

@@ -1,0 +1,134 @@
+//! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
+
+mod support;
+
+use serde_json::{Value, json};
+use support::Server;
+
+/// A calibration of one gyro: D_I and D_S along its nominal triad, E of length one.
+fn record(imu: &str, station: &str, serial: &str, day: u32, d: [f64; 2]) -> Value {
+    let (input, spin) = ([0.5773502691896258, -0.4082482904638631, 0.7071067811865475], [0.0, 0.8660254037844387, 0.5]);
+    let g: Vec<f64> = (0..3).map(|i| d[0] * input[i] + d[1] * spin[i]).collect();
+    json!({
+        "imu": imu, "station": station, "calibrated_at": format!("2026-{:02}-{:02}T08:00:00Z", 1 + day / 28, 1 + day % 28),
+        "geometry": {"G1": {"input": input, "spin": spin}},
+        "gyros": [{"slot": "G1", "serial": serial, "e_pulse_per_arcsec": input, "g_pulse_per_s_g0": g}]
+    })
+}
+
+async fn a_small_fleet() -> Server {
+    let server = Server::start().await;
+    for day in 0..8 {
+        let steady = record("IMU-A", "ST-1", "STEADY", 7 * day, [1.5, -2.25]);
+        let jump = if day < 4 { 0.0 } else { 0.05 };
+        let jumping = record("IMU-B", "ST-2", "JUMP/1", 7 * day, [3.0 + jump, 4.0]);
+        for body in [steady, jumping] {
+            let answer = server.post_json("/v1/records", &body).await;
+            assert_eq!(answer.status, 201, "{}", answer.text());
+        }
+    }
+    server
+}
+
+async fn page(server: &Server, path: &str, headers: &[(&str, &str)]) -> String {
+    let answer = server.call("GET", path, headers, "").await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (200, "text/html; charset=utf-8"), "{path}");
+    answer.text()
+}
+
+fn place(text: &str, what: &str) -> usize {
+    text.find(what).unwrap_or_else(|| panic!("{what} is not in {text}"))
+}
+
+#[tokio::test]
+async fn the_fleet_shows_the_worst_first_and_is_narrowed_down_by_its_address() {
+    let server = a_small_fleet().await;
+    let all = page(&server, "/", &[]).await;
+    assert!(place(&all, "JUMP/1") < place(&all, "STEADY"));
+    assert!(all.contains(r#"href="/gyros/JUMP%2F1""#) && all.contains("distance from baseline"));
+    for (address, shown, hidden) in [
+        ("/?state=exceeded", "JUMP/1", "STEADY"),
+        ("/?state=within", "STEADY", "JUMP/1"),
+        ("/?q=imu-b", "JUMP/1", "STEADY"),
+        ("/?q=steady", "STEADY", "JUMP/1"),
+        ("/?station=ST-1", "STEADY", "JUMP/1"),
+    ] {
+        let some = page(&server, address, &[]).await;
+        assert!(some.contains(shown) && !some.contains(hidden), "{address}: {some}");
+    }
+    assert!(page(&server, "/?q=nobody", &[]).await.contains("Nothing fits"));
+}
+
+#[tokio::test]
+async fn a_gyro_is_shown_down_to_every_figure_without_a_script() {
+    let server = a_small_fleet().await;
+    let bench = json!({"serial": "STEADY", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
+        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.5005, "d_s_deg_per_h_g0": -2.2501, "d_i_sd": 4e-4, "d_s_sd": 4e-4});
+    assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
+    let steady = page(&server, "/gyros/STEADY", &[]).await;
+    for there in ["1.500000", "-2.250000", "IMU-A G1", "ST-1", "1.50050 ± 0.00040", "torque feedback", "0.000500"] {
+        assert!(steady.contains(there), "{there} is not in {steady}");
+    }
+    let jumping = page(&server, "/gyros/JUMP%2F1", &[]).await;
+    assert!(jumping.contains("D_I lies +0.05000 from its baseline 3.00000"), "{jumping}");
+    assert!(jumping.contains("/v1/gyros/JUMP%2F1/trend?coefficient=D_I&amp;method=rigid&amp;format=csv"));
+    let published = page(&server, "/gyros/STEADY?method=published", &[]).await;
+    assert!(published.contains("method=published&amp;format=csv"));
+}
+
+#[tokio::test]
+async fn what_does_not_exist_is_said_on_a_page() {
+    let server = Server::start().await;
+    let answer = server.get("/gyros/NOBODY").await;
+    assert_eq!((answer.status, answer.content_type.as_str()), (404, "text/html; charset=utf-8"));
+    assert!(answer.text().contains("no gyro with the serial NOBODY is known"));
+    assert!(page(&server, "/", &[]).await.contains("Nothing is stored yet"));
+}
+
+#[tokio::test]
+async fn nothing_is_loaded_from_elsewhere_and_nothing_inline_runs() {
+    let server = a_small_fleet().await;
+    for path in ["/", "/gyros/STEADY"] {
+        let answer = server.get(path).await;
+        let policy = answer.headers["content-security-policy"].to_str().unwrap().to_owned();
+        assert!(policy.contains("default-src 'none'") && policy.contains("script-src 'self';"), "{policy}");
+        let text = answer.text();
+        assert!(!text.contains("http://") && !text.contains("https://"), "{path} names another host: {text}");
+        assert!(!text.contains(" onclick=") && !text.contains("javascript:"));
+        for script in text.split("<script").skip(1) {
+            let own = script.starts_with(" src=\"/assets/") || script.starts_with(" type=\"application/json\"");
+            assert!(own, "{}", &script[..80]);
+        }
+    }
+}
+
+#[tokio::test]
+async fn assets_are_compressed_and_kept_for_ever() {
+    let server = a_small_fleet().await;
+    let text = page(&server, "/gyros/STEADY", &[]).await;
+    let mut seen = 0;
+    for path in text.split('"').filter(|part| part.starts_with("/assets/")) {
+        let packed = server.call("GET", path, &[("accept-encoding", "gzip")], "").await;
+        assert_eq!(packed.status, 200, "{path}");
+        assert_eq!(packed.headers["content-encoding"], "gzip");
+        assert!(packed.headers["cache-control"].to_str().unwrap().contains("immutable"));
+        let plain = server.get(path).await;
+        assert!(!plain.headers.contains_key("content-encoding") && plain.body.len() > packed.body.len());
+        seen += 1;
+    }
+    assert_eq!(seen, 3, "style sheet, plot library, script");
+    assert_eq!(server.get("/assets/style-00000000.css").await.status, 404);
+}
+
+#[tokio::test]
+async fn the_viewers_language_and_theme_are_kept() {
+    let server = a_small_fleet().await;
+    assert!(page(&server, "/", &[("accept-language", "zh-CN,en;q=0.5")]).await.contains("<html lang=\"zh\">"));
+    let english = page(&server, "/", &[("accept-language", "zh"), ("cookie", "language=en; theme=dark")]).await;
+    assert!(english.contains("<html lang=\"en\" data-theme=\"dark\">"));
+    let chosen = server.get("/preference?language=zh&back=%2Fgyros%2FSTEADY").await;
+    assert_eq!((chosen.status, &chosen.headers["location"]), (303, &"/gyros/STEADY".parse().unwrap()));
+    assert!(chosen.headers["set-cookie"].to_str().unwrap().starts_with("language=zh; Path=/"));
+    let away = server.get("/preference?theme=dark&back=%2F%2Fevil.example").await;
+    assert_eq!(away.headers["location"], "/");
+}

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use crate::core::judge::limits::{DriftLimits, Limits};
 
 use super::ConfigError;
+use super::rules::RuleKeys;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -23,6 +24,7 @@ pub struct Judging {
     pub range_min_records: usize,
     pub interval_days: f64,
     pub requirements: bool,
+    pub rules: RuleKeys,
     pub overrides: Vec<Override>,
 }
 
@@ -35,6 +37,8 @@ pub struct Override {
     pub coefficient: Option<OverriddenCoefficient>,
     pub budget: Option<f64>,
     pub interval_days: Option<f64>,
+    #[serde(default)]
+    pub rules: RuleKeys,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -56,6 +60,7 @@ impl Judging {
             interval_days: (self.interval_days > 0.0).then_some(self.interval_days),
             ..Limits::from_budget(self.budget)
         };
+        self.rules.apply(None, &mut limits);
         for change in self.overrides.iter().filter(|o| o.matches(imu, serial)) {
             if let Some(budget) = change.budget {
                 if change.coefficient != Some(OverriddenCoefficient::DS) {
@@ -64,7 +69,11 @@ impl Judging {
                 if change.coefficient != Some(OverriddenCoefficient::DI) {
                     limits.d_s = DriftLimits::from_budget(budget);
                 }
+                if change.coefficient.is_none() {
+                    limits.closure = Some(budget);
+                }
             }
+            change.rules.apply(change.coefficient, &mut limits);
             if let Some(days) = change.interval_days {
                 limits.interval_days = (days > 0.0).then_some(days);
             }
@@ -80,7 +89,17 @@ impl Judging {
         if self.range_min_records < 2 {
             return wrong("judging.range_min_records".into(), "must be at least 2".into());
         }
+        if let Some((key, detail)) = self.rules.fault() {
+            return wrong(format!("judging.rules.{key}"), detail);
+        }
         for (i, change) in self.overrides.iter().enumerate() {
+            if let Some((key, detail)) = change.rules.fault() {
+                return wrong(format!("judging.overrides[{i}].rules.{key}"), detail);
+            }
+            if change.coefficient.is_some() && change.rules.closure.is_some() {
+                let detail = "the closure belongs to the gyro: leave coefficient out".to_owned();
+                return wrong(format!("judging.overrides[{i}].rules.closure"), detail);
+            }
             if change.budget.is_some_and(|b| !(b.is_finite() && b > 0.0)) {
                 return wrong(format!("judging.overrides[{i}].budget"), "must be positive".into());
             }

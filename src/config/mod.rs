@@ -1,6 +1,7 @@
 //! The configuration: defaults, files, environment, in that order; checked whole before anything starts.
 
 mod judging;
+mod rules;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use crate::core::record::Plausibility;
 use crate::store::Options;
 
 pub use judging::{JudgedMethod, Judging, Override};
+pub use rules::{FixedBaseline, RuleKeys};
 
 const DEFAULTS: &str = include_str!("../../config/default.toml");
 

@@ -48,3 +48,54 @@ fn the_last_matching_override_wins() {
     assert_eq!((limits.d_i.step, limits.d_s.step), (Some(0.03), Some(0.04)));
     assert_eq!(judging.limits("IMU-2", "B").d_s.step, Some(0.01));
 }
+
+fn judging_of(text: &str) -> Result<Judging, ConfigError> {
+    let file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
+    std::fs::write(file.path(), text).unwrap();
+    Config::load(&[file.path().to_path_buf()], []).map(|config| config.judging)
+}
+
+#[test]
+fn single_rules_can_be_set_and_switched_off_for_the_fleet_and_for_one_coefficient() {
+    let text = "[judging.rules]\nstep = 0.02\ncusum_records_per_false_alarm = 1000\noff = [\"trend\", \"closure\"]\n\
+                [[judging.overrides]]\nserial = \"A\"\ncoefficient = \"D_I\"\n\
+                rules = { range = 0.03, fixed_baseline = { value = 2.9, sd = 0.001 }, off = [\"step\"] }\n";
+    let judging = judging_of(text).unwrap();
+    let fleet = judging.limits("IMU-1", "B");
+    assert_eq!((fleet.d_i.step, fleet.d_i.range, fleet.d_i.trend, fleet.closure), (Some(0.02), Some(0.01), None, None));
+    assert_eq!(fleet.d_s.cusum.unwrap().records_per_false_alarm, 1000.0);
+    let gyro = judging.limits("IMU-1", "A");
+    assert_eq!((gyro.d_i.step, gyro.d_i.range, gyro.d_i.fixed_baseline.unwrap().value), (None, Some(0.03), 2.9));
+    assert_eq!((gyro.d_s.step, gyro.d_s.range, gyro.d_s.fixed_baseline), (Some(0.02), Some(0.01), None));
+}
+
+#[test]
+fn a_budget_for_one_gyro_is_its_closures_too() {
+    let text = "[[judging.overrides]]\nserial = \"A\"\nbudget = 0.03\n";
+    assert_eq!(judging_of(text).unwrap().limits("IMU-1", "A").closure, Some(0.03));
+}
+
+#[test]
+fn a_wrong_rule_is_named() {
+    for (text, key, why) in [
+        ("[judging.rules]\nstep = -1\n", "judging.rules.step", "positive"),
+        ("[judging.rules]\noff = [\"tren\"]\n", "judging.rules.off", "no rule \"tren\""),
+        ("[judging.rules]\noff = [\"overdue\"]\n", "judging.rules.off", "interval_days = 0"),
+        ("[judging.rules]\nstpe = 1\n", "judging.rules", "stpe"),
+        ("[judging.rules]\ntrend_confidence = 95\n", "judging.rules.trend_confidence", "between 0.5 and 1"),
+        ("[[judging.overrides]]\nrules = { trend = 0 }\n", "judging.overrides[0].rules.trend", "positive"),
+        (
+            "[[judging.overrides]]\ncoefficient = \"D_I\"\nrules = { closure = 1 }\n",
+            "judging.overrides[0].rules.closure",
+            "leave coefficient out",
+        ),
+        (
+            "[[judging.overrides]]\nrules = { fixed_baseline = { value = 1.0, sd = -1 } }\n",
+            "judging.overrides[0].rules.fixed_baseline.sd",
+            "negative",
+        ),
+    ] {
+        let error = judging_of(text).unwrap_err().to_string();
+        assert!(error.contains(key) && error.contains(why), "{error}");
+    }
+}

@@ -84,6 +84,12 @@ pub enum Action {
 }
 
 impl Action {
+    pub const ALL: [Action; 5] = [Action::Fire, Action::Escalate, Action::Repeat, Action::Resolve, Action::Silent];
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|action| action.name() == name)
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Action::Fire => "fire",

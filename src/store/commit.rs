@@ -2,12 +2,15 @@
 
 use sqlx::{Connection, SqliteConnection};
 
+use super::alerts::{self, AlertRow, StepRow};
 use super::batch::{Batch, Rows};
 use super::bench::{self, BenchRow};
 use super::checkpoint::Checkpoints;
+use super::delivery::{self, OutboxChanges};
 use super::error::StoreError;
 use super::event::{self, EventRow};
 use super::history::{self, HistoryRow};
+use super::hook::{self, HookRow};
 use super::id::{Id, IdSource};
 use super::keys::{self, KeyRow};
 use super::lock::Lock;
@@ -29,6 +32,10 @@ pub struct Changes {
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
     pub keys: Vec<KeyRow>,
+    pub alerts: Vec<AlertRow>,
+    pub alert_steps: Vec<StepRow>,
+    pub hooks: Vec<HookRow>,
+    pub outbox: OutboxChanges,
 }
 
 /// What changes on stored records when they are judged again.
@@ -45,6 +52,10 @@ impl Changes {
             && self.events.is_empty()
             && self.keys.is_empty()
             && self.rejudged.history.is_empty()
+            && self.alerts.is_empty()
+            && self.alert_steps.is_empty()
+            && self.hooks.is_empty()
+            && self.outbox.is_empty()
     }
 }
 
@@ -167,5 +178,9 @@ fn batch_of(changes: &Changes) -> Batch {
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);
     keys::insert(&changes.keys, &mut batch);
+    alerts::upsert(&changes.alerts, &mut batch);
+    alerts::insert_steps(&changes.alert_steps, &mut batch);
+    hook::upsert(&changes.hooks, &mut batch);
+    delivery::apply(&changes.outbox, &mut batch);
     batch
 }

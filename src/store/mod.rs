@@ -3,31 +3,40 @@
 //! One connection writes ([`Writer`]), a pool reads ([`Store`]). Rows are plain types of this module; converting
 //! them to and from the core's types and the wire's is the pipeline's and the edge's work.
 
+mod alerts;
 mod backup;
 mod batch;
 mod bench;
 mod checkpoint;
 mod commit;
+mod delivery;
 mod error;
 mod event;
 mod figures;
 mod gyro;
 mod history;
+mod hook;
 mod id;
 mod keys;
 mod lock;
 mod names;
 mod open;
+mod outbox;
 mod record;
 mod verdicts;
 
+pub use alerts::{AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
+pub use delivery::{
+    AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,
+};
 pub use error::StoreError;
 pub use event::EventRow;
 pub use figures::{Figures, PublishedFigures, States};
 pub use history::{HistoryRow, Span};
+pub use hook::HookRow;
 pub use id::{Id, IdSource};
 pub use keys::KeyRow;
 pub use names::{Names, Tables};
@@ -35,5 +44,7 @@ pub use open::{Options, Store, open};
 pub use record::{Kind, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 
+#[cfg(test)]
+mod outbox_tests;
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,7 @@ use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection, SqlitePool}
 
 use super::checkpoint::Checkpoints;
 use super::commit::Writer;
+use super::delivery;
 use super::error::StoreError;
 use super::id::IdSource;
 use super::lock;
@@ -39,8 +40,10 @@ pub struct Store {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 1] =
-    [(1, "history", include_str!("../../migrations/sqlite/0001_history.sql"))];
+pub(super) const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
+    (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
+];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
 ///
@@ -57,6 +60,7 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     })?;
     let names = Names::new(load_names(&mut connection).await?);
     let last_id = last_id(&mut connection).await?;
+    delivery::release_leases(&mut connection).await?;
     let checkpointer = connect.clone().connect().await?;
     // Never idle-closed: a reader's warm page cache is what makes reading fast.
     let readers = SqlitePoolOptions::new()
@@ -118,7 +122,9 @@ async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Res
 
 async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
     let sql = "SELECT max(coalesce((SELECT max(id) FROM record), 0), coalesce((SELECT max(id) FROM bench_result), 0),
-                          coalesce((SELECT max(id) FROM event), 0))";
+                          coalesce((SELECT max(id) FROM event), 0), coalesce((SELECT max(id) FROM alert), 0),
+                          coalesce((SELECT max(id) FROM alert_step), 0), coalesce((SELECT max(id) FROM hook), 0),
+                          coalesce((SELECT max(id) FROM delivery), 0))";
     Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
 }
 

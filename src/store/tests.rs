@@ -8,7 +8,7 @@ use crate::core::judge::{Coefficient, Event, Rule, State};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 
-async fn opened(dir: &TempDir) -> (Store, Writer) {
+pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
     let url = format!("sqlite://{}", dir.path().join("test.db").display());
     open(&Options { url, readers: 2, busy_timeout: Duration::from_secs(1), cache_kib: 1024, checkpoint_pages: 100 })
         .await
@@ -54,7 +54,7 @@ fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
     HistoryRow { gyro, figures }
 }
 
-fn first_names() -> Changes {
+pub(super) fn first_names() -> Changes {
     Changes {
         imus: vec![(1, "IMU-07".into())],
         stations: vec![(1, "站-2 'quoted'".into())],

@@ -102,7 +102,7 @@ impl Display for Verdict {
         if matches!(self.finding, Finding::TooFew { .. }) {
             return f.write_str(".");
         }
-        write!(f, "; the limit is {:.*}{}.", digits(self.limit), self.limit, self.unit())?;
+        write!(f, "; the limit is {:.*} {}.", digits(self.limit), self.limit, self.unit())?;
         self.write_certainty(f)?;
         if self.confirmed {
             f.write_str(match self.rule {
@@ -122,13 +122,14 @@ fn digits(limit: f64) -> usize {
 }
 
 impl Verdict {
-    fn unit(&self) -> &'static str {
+    /// Unit of the value and the limit.
+    pub fn unit(&self) -> &'static str {
         match (self.rule, self.coefficient) {
-            (Rule::Overdue, _) => " days",
-            (Rule::Cusum, _) => " standard deviations",
-            (Rule::Requirement, Coefficient::E) => " pulse/arcsec",
-            (Rule::Requirement, _) => " pulse/(s g0)",
-            _ => " deg/(h g0)",
+            (Rule::Overdue, _) => "days",
+            (Rule::Cusum, _) => "standard deviations",
+            (Rule::Requirement, Coefficient::E) => "pulse/arcsec",
+            (Rule::Requirement, _) => "pulse/(s g0)",
+            _ => "deg/(h g0)",
         }
     }
 

@@ -1,0 +1,184 @@
+//! Alerts, and the steps by which they came to be what they are.
+
+use sqlx::{Row as _, sqlite::SqliteRow};
+
+use super::batch::{Batch, Rows};
+use super::error::StoreError;
+use super::id::Id;
+use super::open::Store;
+use crate::core::judge::{Coefficient, Rule, Severity};
+use crate::core::notify::{Alert, Status, Told};
+use crate::core::time::UtcMicros;
+
+/// Who said so, why and when.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Remark {
+    pub by: String,
+    pub reason: String,
+    pub at: UtcMicros,
+}
+
+/// The alert of one gyro, coefficient and rule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AlertRow {
+    pub id: Id,
+    pub gyro: u32,
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub alert: Alert,
+    /// Of [`Alert::acknowledged`].
+    pub acknowledged: Option<Remark>,
+    /// Of [`Alert::silenced_until`].
+    pub silenced: Option<Remark>,
+    /// The last verdict as clients read it, JSON.
+    pub finding: String,
+}
+
+/// Something became of an alert.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepRow {
+    pub id: Id,
+    pub alert: Id,
+    pub at: UtcMicros,
+    /// Name of an action of `core::notify`, or what a person did: `acknowledge`, `silence`.
+    pub action: String,
+    pub told: bool,
+    pub author: Option<String>,
+    pub reason: Option<String>,
+    /// The alert as it then was, as clients read it, JSON.
+    pub body: String,
+}
+
+pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for AlertRow { id, gyro, coefficient, rule, alert, acknowledged, silenced, finding } in alerts {
+        let mut row = rows.row();
+        row.integer(id.0)
+            .integer(i64::from(*gyro))
+            .text(coefficient.name())
+            .text(rule.name())
+            .text(alert.status.name())
+            .text(alert.severity.name())
+            .integer(alert.fired_at.0)
+            .optional_integer(alert.resolved_at.map(|at| at.0))
+            .integer(alert.record_at.0)
+            .integer(i64::from(alert.within))
+            .optional_integer(alert.told.map(|told| told.at.0))
+            .optional_text(alert.told.map(|told| told.severity.name()));
+        for remark in [acknowledged, silenced] {
+            row.optional_text(remark.as_ref().map(|remark| remark.by.as_str()))
+                .optional_text(remark.as_ref().map(|remark| remark.reason.as_str()))
+                .optional_integer(remark.as_ref().map(|remark| remark.at.0));
+        }
+        row.optional_integer(alert.silenced_until.map(|until| until.0)).text(finding);
+    }
+    batch.add(
+        "INSERT INTO alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
+             told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
+             silenced_by, silenced_reason, silenced_at, silenced_until, finding)
+         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7, value->>8,
+             value->>9, value->>10, value->>11, value->>12, value->>13, value->>14, value->>15, value->>16, value->>17,
+             value->>18, value->>19
+         FROM json_each($ROWS) WHERE true
+         ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
+             told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
+             silenced_at, silenced_until, finding) =
+            (excluded.status, excluded.severity, excluded.fired_at, excluded.resolved_at, excluded.record_at,
+             excluded.within, excluded.told_at, excluded.told_severity, excluded.acknowledged_by,
+             excluded.acknowledged_reason, excluded.acknowledged_at, excluded.silenced_by, excluded.silenced_reason,
+             excluded.silenced_at, excluded.silenced_until, excluded.finding)",
+        rows,
+    );
+}
+
+pub(super) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for step in steps {
+        rows.row()
+            .integer(step.id.0)
+            .integer(step.alert.0)
+            .integer(step.at.0)
+            .text(&step.action)
+            .integer(i64::from(step.told))
+            .optional_text(step.author.as_deref())
+            .optional_text(step.reason.as_deref())
+            .text(&step.body);
+    }
+    batch.add(
+        "INSERT INTO alert_step (id, alert, at, action, told, author, reason, body)
+         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7
+         FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+const COLUMNS: &str = "SELECT id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within, \
+                       told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
+                       silenced_by, silenced_reason, silenced_at, silenced_until, finding FROM alert";
+
+fn alert(row: &SqliteRow) -> Result<AlertRow, StoreError> {
+    let id = Id(row.try_get("id")?);
+    let damaged = |what: &str| StoreError::Damaged(format!("alert {id}: unknown {what}"));
+    let text = |column: &str| row.try_get::<String, _>(column);
+    let instant = |column: &str| Ok::<_, sqlx::Error>(row.try_get::<Option<i64>, _>(column)?.map(UtcMicros));
+    let severity = |column: &str| {
+        let name: Option<String> = row.try_get(column)?;
+        name.map(|name| Severity::from_name(&name).ok_or_else(|| damaged("severity"))).transpose()
+    };
+    let remark = |by: &str, reason: &str, at: &str| {
+        let (by, reason): (Option<String>, Option<String>) = (row.try_get(by)?, row.try_get(reason)?);
+        let known = by.zip(reason).zip(instant(at)?);
+        Ok::<_, sqlx::Error>(known.map(|((by, reason), at)| Remark { by, reason, at }))
+    };
+    let told_at = instant("told_at")?;
+    let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
+    Ok(AlertRow {
+        id,
+        gyro: row.try_get("gyro")?,
+        coefficient: Coefficient::from_name(&text("coefficient")?).ok_or_else(|| damaged("coefficient"))?,
+        rule: Rule::from_name(&text("rule")?).ok_or_else(|| damaged("rule"))?,
+        alert: Alert {
+            status: Status::from_name(&text("status")?).ok_or_else(|| damaged("status"))?,
+            severity: severity("severity")?.ok_or_else(|| damaged("severity"))?,
+            fired_at: UtcMicros(row.try_get("fired_at")?),
+            resolved_at: instant("resolved_at")?,
+            record_at: UtcMicros(row.try_get("record_at")?),
+            within: row.try_get("within")?,
+            acknowledged: acknowledged.is_some(),
+            silenced_until: instant("silenced_until")?,
+            told: told_at.zip(severity("told_severity")?).map(|(at, severity)| Told { at, severity }),
+        },
+        acknowledged,
+        silenced: remark("silenced_by", "silenced_reason", "silenced_at")?,
+        finding: text("finding")?,
+    })
+}
+
+impl Store {
+    /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
+    pub async fn alerts(&self) -> Result<Vec<AlertRow>, StoreError> {
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
+        let rows = sqlx::query(sql).fetch_all(&self.readers).await?;
+        rows.iter().map(alert).collect()
+    }
+
+    pub async fn alert(&self, id: Id) -> Result<Option<AlertRow>, StoreError> {
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1"));
+        let row = sqlx::query(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        row.as_ref().map(alert).transpose()
+    }
+
+    /// The newest `limit` steps of an alert, oldest first.
+    pub async fn alert_steps(&self, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
+        let sql = "SELECT id, alert, at, action, told, author, reason, body FROM alert_step
+                   WHERE alert = $1 ORDER BY id DESC LIMIT $2";
+        let rows = sqlx::query_as(sql).bind(alert.0).bind(limit).fetch_all(&self.readers).await?;
+        Ok(rows.into_iter().rev().map(step).collect())
+    }
+}
+
+type Step = (i64, i64, i64, String, bool, Option<String>, Option<String>, String);
+
+fn step((id, alert, at, action, told, author, reason, body): Step) -> StepRow {
+    StepRow { id: Id(id), alert: Id(alert), at: UtcMicros(at), action, told, author, reason, body }
+}

@@ -1,0 +1,274 @@
+use tempfile::TempDir;
+
+use super::tests::{first_names, opened};
+use super::*;
+use crate::core::judge::{Coefficient, Rule, Severity};
+use crate::core::notify::{Alert, Status, Told};
+use crate::core::time::UtcMicros;
+
+const HORIZON: UtcMicros = UtcMicros(1_000_000);
+
+fn alert(id: Id, gyro: u32) -> AlertRow {
+    AlertRow {
+        id,
+        gyro,
+        coefficient: Coefficient::DI,
+        rule: Rule::Step,
+        alert: Alert {
+            status: Status::Firing,
+            severity: Severity::Warning,
+            fired_at: UtcMicros(10),
+            resolved_at: None,
+            record_at: UtcMicros(5),
+            within: 1,
+            acknowledged: false,
+            silenced_until: None,
+            told: Some(Told { at: UtcMicros(10), severity: Severity::Warning }),
+        },
+        acknowledged: None,
+        silenced: None,
+        finding: r#"{"reason": "D_I \"jumped\"\n by 0.02 度"}"#.into(),
+    }
+}
+
+fn step(id: Id, alert: Id) -> StepRow {
+    StepRow {
+        id,
+        alert,
+        at: UtcMicros(10),
+        action: "fire".into(),
+        told: true,
+        author: None,
+        reason: None,
+        body: format!("{{\"step\": \"{id}\"}}"),
+    }
+}
+
+fn hook(id: Id) -> HookRow {
+    HookRow {
+        id,
+        name: "pager".into(),
+        kind: "standard-webhooks".into(),
+        url: "http://x.example/'\"".into(),
+        authorization: None,
+        secret: Some("whsec_new".into()),
+        old_secret: Some(("whsec_old".into(), UtcMicros(99))),
+        filter: "{}".into(),
+        enabled: true,
+        disabled_because: None,
+        created_at: UtcMicros(1),
+        changed_at: UtcMicros(1),
+        deleted_at: None,
+    }
+}
+
+/// One hook, two alerts, and their steps 30 to 35, taken in turn: the even ones of alert 1, the odd ones of alert 2.
+struct Bench {
+    dir: TempDir,
+    store: Store,
+    writer: Writer,
+}
+
+const HOOK: Id = Id(20);
+
+impl Bench {
+    async fn new() -> Self {
+        let dir = TempDir::new().unwrap();
+        let (store, mut writer) = opened(&dir).await;
+        let changes = Changes {
+            alerts: vec![alert(Id(1), 1), alert(Id(2), 2)],
+            alert_steps: (30..36).map(|i| step(Id(i), Id(1 + i % 2))).collect(),
+            hooks: vec![hook(HOOK), hook(Id(21))],
+            ..first_names()
+        };
+        writer.commit(&changes).await.unwrap();
+        Self { dir, store, writer }
+    }
+
+    async fn change(&mut self, outbox: OutboxChanges) {
+        self.writer.commit(&Changes { outbox, ..Changes::default() }).await.unwrap();
+    }
+
+    /// Queues deliveries 40 to 45 of the steps at instant 100.
+    async fn queue(&mut self) {
+        let queued = (30..36)
+            .map(|i| NewDelivery {
+                id: Id(10 + i),
+                hook: HOOK,
+                subject: Subject::Step { step: Id(i), alert: Id(1 + i % 2) },
+                queued_at: UtcMicros(100),
+            })
+            .collect();
+        self.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
+    }
+
+    async fn attempt(&mut self, delivery: i64, at: i64, progress: Progress) {
+        let attempt = AttemptRow {
+            id: Id(1000 + at),
+            delivery: Id(delivery),
+            at: UtcMicros(at),
+            status: Some(500),
+            detail: "answered 500".into(),
+            took_us: 7,
+        };
+        self.change(OutboxChanges { attempts: vec![(attempt, progress)], ..OutboxChanges::default() }).await;
+    }
+
+    async fn due(&self, now: i64) -> Vec<i64> {
+        let due = self.store.due_deliveries(HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
+        due.iter().map(|delivery| delivery.id.0).collect()
+    }
+
+    async fn states(&self) -> Vec<DeliveryState> {
+        let mut rows = self.store.deliveries(HOOK, None, None, 100).await.unwrap();
+        rows.reverse();
+        rows.into_iter().map(|row| row.state).collect()
+    }
+}
+
+const DONE: Progress = Progress::Done(DeliveryState::Delivered);
+
+#[tokio::test]
+async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
+    let mut bench = Bench::new().await;
+    assert_eq!(bench.store.alerts().await.unwrap(), [alert(Id(1), 1), alert(Id(2), 2)]);
+    assert_eq!(bench.store.alert_steps(Id(1), 2).await.unwrap(), [step(Id(32), Id(1)), step(Id(34), Id(1))]);
+    assert_eq!(bench.store.hook(HOOK).await.unwrap(), Some(hook(HOOK)));
+
+    let remark = |by: &str| Some(Remark { by: by.into(), reason: "known".into(), at: UtcMicros(60) });
+    let mut changed = alert(Id(2), 2);
+    changed.alert = Alert {
+        status: Status::Resolved,
+        severity: Severity::Critical,
+        fired_at: UtcMicros(51),
+        resolved_at: Some(UtcMicros(52)),
+        record_at: UtcMicros(53),
+        within: 0,
+        acknowledged: true,
+        silenced_until: Some(UtcMicros(90)),
+        told: None,
+    };
+    (changed.acknowledged, changed.silenced, changed.finding) = (remark("ann"), remark("bob"), "{}".into());
+    let gone = HookRow { deleted_at: Some(UtcMicros(70)), old_secret: None, enabled: false, ..hook(HOOK) };
+    let changes = Changes { alerts: vec![changed.clone()], hooks: vec![gone], ..Changes::default() };
+    bench.writer.commit(&changes).await.unwrap();
+    assert_eq!(bench.store.alert(Id(2)).await.unwrap(), Some(changed));
+    assert_eq!(bench.store.alert(Id(3)).await.unwrap(), None);
+    assert_eq!(bench.store.hook(HOOK).await.unwrap(), None);
+    assert_eq!(bench.store.hooks().await.unwrap(), [hook(Id(21))]);
+}
+
+#[tokio::test]
+async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    assert_eq!(bench.due(99).await, [] as [i64; 0]);
+    assert_eq!(bench.due(100).await, [40, 41]);
+    bench.attempt(40, 150, DONE).await;
+    assert_eq!(bench.due(150).await, [41, 42]);
+    bench.attempt(42, 160, Progress::RetryAt(UtcMicros(500))).await;
+    assert_eq!(bench.due(499).await, [41], "44 waits behind 42");
+    assert_eq!(bench.due(500).await, [41, 42]);
+    bench.attempt(42, 500, Progress::Done(DeliveryState::Dead)).await;
+    assert_eq!(bench.due(500).await, [41, 44], "a dead letter holds nobody up");
+    let row = bench.store.delivery(Id(42)).await.unwrap().unwrap();
+    assert_eq!((row.state, row.finished_at, row.attempts.len()), (DeliveryState::Dead, Some(UtcMicros(500)), 2));
+    assert_eq!((row.attempts[0].at, row.attempts[0].status), (UtcMicros(160), Some(500)));
+    let due = bench.store.due_deliveries(HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
+    assert_eq!(due.content, Some((UtcMicros(10), "fire".into(), step(Id(31), Id(2)).body)));
+}
+
+#[tokio::test]
+async fn a_line_that_grows_later_stays_in_order() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    bench.attempt(40, 150, DONE).await;
+    bench.attempt(42, 150, DONE).await;
+    bench.attempt(44, 150, DONE).await;
+    assert_eq!(bench.due(150).await, [41]);
+    let new = |id| NewDelivery {
+        id: Id(id),
+        hook: HOOK,
+        subject: Subject::Step { step: Id(30), alert: Id(1) },
+        queued_at: UtcMicros(200),
+    };
+    bench.change(OutboxChanges { queued: vec![new(50), new(51)], ..OutboxChanges::default() }).await;
+    assert_eq!(bench.due(200).await, [41, 50]);
+}
+
+#[tokio::test]
+async fn what_a_worker_holds_is_nobody_elses_until_its_lease_ends() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    bench.change(OutboxChanges { leased: vec![(Id(40), UtcMicros(300))], ..OutboxChanges::default() }).await;
+    assert_eq!(bench.due(299).await, [41]);
+    assert_eq!(bench.due(300).await, [40, 41]);
+    assert_eq!(bench.store.next_due(HOOK).await.unwrap(), Some(UtcMicros(100)));
+    bench.attempt(41, 200, Progress::RetryAt(UtcMicros(400))).await;
+    assert_eq!(bench.store.next_due(HOOK).await.unwrap(), Some(UtcMicros(300)));
+}
+
+#[tokio::test]
+async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    let years_ahead = UtcMicros(HORIZON.0 + 1);
+    bench.attempt(40, 150, Progress::RetryAt(years_ahead)).await;
+    bench.change(OutboxChanges { leased: vec![(Id(41), years_ahead)], ..OutboxChanges::default() }).await;
+    assert_eq!(bench.due(200).await, [41, 40]);
+}
+
+#[tokio::test]
+async fn a_test_waits_for_nobody() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    let test = NewDelivery { id: Id(60), hook: HOOK, subject: Subject::Test, queued_at: UtcMicros(100) };
+    bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
+    assert_eq!(bench.due(100).await, [40, 41, 60]);
+    let row = bench.store.delivery(Id(60)).await.unwrap().unwrap();
+    assert_eq!((row.subject, row.action), (Subject::Test, None));
+}
+
+#[tokio::test]
+async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
+    use DeliveryState::{Behind, Dead, Delivered, Dropped, Waiting};
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    bench.attempt(40, 150, Progress::Done(Dead)).await;
+    assert_eq!(bench.states().await, [Dead, Waiting, Waiting, Behind, Behind, Behind]);
+    let replayed = vec![(Id(40), UtcMicros(700)), (Id(43), UtcMicros(700))];
+    bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
+    assert_eq!(bench.states().await, [Waiting, Waiting, Waiting, Behind, Behind, Behind], "43 is not done yet");
+    assert_eq!(bench.store.queue_state(HOOK).await.unwrap().open, 6);
+    assert_eq!(bench.store.oldest_open_delivery().await.unwrap(), Some(UtcMicros(100)));
+    bench.attempt(40, 701, DONE).await;
+    bench.change(OutboxChanges { dropped: vec![(HOOK, UtcMicros(800))], ..OutboxChanges::default() }).await;
+    bench.attempt(41, 801, DONE).await;
+    assert_eq!(bench.states().await, [Delivered, Dropped, Dropped, Dropped, Dropped, Dropped]);
+    assert_eq!(bench.store.queue_state(HOOK).await.unwrap(), QueueState::default());
+}
+
+#[tokio::test]
+async fn a_target_that_is_back_is_told_at_once_what_waits() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    bench.attempt(41, 150, Progress::RetryAt(UtcMicros(90_000))).await;
+    bench.change(OutboxChanges { hastened: vec![(HOOK, UtcMicros(200))], ..OutboxChanges::default() }).await;
+    assert_eq!(bench.due(200).await, [40, 41]);
+    let dead = bench.store.deliveries(HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
+    let old = bench.store.deliveries(HOOK, None, Some(Id(42)), 1).await.unwrap();
+    assert_eq!((dead.len(), old[0].id), (0, Id(41)));
+}
+
+#[tokio::test]
+async fn a_restart_frees_what_was_held() {
+    let mut bench = Bench::new().await;
+    bench.queue().await;
+    bench.change(OutboxChanges { leased: vec![(Id(40), UtcMicros(900_000))], ..OutboxChanges::default() }).await;
+    bench.store.close().await;
+    bench.writer.close().await.unwrap();
+    let (store, mut writer) = opened(&bench.dir).await;
+    let due = store.due_deliveries(HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
+    assert_eq!(due.len(), 2);
+    assert!(writer.next_id(UtcMicros(0)) > Id(45), "identifiers go on where they were");
+}

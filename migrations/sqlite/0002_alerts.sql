@@ -66,7 +66,6 @@ CREATE TABLE delivery (
     queued_at        INTEGER NOT NULL,
     state            TEXT NOT NULL,
     due_at           INTEGER NOT NULL,
-    leased_until     INTEGER,
     -- Attempts, and the first of them, since it was queued or replayed.
     attempts         INTEGER NOT NULL,
     first_attempt_at INTEGER,

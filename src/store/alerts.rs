@@ -177,6 +177,16 @@ impl Store {
     }
 }
 
+impl Store {
+    /// The alerts of which hooks were last told that they fire, as they were then told (JSON).
+    pub async fn firing_as_told(&self) -> Result<Vec<String>, StoreError> {
+        let sql = "SELECT step.body FROM alert JOIN alert_step AS step
+                   ON step.id = (SELECT max(id) FROM alert_step WHERE alert_step.alert = alert.id AND told = 1)
+                   WHERE alert.told_at IS NOT NULL ORDER BY alert.id";
+        Ok(sqlx::query_scalar(sql).fetch_all(&self.readers).await?)
+    }
+}
+
 type Step = (i64, i64, i64, String, bool, Option<String>, Option<String>, String);
 
 fn step((id, alert, at, action, told, author, reason, body): Step) -> StepRow {

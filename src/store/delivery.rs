@@ -3,10 +3,7 @@
 //! Deliveries of one hook and alert form a line: the first that is not done is `waiting`, those after it are `behind`.
 //! Whatever ends one moves the next up, in the same transaction.
 
-use sqlx::SqliteConnection;
-
 use super::batch::{Batch, Rows};
-use super::error::StoreError;
 use super::id::Id;
 use crate::core::time::UtcMicros;
 
@@ -119,7 +116,7 @@ pub struct DeliveryRow {
     pub attempts: Vec<AttemptRow>,
 }
 
-/// How a hook's queue stands.
+/// How the queue of a hook stands, or the queues of all.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct QueueState {
     pub open: i64,
@@ -131,8 +128,6 @@ pub struct QueueState {
 #[derive(Debug, Default)]
 pub struct OutboxChanges {
     pub queued: Vec<NewDelivery>,
-    /// Taken by a worker until an instant: nobody else sends them before.
-    pub leased: Vec<(Id, UtcMicros)>,
     pub attempts: Vec<(AttemptRow, Progress)>,
     /// Sent again from the start of the ladder, at an instant.
     pub replayed: Vec<(Id, UtcMicros)>,
@@ -144,24 +139,18 @@ pub struct OutboxChanges {
 
 impl OutboxChanges {
     pub fn is_empty(&self) -> bool {
-        let Self { queued, leased, attempts, replayed, dropped, hastened } = self;
-        queued.is_empty()
-            && leased.is_empty()
-            && attempts.is_empty()
-            && replayed.is_empty()
-            && dropped.is_empty()
-            && hastened.is_empty()
+        let Self { queued, attempts, replayed, dropped, hastened } = self;
+        queued.is_empty() && attempts.is_empty() && replayed.is_empty() && dropped.is_empty() && hastened.is_empty()
     }
 }
 
 pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     insert(&changes.queued, batch);
     attempted(&changes.attempts, batch);
-    lease(&changes.leased, batch);
     instants(
-        "UPDATE delivery SET state = 'waiting', due_at = j.value->>1, leased_until = NULL, attempts = 0,
+        "UPDATE delivery SET state = 'waiting', due_at = j.value->>1, attempts = 0,
              first_attempt_at = NULL, finished_at = NULL
-         FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND state IN ('delivered', 'dead')",
+         FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND state IN ('waiting', 'delivered', 'dead')",
         &changes.replayed,
         batch,
     );
@@ -179,6 +168,7 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     );
 }
 
+/// A test is due before whatever waits: somebody looks at it.
 fn insert(queued: &[NewDelivery], batch: &mut Batch) {
     let mut rows = Rows::default();
     for NewDelivery { id, hook, subject, queued_at } in queued {
@@ -194,7 +184,8 @@ fn insert(queued: &[NewDelivery], batch: &mut Batch) {
     }
     batch.add(
         "INSERT INTO delivery (id, hook, step, alert, queued_at, state, due_at, attempts)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>4, 0 FROM json_each($ROWS)",
+         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, iif(value->>3 IS NULL, 0, value->>4), 0
+         FROM json_each($ROWS)",
         rows,
     );
     let lines = queued.iter().map(|new| (new.id, new.queued_at));
@@ -231,8 +222,7 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     // A delivery that was dropped meanwhile stays dropped.
     batch.add(
         "UPDATE delivery SET state = j.value->>1, due_at = coalesce(j.value->>2, due_at), finished_at = j.value->>3,
-             leased_until = NULL, attempts = attempts + 1,
-             first_attempt_at = coalesce(first_attempt_at, j.value->>4)
+             attempts = attempts + 1, first_attempt_at = coalesce(first_attempt_at, j.value->>4)
          FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND delivery.state = 'waiting'",
         rows,
     );
@@ -256,26 +246,10 @@ fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
     );
 }
 
-fn lease(leased: &[(Id, UtcMicros)], batch: &mut Batch) {
-    instants(
-        "UPDATE delivery SET leased_until = j.value->>1
-         FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0",
-        leased,
-        batch,
-    );
-}
-
 fn instants(sql: &'static str, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, at) in pairs {
         rows.row().integer(id.0).integer(at.0);
     }
     batch.add(sql, rows);
-}
-
-/// Frees what the workers of an earlier run held: SQLite serves one process, so they are gone.
-pub(super) async fn release_leases(connection: &mut SqliteConnection) -> Result<(), StoreError> {
-    let sql = "UPDATE delivery SET leased_until = NULL WHERE state = 'waiting' AND leased_until IS NOT NULL";
-    sqlx::query(sql).execute(connection).await?;
-    Ok(())
 }

@@ -10,7 +10,6 @@ use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection, SqlitePool}
 
 use super::checkpoint::Checkpoints;
 use super::commit::Writer;
-use super::delivery;
 use super::error::StoreError;
 use super::id::IdSource;
 use super::lock;
@@ -60,7 +59,6 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     })?;
     let names = Names::new(load_names(&mut connection).await?);
     let last_id = last_id(&mut connection).await?;
-    delivery::release_leases(&mut connection).await?;
     let checkpointer = connect.clone().connect().await?;
     // Never idle-closed: a reader's warm page cache is what makes reading fast.
     let readers = SqlitePoolOptions::new()

@@ -14,10 +14,9 @@ fn subject(row: &SqliteRow) -> Result<Subject, sqlx::Error> {
 }
 
 impl Store {
-    /// At most `limit` deliveries of a hook that are due and that no worker holds, the longest due first.
+    /// At most `limit` deliveries of a hook that are due, the longest due first.
     ///
-    /// A time beyond `horizon` was written by a clock gone wrong: what waits until then is due, what is held until then
-    /// is free.
+    /// A time beyond `horizon` was written by a clock gone wrong: what waits until then is due.
     pub async fn due_deliveries(
         &self,
         hook: Id,
@@ -29,18 +28,16 @@ impl Store {
                           s.at, s.action, s.body
                    FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
                    WHERE d.hook = $1 AND d.state = 'waiting' AND (d.due_at <= $2 OR d.due_at > $3)
-                         AND (d.leased_until IS NULL OR d.leased_until <= $2 OR d.leased_until > $3)
                    ORDER BY d.due_at, d.id LIMIT $4";
         let rows =
             sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(limit).fetch_all(&self.readers).await?;
         rows.iter().map(|row| Ok(due(row)?)).collect()
     }
 
-    /// When the next delivery of a hook is due or falls free; none where nothing waits.
-    pub async fn next_due(&self, hook: Id) -> Result<Option<UtcMicros>, StoreError> {
-        let sql = "SELECT min(max(due_at, coalesce(leased_until, due_at))) FROM delivery
-                   WHERE hook = $1 AND state = 'waiting'";
-        let at: Option<i64> = sqlx::query_scalar(sql).bind(hook.0).fetch_one(&self.readers).await?;
+    /// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
+    pub async fn next_due(&self, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>, StoreError> {
+        let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
+        let at: Option<i64> = sqlx::query_scalar(sql).bind(hook.0).bind(now.0).fetch_one(&self.readers).await?;
         Ok(at.map(UtcMicros))
     }
 }
@@ -72,13 +69,15 @@ impl Store {
         Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
     }
 
-    /// When the oldest delivery that is not done was queued, over all hooks that are not deleted.
-    pub async fn oldest_open_delivery(&self) -> Result<Option<UtcMicros>, StoreError> {
-        let sql = "SELECT min((SELECT min(queued_at) FROM delivery
-                               WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
-                   FROM hook WHERE deleted_at IS NULL";
-        let at: Option<i64> = sqlx::query_scalar(sql).fetch_one(&self.readers).await?;
-        Ok(at.map(UtcMicros))
+    /// The queues of all hooks together. A queue whose hook is disabled ages by intent, so its age does not count.
+    pub async fn outbox_totals(&self) -> Result<QueueState, StoreError> {
+        let sql = "SELECT (SELECT count(*) FROM delivery WHERE state IN ('behind', 'waiting')),
+                          (SELECT count(*) FROM delivery WHERE state = 'dead'),
+                          (SELECT min((SELECT min(queued_at) FROM delivery
+                                       WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
+                           FROM hook WHERE deleted_at IS NULL AND enabled = 1)";
+        let (open, dead, oldest): (i64, i64, Option<i64>) = sqlx::query_as(sql).fetch_one(&self.readers).await?;
+        Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
     }
 
     /// Deliveries of a hook older than `before`, newest first, with their attempts.

@@ -197,15 +197,14 @@ async fn a_line_that_grows_later_stays_in_order() {
 }
 
 #[tokio::test]
-async fn what_a_worker_holds_is_nobody_elses_until_its_lease_ends() {
+async fn the_next_that_is_due_later_is_known() {
     let mut bench = Bench::new().await;
     bench.queue().await;
-    bench.change(OutboxChanges { leased: vec![(Id(40), UtcMicros(300))], ..OutboxChanges::default() }).await;
-    assert_eq!(bench.due(299).await, [41]);
-    assert_eq!(bench.due(300).await, [40, 41]);
-    assert_eq!(bench.store.next_due(HOOK).await.unwrap(), Some(UtcMicros(100)));
+    let next = async |bench: &Bench, now| bench.store.next_due(HOOK, UtcMicros(now)).await.unwrap();
+    assert_eq!(next(&bench, 99).await, Some(UtcMicros(100)));
+    assert_eq!(next(&bench, 100).await, None);
     bench.attempt(41, 200, Progress::RetryAt(UtcMicros(400))).await;
-    assert_eq!(bench.store.next_due(HOOK).await.unwrap(), Some(UtcMicros(300)));
+    assert_eq!(next(&bench, 100).await, Some(UtcMicros(400)));
 }
 
 #[tokio::test]
@@ -214,17 +213,16 @@ async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
     bench.queue().await;
     let years_ahead = UtcMicros(HORIZON.0 + 1);
     bench.attempt(40, 150, Progress::RetryAt(years_ahead)).await;
-    bench.change(OutboxChanges { leased: vec![(Id(41), years_ahead)], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(200).await, [41, 40]);
 }
 
 #[tokio::test]
-async fn a_test_waits_for_nobody() {
+async fn a_test_comes_before_whatever_waits() {
     let mut bench = Bench::new().await;
     bench.queue().await;
     let test = NewDelivery { id: Id(60), hook: HOOK, subject: Subject::Test, queued_at: UtcMicros(100) };
     bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
-    assert_eq!(bench.due(100).await, [40, 41, 60]);
+    assert_eq!(bench.due(100).await, [60, 40, 41]);
     let row = bench.store.delivery(Id(60)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action), (Subject::Test, None));
 }
@@ -240,7 +238,11 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
     assert_eq!(bench.states().await, [Waiting, Waiting, Waiting, Behind, Behind, Behind], "43 is not done yet");
     assert_eq!(bench.store.queue_state(HOOK).await.unwrap().open, 6);
-    assert_eq!(bench.store.oldest_open_delivery().await.unwrap(), Some(UtcMicros(100)));
+    let totals = bench.store.outbox_totals().await.unwrap();
+    assert_eq!((totals.open, totals.dead, totals.oldest_open), (6, 0, Some(UtcMicros(100))));
+    let disabled = HookRow { enabled: false, ..hook(HOOK) };
+    bench.writer.commit(&Changes { hooks: vec![disabled], ..Changes::default() }).await.unwrap();
+    assert_eq!(bench.store.outbox_totals().await.unwrap().oldest_open, None);
     bench.attempt(40, 701, DONE).await;
     bench.change(OutboxChanges { dropped: vec![(HOOK, UtcMicros(800))], ..OutboxChanges::default() }).await;
     bench.attempt(41, 801, DONE).await;
@@ -261,14 +263,23 @@ async fn a_target_that_is_back_is_told_at_once_what_waits() {
 }
 
 #[tokio::test]
-async fn a_restart_frees_what_was_held() {
+async fn a_restart_finds_everything_that_was_queued() {
     let mut bench = Bench::new().await;
     bench.queue().await;
-    bench.change(OutboxChanges { leased: vec![(Id(40), UtcMicros(900_000))], ..OutboxChanges::default() }).await;
     bench.store.close().await;
     bench.writer.close().await.unwrap();
     let (store, mut writer) = opened(&bench.dir).await;
     let due = store.due_deliveries(HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
     assert_eq!(due.len(), 2);
     assert!(writer.next_id(UtcMicros(0)) > Id(45), "identifiers go on where they were");
+}
+
+#[tokio::test]
+async fn what_fires_as_it_was_last_told_is_known() {
+    let mut bench = Bench::new().await;
+    let untold = StepRow { told: false, ..step(Id(36), Id(1)) };
+    let all_is_well = AlertRow { alert: Alert { told: None, ..alert(Id(2), 2).alert }, ..alert(Id(2), 2) };
+    let changes = Changes { alerts: vec![all_is_well], alert_steps: vec![untold], ..Changes::default() };
+    bench.writer.commit(&changes).await.unwrap();
+    assert_eq!(bench.store.firing_as_told().await.unwrap(), [step(Id(34), Id(1)).body]);
 }

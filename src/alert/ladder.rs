@@ -6,8 +6,12 @@ const MINUTE: u64 = 60;
 const HOUR: u64 = 60 * MINUTE;
 
 /// Waits after the first attempt, the second, and so on; with the first attempt (at once) ten attempts in 75 h 35 min.
-pub const WAITS_S: [u64; 9] =
+const STANDARD_WAITS_S: [u64; 9] =
     [5, 5 * MINUTE, 30 * MINUTE, 2 * HOUR, 5 * HOUR, 10 * HOUR, 14 * HOUR, 20 * HOUR, 24 * HOUR];
+
+/// Waits after the attempts that failed, one a rung.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ladder(Vec<Duration>);
 
 /// A wait is drawn out by up to this fraction of it, so that deliveries that failed together do not return together.
 /// Never shortened: the ladder lasts at least as long as it says.
@@ -27,21 +31,40 @@ pub enum Next {
     Dead,
 }
 
-/// * `attempts`: those that were made since the delivery was queued or replayed, the failed one included.
-/// * `tried_for`: time since the first of them. Attempts that came early (a target that is up again is tried at once) do
-///   not shorten the ladder.
-/// * `retry_after`: what the target asked for.
-/// * `jitter`: from 0 to 1, drawn by the caller.
-pub fn next(attempts: u32, tried_for: Duration, retry_after: Option<Duration>, jitter: f64) -> Next {
-    let whole = Duration::from_secs(WAITS_S.iter().sum());
-    let climbed = attempts as usize;
-    if climbed > WAITS_S.len() && tried_for >= whole {
-        return Next::Dead;
+impl Default for Ladder {
+    fn default() -> Self {
+        Self(STANDARD_WAITS_S.map(Duration::from_secs).into())
     }
-    let rung = climbed.clamp(1, WAITS_S.len()) - 1;
-    let wait = Duration::from_secs(WAITS_S[rung]).mul_f64(1.0 + JITTER * jitter.clamp(0.0, 1.0));
-    let asked = retry_after.unwrap_or_default().min(LONGEST_WAIT);
-    Next::RetryIn(wait.max(asked))
+}
+
+impl Ladder {
+    /// # Panics
+    /// Where there is no wait: the configuration was checked to name one.
+    pub fn new(waits: Vec<Duration>) -> Self {
+        assert!(!waits.is_empty(), "a ladder has at least one rung");
+        Self(waits)
+    }
+
+    /// The wait after a first failure.
+    pub fn first_wait(&self) -> Duration {
+        self.0[0]
+    }
+
+    /// * `attempts`: those that were made since the delivery was queued or replayed, the failed one included.
+    /// * `tried_for`: time since the first of them. Attempts that came early (a target that is up again is tried at
+    ///   once) do not shorten the ladder.
+    /// * `retry_after`: what the target asked for.
+    /// * `jitter`: from 0 to 1, drawn by the caller.
+    pub fn next(&self, attempts: u32, tried_for: Duration, retry_after: Option<Duration>, jitter: f64) -> Next {
+        let climbed = attempts as usize;
+        if climbed > self.0.len() && tried_for >= self.0.iter().sum() {
+            return Next::Dead;
+        }
+        let rung = climbed.clamp(1, self.0.len()) - 1;
+        let wait = self.0[rung].mul_f64(1.0 + JITTER * jitter.clamp(0.0, 1.0));
+        let asked = retry_after.unwrap_or_default().min(LONGEST_WAIT);
+        Next::RetryIn(wait.max(asked))
+    }
 }
 
 #[cfg(test)]
@@ -52,7 +75,7 @@ mod tests {
 
     fn climb(jitter: f64) -> (u32, Duration) {
         let (mut attempts, mut tried_for) = (1, Duration::ZERO);
-        while let Next::RetryIn(wait) = next(attempts, tried_for, None, jitter) {
+        while let Next::RetryIn(wait) = Ladder::default().next(attempts, tried_for, None, jitter) {
             tried_for += wait;
             attempts += 1;
         }
@@ -69,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_target_that_asks_for_time_gets_it_up_to_a_day() {
-        let retry = |after| next(1, Duration::ZERO, Some(Duration::from_secs(after)), NEVER_MIND);
+        let retry = |after| Ladder::default().next(1, Duration::ZERO, Some(Duration::from_secs(after)), NEVER_MIND);
         assert_eq!(retry(1), Next::RetryIn(Duration::from_secs(5)));
         assert_eq!(retry(90), Next::RetryIn(Duration::from_secs(90)));
         assert_eq!(retry(u64::MAX), Next::RetryIn(LONGEST_WAIT));
@@ -77,14 +100,19 @@ mod tests {
 
     #[test]
     fn attempts_that_came_early_do_not_kill_a_delivery_before_three_days() {
-        assert_eq!(next(40, Duration::from_secs(60), None, NEVER_MIND), Next::RetryIn(Duration::from_secs(24 * HOUR)));
-        assert_eq!(next(40, Duration::from_secs(76 * HOUR), None, NEVER_MIND), Next::Dead);
+        assert_eq!(
+            Ladder::default().next(40, Duration::from_secs(60), None, NEVER_MIND),
+            Next::RetryIn(Duration::from_secs(24 * HOUR))
+        );
+        assert_eq!(Ladder::default().next(40, Duration::from_secs(76 * HOUR), None, NEVER_MIND), Next::Dead);
     }
 
     #[test]
     fn nothing_waits_beyond_the_horizon() {
         for attempts in 0..12 {
-            let Next::RetryIn(wait) = next(attempts, Duration::ZERO, Some(Duration::MAX), 1.0) else { continue };
+            let Next::RetryIn(wait) = Ladder::default().next(attempts, Duration::ZERO, Some(Duration::MAX), 1.0) else {
+                continue;
+            };
             assert!(wait < HORIZON, "{wait:?}");
         }
     }

@@ -54,14 +54,21 @@ pub enum Event {
 }
 
 impl Event {
-    /// Type of the event, as Standard Webhooks names it; CloudEvents puts `gyrowatch.` before it.
     pub fn name(&self) -> &'static str {
-        match self {
-            Event::Alert(Action::Fire, _) => "alert.fired",
-            Event::Alert(Action::Escalate, _) => "alert.escalated",
-            Event::Alert(Action::Repeat | Action::Silent, _) => "alert.repeated",
-            Event::Alert(Action::Resolve, _) => "alert.resolved",
-            Event::Test => "hook.test",
-        }
+        event_name(match self {
+            Event::Alert(action, _) => Some(*action),
+            Event::Test => None,
+        })
+    }
+}
+
+/// Type of an event, as Standard Webhooks names it; CloudEvents puts `gyrowatch.` before it. No action: a test.
+pub fn event_name(action: Option<Action>) -> &'static str {
+    match action {
+        Some(Action::Fire) => "alert.fired",
+        Some(Action::Escalate) => "alert.escalated",
+        Some(Action::Repeat | Action::Silent) => "alert.repeated",
+        Some(Action::Resolve) => "alert.resolved",
+        None => "hook.test",
     }
 }

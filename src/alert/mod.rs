@@ -12,4 +12,4 @@ pub mod resolver;
 pub mod sign;
 pub mod target;
 
-pub use message::{Event, HookKind, Message};
+pub use message::{Event, HookKind, Message, event_name};

@@ -1,5 +1,6 @@
 //! The configuration: defaults, files, environment, in that order; checked whole before anything starts.
 
+mod hooks;
 mod judging;
 mod rules;
 
@@ -10,9 +11,11 @@ use std::time::Duration;
 use config::{Config as Layers, Environment, File, FileFormat};
 use serde::Deserialize;
 
+use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
 use crate::store::Options;
 
+pub use hooks::Hooks;
 pub use judging::{JudgedMethod, Judging, Override};
 pub use rules::{FixedBaseline, RuleKeys};
 
@@ -24,6 +27,7 @@ pub struct Config {
     pub server: Server,
     pub database: Database,
     pub judging: Judging,
+    pub hooks: Hooks,
     pub plausibility: PlausibilityKeys,
     pub log: Log,
 }
@@ -172,7 +176,13 @@ impl Config {
                 return Err(ConfigError::Key { key: key.into(), detail: format!("must be positive, is {value}") });
             }
         }
+        self.hooks.check()?;
         self.judging.check()
+    }
+
+    /// Where hooks may go: to loopback only in the company of a service that listens on loopback alone.
+    pub fn target_policy(&self) -> TargetPolicy {
+        TargetPolicy { allow: self.hooks.allow.clone(), loopback: self.server.listen.ip().is_loopback() }
     }
 }
 

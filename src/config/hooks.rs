@@ -1,0 +1,107 @@
+//! `[hooks]`: how and where to targets are told.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+use ipnet::IpNet;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+use serde_json::Value;
+
+use super::ConfigError;
+use crate::alert::deliver::AttemptLimits;
+use crate::alert::ladder::{LONGEST_WAIT, Ladder};
+use crate::core::time::UtcMicros;
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hooks {
+    #[serde(deserialize_with = "list")]
+    pub allow: Vec<IpNet>,
+    pub external_url: String,
+    pub connect_timeout_s: f64,
+    pub attempt_timeout_s: f64,
+    pub attempts_at_once: usize,
+    #[serde(deserialize_with = "list")]
+    pub retry_waits_s: Vec<f64>,
+    pub resend_s: f64,
+    pub old_secret_hours: f64,
+    pub ca_file: Option<PathBuf>,
+}
+
+/// No target may hold an attempt for longer.
+const LONGEST_ATTEMPT_S: f64 = 15.0;
+
+impl Hooks {
+    pub fn limits(&self) -> AttemptLimits {
+        AttemptLimits {
+            connect: Duration::from_secs_f64(self.connect_timeout_s),
+            whole: Duration::from_secs_f64(self.attempt_timeout_s),
+            ..AttemptLimits::default()
+        }
+    }
+
+    pub fn ladder(&self) -> Ladder {
+        Ladder::new(self.retry_waits_s.iter().copied().map(Duration::from_secs_f64).collect())
+    }
+
+    /// Where people reach the service's pages; none where nobody has said.
+    pub fn external_url(&self) -> Option<&str> {
+        Some(self.external_url.trim_end_matches('/')).filter(|url| !url.is_empty())
+    }
+
+    pub fn resend_every(&self) -> Duration {
+        Duration::from_secs_f64(self.resend_s)
+    }
+
+    /// Until when a secret that is replaced at `now` signs as well.
+    pub fn old_secret_until(&self, now: UtcMicros) -> UtcMicros {
+        UtcMicros(now.0.saturating_add((self.old_secret_hours * 3.6e9) as i64))
+    }
+
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let within = |key: &str, value: f64, most: f64| {
+            if value > 0.0 && value <= most {
+                return Ok(());
+            }
+            let detail = format!("must be above 0 and at most {most}, is {value}");
+            Err(ConfigError::Key { key: format!("hooks.{key}"), detail })
+        };
+        within("attempt_timeout_s", self.attempt_timeout_s, LONGEST_ATTEMPT_S)?;
+        within("connect_timeout_s", self.connect_timeout_s, self.attempt_timeout_s)?;
+        within("attempts_at_once", self.attempts_at_once as f64, 256.0)?;
+        within("resend_s", self.resend_s, 3600.0)?;
+        within("retry_waits_s: how many", self.retry_waits_s.len() as f64, 100.0)?;
+        for (i, wait) in self.retry_waits_s.iter().enumerate() {
+            within(&format!("retry_waits_s[{i}]"), *wait, LONGEST_WAIT.as_secs_f64())?;
+        }
+        if !(0.0..=24.0 * 365.0).contains(&self.old_secret_hours) {
+            let detail = format!("must lie between 0 and a year, is {}", self.old_secret_hours);
+            return Err(ConfigError::Key { key: "hooks.old_secret_hours".into(), detail });
+        }
+        match self.external_url() {
+            Some(url) if !(url.starts_with("http://") || url.starts_with("https://")) => {
+                let detail = format!("must begin with http:// or https://, is {url}");
+                Err(ConfigError::Key { key: "hooks.external_url".into(), detail })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A list, or its items in one text with commas between: an environment variable holds no list.
+fn list<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    T: FromStr<Err: Display>,
+    D: Deserializer<'de>,
+{
+    let text = |item: &Value| item.as_str().map_or_else(|| item.to_string(), str::to_owned);
+    let items = match Value::deserialize(deserializer)? {
+        Value::Array(items) => items.iter().map(text).collect(),
+        one => text(&one).split(',').map(|item| item.trim().to_owned()).filter(|item| !item.is_empty()).collect(),
+    };
+    let items: Vec<String> = items;
+    items.iter().map(|item| item.parse().map_err(|why| D::Error::custom(format!("{item}: {why}")))).collect()
+}

@@ -18,6 +18,10 @@ pub const GROUP: &str = "gyrowatch_commit_items";
 pub const WAITING: &str = "gyrowatch_writes_waiting";
 pub const DATABASE: &str = "gyrowatch_database_size_bytes";
 pub const LOG: &str = "gyrowatch_database_log_size_bytes";
+pub const ATTEMPTS: &str = "gyrowatch_delivery_attempts_total";
+pub const ATTEMPT_TIME: &str = "gyrowatch_delivery_attempt_duration_seconds";
+pub const OUTBOX_AGE: &str = "gyrowatch_outbox_age_seconds";
+pub const OUTBOX: &str = "gyrowatch_outbox_deliveries";
 const BUILD: &str = "gyrowatch_build_info";
 
 /// Upper bounds of the buckets of durations, seconds.
@@ -71,6 +75,10 @@ fn describe() {
     describe_gauge!(WAITING, "Writes that wait for the writer.");
     describe_gauge!(DATABASE, Unit::Bytes, "Size of the database file.");
     describe_gauge!(LOG, Unit::Bytes, "Size of the write-ahead log beside it.");
+    describe_counter!(ATTEMPTS, "Attempts to tell hooks, by kind and outcome: delivered, failed, dead, gone.");
+    describe_histogram!(ATTEMPT_TIME, Unit::Seconds, "One attempt to tell a hook, by kind.");
+    describe_gauge!(OUTBOX_AGE, Unit::Seconds, "Age of the oldest delivery that enabled hooks are still to be told.");
+    describe_gauge!(OUTBOX, "Deliveries, by state: open, dead.");
     describe_gauge!(BUILD, "1, labelled with the version.");
     gauge!(BUILD, "version" => env!("CARGO_PKG_VERSION")).set(1.0);
 }

@@ -14,7 +14,7 @@ use tracing_subscriber::EnvFilter;
 use crate::config::{Config, Log, LogFormat};
 use crate::http::{self, App};
 use crate::pages::{self, Pages};
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Outbox, Pipeline};
 use crate::store;
 use crate::system::Clock;
 use crate::telemetry;
@@ -52,6 +52,7 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
+    let outbox = Outbox::start(&pipeline).context("cannot deliver to hooks")?;
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: pipeline.clone() };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::router(pages));
@@ -59,7 +60,8 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     println!("gyrowatch listens on http://{address}");
     ready(address);
     http::server::serve(listener, router, &config.server, stop).await;
-    // The router is gone, and with it the last sender: the writer finishes what is queued and closes the database.
+    outbox.stop().await;
+    // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and closes the database.
     writing.await.context("the writer failed")?;
     tracing::info!("stopped");
     Ok(())

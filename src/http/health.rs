@@ -26,7 +26,7 @@ pub async fn healthz() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") })
 }
 
-/// Readiness: the database can be read and written, and the writer is at work.
+/// Readiness: the database can be read and written, and the writer and the delivery worker are at work.
 #[utoipa::path(get, path = "/readyz", tag = "service", responses(
     (status = 200, description = "ready", body = Health),
     (status = 503, description = "not ready, and why", body = Problem, content_type = "application/problem+json")))]
@@ -36,6 +36,9 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {
         Ok(probed) => probed.map_err(|refused| not_ready(format!("writing: {refused}")))?,
         Err(_) => return Err(not_ready(format!("writing: the writer has not answered for {} s", PATIENCE.as_secs()))),
+    }
+    if !app.pipeline.delivers() {
+        return Err(not_ready("the delivery worker is not at work".to_owned()));
     }
     Ok(Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") }))
 }

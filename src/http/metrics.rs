@@ -13,6 +13,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use crate::telemetry;
+use crate::wire::problem::Problem;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_metrics))
@@ -21,12 +22,17 @@ pub fn routes() -> OpenApiRouter<App> {
 /// What the service counts about itself, in Prometheus' text format.
 #[utoipa::path(get, path = "/metrics", tag = "service",
     responses((status = 200, description = "the metrics", body = String, content_type = "text/plain")))]
-async fn get_metrics(State(app): State<App>) -> Response {
+async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     let (database, log) = app.pipeline.store().sizes();
     gauge!(telemetry::DATABASE).set(database as f64);
     gauge!(telemetry::LOG).set(log as f64);
     gauge!(telemetry::WAITING).set(app.pipeline.waiting().0 as f64);
-    ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response()
+    let outbox = app.pipeline.outbox_totals().await?;
+    let age = outbox.oldest_open.map_or(0.0, |oldest| (app.clock.now().0 - oldest.0).max(0) as f64 / 1e6);
+    gauge!(telemetry::OUTBOX_AGE).set(age);
+    gauge!(telemetry::OUTBOX, "state" => "open").set(outbox.open as f64);
+    gauge!(telemetry::OUTBOX, "state" => "dead").set(outbox.dead as f64);
+    Ok(([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response())
 }
 
 /// Counts a request under its route, so that names in paths do not make a series each.

@@ -13,6 +13,7 @@ mod document;
 mod gyro_diagnosis;
 mod gyros;
 mod health;
+mod hooks;
 mod import;
 mod metrics;
 pub mod problem;
@@ -62,6 +63,7 @@ pub fn router(app: App, pages: Router) -> Router {
         .merge(trend::routes())
         .merge(agreement::routes())
         .merge(baseline::routes())
+        .merge(hooks::routes())
         .layer(TimeoutLayer::with_status_code(
             StatusCode::SERVICE_UNAVAILABLE,
             Duration::from_secs_f64(server.request_timeout_s),

@@ -21,6 +21,15 @@ impl From<Refused> for Problem {
                     .with_place(place)
             }
             Refused::UnknownGyro { .. } => Self::new(404, "Unknown gyro", detail),
+            Refused::NoSuchHook { .. } => Self::new(404, "No such hook", detail),
+            Refused::NoSuchDelivery { .. } => Self::new(404, "No such delivery", detail),
+            Refused::HookDisabled { .. } => Self::new(409, "Hook disabled", detail),
+            Refused::StillBehind { .. } => Self::new(409, "Not its turn", detail),
+            Refused::TooManyHooks { .. } => Self::new(409, "Too many hooks", detail),
+            Refused::SecretNeeded => {
+                let place = Place { pointer: "/secret".into(), detail: detail.clone() };
+                Self::new(422, "Cannot be stored as it is", detail).with_place(place)
+            }
             Refused::Busy | Refused::Stopping => Self::new(503, "Try again", detail),
             Refused::Store(error) => Self::from(&*error),
         }

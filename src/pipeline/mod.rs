@@ -7,6 +7,7 @@
 //! judge     each gyro touched, late arrivals in place  │ one group at a time, by the writer
 //! commit    one transaction, on disk                   ┘
 //! answer    the verdicts, or what stands in the way
+//! outbox    what hooks are to be told, from the database to their targets
 //! ```
 //!
 //! The writer takes all that has queued up while the last group was committed, so that many senders share one flush
@@ -21,14 +22,16 @@ mod course;
 mod diagnosing;
 mod fleet;
 mod history;
+mod hooks;
 mod judging;
 mod line;
+mod outbox;
 mod read;
 mod writer;
 
 use std::sync::Arc;
 
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
 use crate::config::Config;
@@ -44,9 +47,11 @@ pub use course::{Baseline, Course};
 pub use diagnosing::{Asked, Diagnosed};
 pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
+pub use hooks::{DeliveryPage, HookBook, HookPatch, NewHook, Order};
 pub use line::sample_of;
+pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
-pub use crate::store::{BenchRow, EventRow, Figures, Id, Kind, Names, Span, StoreError, Tables};
+pub use crate::store::{BenchRow, DeliveryState, EventRow, Figures, Id, Kind, Names, Span, StoreError, Tables};
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
 
 /// The way in, and the way back to what is stored. Cheap to clone.
@@ -57,6 +62,9 @@ pub struct Pipeline {
     clock: Clock,
     jobs: mpsc::Sender<Job>,
     diagnoses: Arc<diagnosing::Diagnoses>,
+    /// Moves when a hook has changed or has something new to be told.
+    wake: watch::Sender<u64>,
+    pulse: outbox::Pulse,
 }
 
 /// What the writer is asked to do.
@@ -64,6 +72,10 @@ pub struct Pipeline {
 enum Job {
     /// Submissions that are to be answered together, in order.
     Store { items: Vec<Submission>, reply: oneshot::Sender<Vec<Reply>> },
+    /// A hook or its queue is to change.
+    Hook { order: Order, reply: oneshot::Sender<Result<Id, Refused>> },
+    /// An attempt to tell a hook is to be written down.
+    Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
     /// Whether it could.
     Probe(oneshot::Sender<Result<(), StoreError>>),
 }
@@ -98,6 +110,18 @@ pub enum Refused {
     GyroElsewhere { existing: Id, index: usize, serial: String },
     #[error("no gyro with the serial {serial} is known")]
     UnknownGyro { serial: String },
+    #[error("there is no hook {id}")]
+    NoSuchHook { id: Id },
+    #[error("there is no delivery {id}")]
+    NoSuchDelivery { id: Id },
+    #[error("hook {id} is disabled; enable it first")]
+    HookDisabled { id: Id },
+    #[error("delivery {id} has not had its turn yet: an earlier one of the same alert comes first")]
+    StillBehind { id: Id },
+    #[error("a standard-webhooks hook always signs: name a new secret instead")]
+    SecretNeeded,
+    #[error("there are {most} hooks already, and no more can be")]
+    TooManyHooks { most: usize },
     #[error("too many writes are waiting")]
     Busy,
     #[error("the service is stopping")]
@@ -121,9 +145,11 @@ impl Pipeline {
         clock: Clock,
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
-        let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone()).await?;
+        let wake = watch::Sender::default();
+        let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), wake.clone()).await?;
         let handle = tokio::spawn(task.run(queue));
-        Ok((Self { store, config, clock, jobs, diagnoses: Arc::default() }, handle))
+        let (diagnoses, pulse) = (Arc::default(), outbox::Pulse::default());
+        Ok((Self { store, config, clock, jobs, diagnoses, wake, pulse }, handle))
     }
 
     pub fn store(&self) -> &Store {

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{mpsc, oneshot, watch};
 
 use super::admit::{Desk, Group, Newest};
+use super::hooks::{Attempted, HookBook, HookDesk, Order};
 use super::judging::{Judge, Verdicts};
 use super::read::{Calibration, Submission};
 use super::{Accepted, Job, Judged, Refused, Reply};
@@ -22,26 +23,49 @@ pub(super) struct Task {
     store: Store,
     writer: Writer,
     clock: Clock,
-    max_group: usize,
+    config: Arc<Config>,
     newest: Newest,
     judge: Judge,
+    hooks: HookBook,
+    wake: watch::Sender<u64>,
 }
 
+/// Orders that concern hooks, and where their answers go.
+type Orders = Vec<(Order, oneshot::Sender<Result<Id, Refused>>)>;
+type Attempts = Vec<(Attempted, oneshot::Sender<Result<(), Refused>>)>;
+
 impl Task {
-    pub async fn new(store: Store, writer: Writer, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
+    pub async fn new(
+        store: Store,
+        writer: Writer,
+        config: Arc<Config>,
+        clock: Clock,
+        wake: watch::Sender<u64>,
+    ) -> Result<Self, StoreError> {
         let newest = Newest::load(&store).await?;
+        let hooks = HookBook::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone());
-        Ok(Self { store, writer, clock, max_group: config.database.max_group, newest, judge })
+        Ok(Self { store, writer, clock, config, newest, judge, hooks, wake })
     }
 
     /// Works until every sender is gone and the queue is empty, then closes the database.
     pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) {
-        let mut jobs = Vec::with_capacity(self.max_group);
-        while queue.recv_many(&mut jobs, self.max_group).await > 0 {
+        let max_group = self.config.database.max_group;
+        let mut jobs = Vec::with_capacity(max_group);
+        while queue.recv_many(&mut jobs, max_group).await > 0 {
             let (mut group, mut items) = (Vec::new(), 0);
+            let (mut orders, mut attempts) = (Orders::new(), Attempts::new());
             for job in jobs.drain(..) {
                 let job = match job {
                     Job::Store { items, reply } => (items, reply),
+                    Job::Hook { order, reply } => {
+                        orders.push((order, reply));
+                        continue;
+                    }
+                    Job::Attempted { attempted, reply } => {
+                        attempts.push((attempted, reply));
+                        continue;
+                    }
                     Job::Probe(reply) => {
                         let _gone = reply.send(self.writer.probe().await);
                         continue;
@@ -57,6 +81,7 @@ impl Task {
             if !group.is_empty() {
                 self.process(group).await;
             }
+            self.carry_out(orders, attempts).await;
         }
         self.store.close().await;
         if let Err(error) = self.writer.close().await {
@@ -73,6 +98,35 @@ impl Task {
             // A sender that has gone away is answered when it sends the same again.
             let _gone = reply.send(replies.by_ref().take(items.len()).collect());
         }
+    }
+
+    /// What people order has one transaction each, attempts share one.
+    async fn carry_out(&mut self, orders: Orders, attempts: Attempts) {
+        let now = self.clock.now();
+        let old_secret_until = self.config.hooks.old_secret_until(now);
+        let mut desk = HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until };
+        let changed = !orders.is_empty() || attempts.iter().any(|(attempted, _)| attempted.gone.is_some());
+        for (order, reply) in orders {
+            let _gone = reply.send(desk.carry_out(&order).await);
+        }
+        if !attempts.is_empty() {
+            let written = desk.write_down(attempts.iter().map(|(attempted, _)| attempted)).await.map_err(Arc::new);
+            for (_, reply) in attempts {
+                let _gone = reply.send(written.clone().map_err(Refused::Store));
+            }
+        }
+        if changed {
+            self.look_at_hooks().await;
+        }
+    }
+
+    /// Hooks have changed, or have something new to be told.
+    async fn look_at_hooks(&mut self) {
+        match HookBook::load(&self.store).await {
+            Ok(book) => self.hooks = book,
+            Err(error) => tracing::error!(%error, "the hooks cannot be read; those known before are told"),
+        }
+        self.wake.send_modify(|moved| *moved += 1);
     }
 
     /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.

@@ -14,6 +14,7 @@ pub mod diagnosis;
 pub mod document;
 pub mod geometry;
 pub mod history;
+pub mod hook;
 pub mod json;
 pub mod numbers;
 pub mod problem;

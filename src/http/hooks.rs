@@ -1,0 +1,208 @@
+//! `/v1/hooks` and `/v1/deliveries`: whom to tell, and what has become of what they were told.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::Document;
+use super::query::{self, Parameters};
+use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
+use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
+use crate::wire::problem::Problem;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(get_hooks, post_hook))
+        .routes(routes!(get_hook, patch_hook, delete_hook))
+        .routes(routes!(test_hook))
+        .routes(routes!(get_deliveries))
+        .routes(routes!(get_delivery))
+        .routes(routes!(redeliver))
+}
+
+const MOST_DELIVERIES: usize = 1000;
+
+#[derive(Serialize, ToSchema)]
+struct Hooks {
+    /// Oldest first.
+    hooks: Vec<HookBody>,
+}
+
+/// Every hook, without its secrets.
+#[utoipa::path(get, path = "/v1/hooks", tag = "hooks", responses((status = 200, description = "the hooks", body = Hooks)))]
+async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
+    Ok(Json(Hooks { hooks: app.pipeline.hooks().await? }))
+}
+
+/// Sets up a hook: from here on it is told of every alert that its filter lets through.
+///
+/// A secret that the service has drawn is in the answer, this once.
+#[utoipa::path(post, path = "/v1/hooks", tag = "hooks", request_body = NewHookBody, responses(
+    (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
+    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "there are too many", body = Problem, content_type = "application/problem+json"),
+    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+    (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+    let new = app.pipeline.read_hook(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let drawn = new.drawn();
+    let id = app.pipeline.order(Order::Create(new)).await?;
+    let hook = app.pipeline.hook(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?;
+    Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/hooks/{id}"))], Json(hook)).into_response())
+}
+
+/// One hook.
+#[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
+    responses(
+        (status = 200, description = "the hook", body = HookBody),
+        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
+async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
+    let hook = app.pipeline.hook(hook_id(&id)?, None).await?;
+    Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
+}
+
+/// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits at once.
+#[utoipa::path(patch, path = "/v1/hooks/{id}", tag = "hooks", request_body = HookPatchBody,
+    params(("id" = String, Path, description = "identifier of the hook")),
+    responses(
+        (status = 200, description = "changed", body = HookBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Json<HookBody>, Problem> {
+    let id = hook_id(&id)?;
+    let patch = app.pipeline.read_hook_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let drawn = patch.drawn();
+    app.pipeline.order(Order::Change(id, patch)).await?;
+    Ok(Json(app.pipeline.hook(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?))
+}
+
+/// Deletes a hook and what it was still to be told.
+#[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
+    responses(
+        (status = 204, description = "deleted"),
+        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    app.pipeline.order(Order::Delete(hook_id(&id)?)).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Sends a hook a message that says that nothing is wrong, before whatever waits; its delivery tells how that went.
+#[utoipa::path(post, path = "/v1/hooks/{id}/test", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
+    responses(
+        (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
+        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "the hook is disabled", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+    let delivery = app.pipeline.order(Order::Test(hook_id(&id)?)).await?;
+    queued(&app, delivery).await
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct DeliveriesQuery {
+    /// Only those that are `behind`, `waiting`, `delivered`, `dead` or `dropped`.
+    state: Option<String>,
+    /// At most so many; 100 unless it is given.
+    limit: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct Deliveries {
+    /// Newest first.
+    deliveries: Vec<DeliveryBody>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// What a hook was told and is to be told, newest first, with every attempt; `state=dead` lists the dead letters.
+#[utoipa::path(get, path = "/v1/hooks/{id}/deliveries", tag = "hooks",
+    params(("id" = String, Path, description = "identifier of the hook"), DeliveriesQuery),
+    responses(
+        (status = 200, description = "the deliveries", body = Deliveries),
+        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
+async fn get_deliveries(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    Parameters(asked): Parameters<DeliveriesQuery>,
+) -> Result<Json<Deliveries>, Problem> {
+    let hook = hook_id(&id)?;
+    let state = asked.state.as_deref().map(delivery_state).transpose()?;
+    let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
+    let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
+    if app.pipeline.hook(hook, None).await?.is_none() {
+        return Err(no_such_hook(&id));
+    }
+    let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
+    let mut deliveries = app.pipeline.deliveries(hook, page).await?;
+    let more = deliveries.len() > limit;
+    deliveries.truncate(limit);
+    let last = deliveries.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
+    Ok(Json(Deliveries { deliveries, next: last.map(|id| query::cursor(id.0)) }))
+}
+
+/// One delivery with every attempt.
+#[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the delivery")),
+    responses(
+        (status = 200, description = "the delivery", body = DeliveryBody),
+        (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json")))]
+async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
+    let delivery = app.pipeline.delivery(delivery_id(&id)?).await?;
+    Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
+}
+
+/// Sends a delivery again that is done or a dead letter, from the start of the ladder; one that waits, at once.
+#[utoipa::path(post, path = "/v1/deliveries/{id}/redeliver", tag = "hooks", params(("id" = String, Path, description = "identifier of the delivery")),
+    responses(
+        (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
+        (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "an earlier one comes first, or the hook is disabled", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+    let delivery = app.pipeline.order(Order::Redeliver(delivery_id(&id)?)).await?;
+    queued(&app, delivery).await
+}
+
+async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
+    let delivery = app.pipeline.delivery(id).await?.ok_or_else(|| no_such_delivery(&id))?;
+    Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
+}
+
+fn delivery_state(name: &str) -> Result<DeliveryState, Problem> {
+    DeliveryState::from_name(name).ok_or_else(|| {
+        let known = DeliveryState::ALL.map(DeliveryState::name).join(", ");
+        query::bad(&format!("state must be one of {known}, is {name:?}"))
+    })
+}
+
+fn hook_id(text: &str) -> Result<Id, Problem> {
+    text.parse().map_err(|_| no_such_hook(&text))
+}
+
+fn delivery_id(text: &str) -> Result<Id, Problem> {
+    text.parse().map_err(|_| no_such_delivery(&text))
+}
+
+fn no_such_hook(id: &impl std::fmt::Display) -> Problem {
+    Problem::new(404, "No such hook", format!("there is no hook {id}"))
+}
+
+fn no_such_delivery(id: &impl std::fmt::Display) -> Problem {
+    Problem::new(404, "No such delivery", format!("there is no delivery {id}"))
+}

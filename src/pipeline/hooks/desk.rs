@@ -1,0 +1,194 @@
+//! What changes hooks and their queues, carried out by the one writer.
+
+use super::read::{HookPatch, NewHook};
+use crate::alert::HookKind;
+use crate::core::time::UtcMicros;
+use crate::pipeline::Refused;
+use crate::store::{
+    AttemptRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject,
+    Writer,
+};
+use crate::wire::hook::FilterBody;
+use crate::wire::time;
+
+/// Each hook costs a task and a queue.
+const MOST_HOOKS: usize = 1000;
+
+/// What the writer is asked to do with hooks and their queues.
+#[derive(Debug)]
+pub enum Order {
+    Create(NewHook),
+    Change(Id, HookPatch),
+    /// Throws its queue away too.
+    Delete(Id),
+    /// Queues a message that says that nothing is wrong.
+    Test(Id),
+    /// Sends a delivery again that is done, or one that waits at once.
+    Redeliver(Id),
+}
+
+/// An attempt was made.
+#[derive(Debug, Clone)]
+pub struct Attempted {
+    pub delivery: Id,
+    pub hook: Id,
+    pub at: UtcMicros,
+    pub status: Option<u16>,
+    pub detail: String,
+    pub took_us: i64,
+    pub progress: Progress,
+    /// The address that answered 410: nothing more is sent there.
+    pub gone: Option<String>,
+    /// The target is back: what waits is due now.
+    pub hasten: bool,
+}
+
+/// The writer at work on orders.
+pub(in crate::pipeline) struct HookDesk<'a> {
+    pub store: &'a Store,
+    pub writer: &'a mut Writer,
+    pub now: UtcMicros,
+    /// How long a secret that is replaced signs as well.
+    pub old_secret_until: UtcMicros,
+}
+
+impl HookDesk<'_> {
+    /// Carries out one order; on disk when this returns.
+    pub async fn carry_out(&mut self, order: &Order) -> Result<Id, Refused> {
+        let mut changes = Changes::default();
+        let about = match order {
+            Order::Create(new) => self.create(new, &mut changes).await?,
+            Order::Change(id, patch) => self.change(*id, patch, &mut changes).await?,
+            Order::Delete(id) => {
+                let hook = self.hook(*id).await?;
+                changes.hooks.push(HookRow { deleted_at: Some(self.now), changed_at: self.now, ..hook });
+                changes.outbox.dropped.push((*id, self.now));
+                *id
+            }
+            Order::Test(hook) => self.test(*hook, &mut changes).await?,
+            Order::Redeliver(delivery) => self.redeliver(*delivery, &mut changes.outbox).await?,
+        };
+        self.writer.commit(&changes).await?;
+        Ok(about)
+    }
+
+    /// Writes down many attempts in one transaction.
+    pub async fn write_down(&mut self, attempts: impl Iterator<Item = &Attempted>) -> Result<(), StoreError> {
+        let mut changes = Changes::default();
+        for attempted in attempts {
+            self.attempted(attempted, &mut changes).await?;
+        }
+        self.writer.commit(&changes).await
+    }
+
+    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, Refused> {
+        if self.store.hooks().await?.len() >= MOST_HOOKS {
+            return Err(Refused::TooManyHooks { most: MOST_HOOKS });
+        }
+        let id = self.writer.next_id(self.now);
+        changes.hooks.push(HookRow {
+            id,
+            name: new.name.clone(),
+            kind: new.kind.name().to_owned(),
+            url: new.url.clone(),
+            authorization: new.authorization.clone(),
+            secret: new.secret.as_ref().map(|secret| secret.reveal()),
+            old_secret: None,
+            filter: filter_text(&new.filter),
+            enabled: new.enabled,
+            disabled_because: None,
+            created_at: self.now,
+            changed_at: self.now,
+            deleted_at: None,
+        });
+        Ok(id)
+    }
+
+    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, Refused> {
+        let mut hook = self.hook(id).await?;
+        if let Some(secret) = &patch.secret {
+            if secret.is_none() && hook.kind == HookKind::StandardWebhooks.name() {
+                return Err(Refused::SecretNeeded);
+            }
+            let earlier = std::mem::replace(&mut hook.secret, secret.as_ref().map(|secret| secret.reveal()));
+            // The same secret again replaces nothing, and what ends signing ends it for the secret before too.
+            if hook.secret.is_none() {
+                hook.old_secret = None;
+            } else if earlier != hook.secret {
+                hook.old_secret = earlier.map(|earlier| (earlier, self.old_secret_until));
+            }
+        }
+        hook.name = patch.name.clone().unwrap_or(hook.name);
+        hook.url = patch.url.clone().unwrap_or(hook.url);
+        hook.authorization = patch.authorization.clone().unwrap_or(hook.authorization);
+        hook.filter = patch.filter.as_ref().map_or(hook.filter, filter_text);
+        if let Some(enabled) = patch.enabled {
+            (hook.enabled, hook.disabled_because) = (enabled, None);
+        }
+        if hook.enabled {
+            changes.outbox.hastened.push((id, self.now));
+        }
+        changes.hooks.push(HookRow { changed_at: self.now, ..hook });
+        Ok(id)
+    }
+
+    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, Refused> {
+        self.enabled_hook(hook).await?;
+        let id = self.writer.next_id(self.now);
+        changes.outbox.queued.push(NewDelivery { id, hook, subject: Subject::Test, queued_at: self.now });
+        Ok(id)
+    }
+
+    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, Refused> {
+        let delivery = self.store.delivery(id).await?.ok_or(Refused::NoSuchDelivery { id })?;
+        self.enabled_hook(delivery.hook).await?;
+        match delivery.state {
+            DeliveryState::Behind => Err(Refused::StillBehind { id }),
+            DeliveryState::Dropped => Err(Refused::NoSuchHook { id: delivery.hook }),
+            DeliveryState::Waiting | DeliveryState::Delivered | DeliveryState::Dead => {
+                outbox.replayed.push((id, self.now));
+                Ok(id)
+            }
+        }
+    }
+
+    async fn attempted(&mut self, attempted: &Attempted, changes: &mut Changes) -> Result<(), StoreError> {
+        let attempt = AttemptRow {
+            id: self.writer.next_id(self.now),
+            delivery: attempted.delivery,
+            at: attempted.at,
+            status: attempted.status,
+            detail: attempted.detail.clone(),
+            took_us: attempted.took_us,
+        };
+        changes.outbox.attempts.push((attempt, attempted.progress));
+        if attempted.hasten {
+            changes.outbox.hastened.push((attempted.hook, self.now));
+        }
+        let Some(url) = &attempted.gone else { return Ok(()) };
+        // Who has changed the address meanwhile has heard already.
+        if let Some(hook) = self.store.hook(attempted.hook).await?.filter(|hook| hook.url == *url) {
+            let because = format!("the target answered 410 Gone at {}", time::format(attempted.at));
+            changes.hooks.push(HookRow {
+                enabled: false,
+                disabled_because: Some(because),
+                changed_at: self.now,
+                ..hook
+            });
+        }
+        Ok(())
+    }
+
+    async fn hook(&self, id: Id) -> Result<HookRow, Refused> {
+        self.store.hook(id).await?.ok_or(Refused::NoSuchHook { id })
+    }
+
+    async fn enabled_hook(&self, id: Id) -> Result<HookRow, Refused> {
+        let hook = self.hook(id).await?;
+        if hook.enabled { Ok(hook) } else { Err(Refused::HookDisabled { id }) }
+    }
+}
+
+fn filter_text(filter: &FilterBody) -> String {
+    serde_json::to_string(filter).expect("a filter is lists of texts")
+}

@@ -1,0 +1,136 @@
+//! What clients say of hooks, checked: whatever can be refused is refused here, by the caller's task.
+
+use crate::alert::HookKind;
+use crate::alert::sign::Secret;
+use crate::alert::target::TargetPolicy;
+use crate::core::fault::Faults;
+use crate::core::record::Name;
+use crate::wire::hook::{FilterBody, HookPatchBody, NewHookBody};
+use crate::wire::json;
+
+/// Longest `Authorization` header.
+const MAX_AUTHORIZATION: usize = 4096;
+
+/// A hook that can be set up.
+#[derive(Debug)]
+pub struct NewHook {
+    pub(super) name: String,
+    pub(super) kind: HookKind,
+    pub(super) url: String,
+    pub(super) secret: Option<Secret>,
+    pub(super) authorization: Option<String>,
+    pub(super) filter: FilterBody,
+    pub(super) enabled: bool,
+    drawn: bool,
+}
+
+/// Changes of a hook that can be made, but for a kind that does not allow them.
+#[derive(Debug)]
+pub struct HookPatch {
+    pub(super) name: Option<String>,
+    pub(super) url: Option<String>,
+    pub(super) secret: Option<Option<Secret>>,
+    pub(super) authorization: Option<Option<String>>,
+    pub(super) filter: Option<FilterBody>,
+    pub(super) enabled: Option<bool>,
+    drawn: bool,
+}
+
+impl NewHook {
+    /// The secret, where the service has drawn it.
+    pub fn drawn(&self) -> Option<Secret> {
+        self.secret.clone().filter(|_| self.drawn)
+    }
+}
+
+impl HookPatch {
+    /// The new secret, where the service has drawn it.
+    pub fn drawn(&self) -> Option<Secret> {
+        self.secret.clone().flatten().filter(|_| self.drawn)
+    }
+}
+
+pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, Faults> {
+    let body: NewHookBody = json::parse(bytes)?;
+    let mut faults = Faults::default();
+    let kind = HookKind::from_name(&body.kind);
+    if kind.is_none() {
+        let kinds = HookKind::ALL.map(HookKind::name).join(", ");
+        faults.push("/kind", format!("must be one of {kinds}, is {:?}", body.kind));
+    }
+    let kind = kind.unwrap_or(HookKind::StandardWebhooks);
+    check_name(body.name.as_deref(), &mut faults);
+    check_url(&body.url, policy, &mut faults);
+    check_authorization(body.authorization.as_deref(), &mut faults);
+    body.filter.check("/filter", &mut faults);
+    let drawn = body.secret.is_none() && kind == HookKind::StandardWebhooks;
+    let secret = if drawn { draw("/secret", &mut faults) } else { secret(body.secret.as_deref(), &mut faults) };
+    let NewHookBody { name, url, authorization, filter, enabled, .. } = body;
+    let name = name.unwrap_or_else(|| kind.name().to_owned());
+    faults.or(NewHook { name, kind, url, secret, authorization, filter, enabled, drawn })
+}
+
+pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy) -> Result<HookPatch, Faults> {
+    let body: HookPatchBody = json::parse(bytes)?;
+    let mut faults = Faults::default();
+    check_name(body.name.as_deref(), &mut faults);
+    if let Some(url) = &body.url {
+        check_url(url, policy, &mut faults);
+    }
+    check_authorization(body.authorization.as_ref().and_then(Option::as_deref), &mut faults);
+    if let Some(filter) = &body.filter {
+        filter.check("/filter", &mut faults);
+    }
+    if body.rotate_secret && body.secret.is_some() {
+        faults.push("/rotate_secret", "draws a secret, so `secret` must be left out");
+    }
+    let secret = match &body.secret {
+        _ if body.rotate_secret => Some(draw("/rotate_secret", &mut faults)),
+        Some(given) => Some(secret(given.as_deref(), &mut faults)),
+        None => None,
+    };
+    let HookPatchBody { name, url, authorization, filter, enabled, rotate_secret: drawn, .. } = body;
+    faults.or(HookPatch { name, url, secret, authorization, filter, enabled, drawn })
+}
+
+fn check_name(name: Option<&str>, faults: &mut Faults) {
+    if let Some(Err(why)) = name.map(Name::parse) {
+        faults.push("/name", why);
+    }
+}
+
+fn check_url(url: &str, policy: &TargetPolicy, faults: &mut Faults) {
+    if let Err(why) = policy.check_url(url) {
+        faults.push("/url", why);
+    }
+}
+
+/// The words never repeat the value.
+fn check_authorization(value: Option<&str>, faults: &mut Faults) {
+    let Some(value) = value else { return };
+    let sendable = value.bytes().all(|byte| (b' '..=b'~').contains(&byte)) && value.trim() == value;
+    if value.is_empty() || value.len() > MAX_AUTHORIZATION || !sendable {
+        let detail = format!("must be 1 to {MAX_AUTHORIZATION} visible ASCII characters, as a header holds them");
+        faults.push("/authorization", detail);
+    }
+}
+
+fn secret(text: Option<&str>, faults: &mut Faults) -> Option<Secret> {
+    match Secret::parse(text?) {
+        Ok(secret) => Some(secret),
+        Err(why) => {
+            faults.push("/secret", why);
+            None
+        }
+    }
+}
+
+fn draw(pointer: &str, faults: &mut Faults) -> Option<Secret> {
+    match Secret::generate() {
+        Ok(secret) => Some(secret),
+        Err(error) => {
+            faults.push(pointer, format!("no secret can be drawn, name one: {error}"));
+            None
+        }
+    }
+}

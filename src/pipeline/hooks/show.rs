@@ -1,0 +1,69 @@
+//! Hooks and deliveries as clients read them.
+
+use std::time::Duration;
+
+use crate::alert::event_name;
+use crate::core::notify::Action;
+use crate::core::time::UtcMicros;
+use crate::store::{AttemptRow, DeliveryRow, DeliveryState, HookRow, Id, QueueState, StoreError, Subject};
+use crate::wire::hook::{AttemptBody, DeliveryBody, FilterBody, HookBody, QueueBody};
+use crate::wire::time;
+
+pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<HookBody, StoreError> {
+    let filter = filter(&row)?;
+    let old_secret = row.old_secret.filter(|(_, until)| now < *until);
+    Ok(HookBody {
+        id: row.id.to_string(),
+        name: row.name,
+        kind: row.kind,
+        url: row.url,
+        authorized: row.authorization.is_some(),
+        signed: row.secret.is_some(),
+        old_secret_until: old_secret.map(|(_, until)| time::format(until)),
+        filter,
+        enabled: row.enabled,
+        disabled_because: row.disabled_because,
+        created_at: time::format(row.created_at),
+        changed_at: time::format(row.changed_at),
+        queue: QueueBody { open: queue.open, oldest_open: queue.oldest_open.map(time::format), dead: queue.dead },
+        secret: None,
+    })
+}
+
+/// The filter of a stored hook.
+pub(super) fn filter(row: &HookRow) -> Result<FilterBody, StoreError> {
+    serde_json::from_str(&row.filter)
+        .map_err(|error| StoreError::Damaged(format!("the filter of hook {}: {error}", row.id)))
+}
+
+/// The identifier of a message, the same at every attempt, replay and hook.
+pub(in crate::pipeline) fn webhook_id(delivery: Id, subject: Subject) -> String {
+    match subject {
+        Subject::Step { step, .. } => format!("evt_{step}"),
+        Subject::Test => format!("evt_{delivery}"),
+    }
+}
+
+pub(super) fn delivery(row: DeliveryRow) -> DeliveryBody {
+    let due_at = row.due_at.max(row.queued_at);
+    DeliveryBody {
+        id: row.id.to_string(),
+        hook: row.hook.to_string(),
+        webhook_id: webhook_id(row.id, row.subject),
+        event: event_name(row.action.as_deref().and_then(Action::from_name)),
+        alert: match row.subject {
+            Subject::Step { alert, .. } => Some(alert.to_string()),
+            Subject::Test => None,
+        },
+        queued_at: time::format(row.queued_at),
+        state: row.state.name(),
+        due_at: (row.state == DeliveryState::Waiting).then(|| time::format(due_at)),
+        finished_at: row.finished_at.map(time::format),
+        attempts: row.attempts.into_iter().map(attempt).collect(),
+    }
+}
+
+fn attempt(row: AttemptRow) -> AttemptBody {
+    let took = Duration::from_micros(row.took_us.unsigned_abs());
+    AttemptBody { at: time::format(row.at), status: row.status, detail: row.detail, took_ms: took.as_secs_f64() * 1e3 }
+}

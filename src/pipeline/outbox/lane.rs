@@ -1,0 +1,256 @@
+//! The deliveries of one hook, a few at a time.
+
+use std::collections::{HashSet, VecDeque};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use futures::StreamExt;
+use futures::future::BoxFuture;
+use futures::stream::FuturesUnordered;
+use tokio::sync::watch;
+
+use super::Desk;
+use super::health::Health;
+use super::letter::{self, Addressee};
+use crate::alert::HookKind;
+use crate::alert::deliver::{Attempt, Outcome};
+use crate::alert::ladder::HORIZON;
+use crate::core::time::UtcMicros;
+use crate::pipeline::Refused;
+use crate::pipeline::hooks::Attempted;
+use crate::store::{DeliveryState, DueDelivery, Id, Progress, StoreError};
+use crate::telemetry;
+use crate::wire::alert::AlertBody;
+
+/// Deliveries that are fetched at a time.
+const FETCH: u32 = 64;
+/// When nothing tells a lane anything, it looks for itself.
+const IDLE: Duration = Duration::from_secs(30);
+/// After a failure to read or write the database.
+const BREATH: Duration = Duration::from_secs(1);
+
+/// What has happened to a delivery under way.
+enum Event {
+    Attempted(DueDelivery, Attempt),
+    WrittenDown(Id),
+}
+
+pub(super) struct Lane {
+    desk: Arc<Desk>,
+    hook: Id,
+    stopping: watch::Receiver<bool>,
+    wake: watch::Receiver<u64>,
+    health: Health,
+    /// The hook as it was when [`Lane::health`] was last without blemish for its sake.
+    changed_at: Option<UtcMicros>,
+    /// Due and fetched, not yet begun.
+    ready: VecDeque<DueDelivery>,
+    under_way: FuturesUnordered<BoxFuture<'static, Event>>,
+    /// The deliveries that are under way.
+    held: HashSet<Id>,
+    /// There may be more due than `ready` holds.
+    look_again: bool,
+    resend_at: Instant,
+}
+
+impl Lane {
+    pub fn new(desk: Arc<Desk>, hook: Id, stopping: watch::Receiver<bool>) -> Self {
+        let wake = desk.pipeline.wake.subscribe();
+        Self {
+            desk,
+            hook,
+            stopping,
+            wake,
+            health: Health::default(),
+            changed_at: None,
+            ready: VecDeque::new(),
+            under_way: FuturesUnordered::new(),
+            held: HashSet::new(),
+            look_again: true,
+            resend_at: Instant::now(),
+        }
+    }
+
+    /// Delivers until the hook is disabled or deleted, or the service stops; then finishes what is under way.
+    pub async fn run(mut self) {
+        let mut latest = None;
+        while !*self.stopping.borrow() {
+            match self.addressee().await {
+                Ok(Some(to)) => {
+                    if let Err(error) = self.serve(&to).await {
+                        self.complain(&error).await;
+                    }
+                    latest = Some(to);
+                }
+                Ok(None) => break,
+                Err(error) => self.complain(&error).await,
+            }
+        }
+        let Some(to) = latest else { return };
+        while let Some(event) = self.under_way.next().await {
+            self.go_on(&to, event);
+        }
+    }
+
+    async fn complain(&mut self, error: &StoreError) {
+        tracing::warn!(%error, hook = %self.hook, "the outbox cannot be read; trying again");
+        tokio::time::sleep(BREATH).await;
+    }
+
+    /// The hook as it is now; none where it is told no more.
+    async fn addressee(&mut self) -> Result<Option<Arc<Addressee>>, StoreError> {
+        self.wake.borrow_and_update();
+        let Some(row) = self.desk.pipeline.store.hook(self.hook).await?.filter(|row| row.enabled) else {
+            return Ok(None);
+        };
+        // Whoever has changed the hook has mended something.
+        if self.changed_at.replace(row.changed_at) != Some(row.changed_at) {
+            self.health = Health::default();
+        }
+        let to = Addressee::of(row).map_err(|why| StoreError::Damaged(format!("hook {}: {why}", self.hook)))?;
+        Ok(Some(Arc::new(to)))
+    }
+
+    /// Delivers until something wakes the lane: the hook may have changed, or its queue have been thrown away.
+    async fn serve(&mut self, to: &Arc<Addressee>) -> Result<(), StoreError> {
+        self.ready.clear();
+        self.look_again = true;
+        loop {
+            let pause = self.begin(to).await?;
+            tokio::select! {
+                Some(event) = self.under_way.next() => self.go_on(to, event),
+                _ = self.wake.changed() => return Ok(()),
+                _ = self.stopping.changed() => return Ok(()),
+                () = tokio::time::sleep(pause) => self.look_again = true,
+            }
+        }
+    }
+
+    /// Begins all attempts that can begin. Returns after how long there may be more.
+    async fn begin(&mut self, to: &Arc<Addressee>) -> Result<Duration, StoreError> {
+        if to.kind == HookKind::Alertmanager && Instant::now() >= self.resend_at {
+            // Alone, or what fires might overtake that it is resolved.
+            if !self.under_way.is_empty() {
+                return Ok(IDLE);
+            }
+            self.resend(to).await?;
+        }
+        let at_once = self.health.at_once(self.desk.pipeline.config.hooks.attempts_at_once, Instant::now());
+        while self.under_way.len() < at_once {
+            if self.ready.is_empty() && self.look_again {
+                self.fetch().await?;
+            }
+            let Some(due) = self.ready.pop_front() else { break };
+            self.attempt(to, due);
+        }
+        let until_resend = match to.kind {
+            HookKind::Alertmanager => self.resend_at.saturating_duration_since(Instant::now()),
+            _ => IDLE,
+        };
+        Ok(self.until_more(at_once).await?.min(until_resend).min(IDLE))
+    }
+
+    async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {
+        if at_once == 0 {
+            return Ok(self.health.resume_at().map_or(IDLE, |at| at.saturating_duration_since(Instant::now())));
+        }
+        if self.under_way.len() >= at_once {
+            return Ok(IDLE);
+        }
+        let now = self.desk.pipeline.clock.now();
+        let next = self.desk.pipeline.store.next_due(self.hook, now).await?;
+        // A millisecond more, so that it is due indeed.
+        let until = next.map(|at| Duration::from_micros((at.0 - now.0).unsigned_abs()) + Duration::from_millis(1));
+        Ok(until.unwrap_or(IDLE))
+    }
+
+    async fn fetch(&mut self) -> Result<(), StoreError> {
+        let now = self.desk.pipeline.clock.now();
+        let horizon = UtcMicros(now.0.saturating_add(HORIZON.as_micros() as i64));
+        let limit = FETCH + self.held.len() as u32;
+        let due = self.desk.pipeline.store.due_deliveries(self.hook, now, horizon, limit).await?;
+        self.look_again = due.len() == limit as usize;
+        self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
+        Ok(())
+    }
+
+    fn attempt(&mut self, to: &Arc<Addressee>, due: DueDelivery) {
+        self.held.insert(due.id);
+        let (desk, to) = (Arc::clone(&self.desk), Arc::clone(to));
+        self.under_way.push(Box::pin(async move {
+            let attempt = desk.attempt(&to, &due).await;
+            Event::Attempted(due, attempt)
+        }));
+    }
+
+    fn go_on(&mut self, to: &Arc<Addressee>, event: Event) {
+        match event {
+            Event::Attempted(due, attempt) => {
+                let hasten = self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
+                let at = self.desk.pipeline.clock.now();
+                let attempted = letter::report(to, &due, &attempt, at, &self.desk.ladder, hasten);
+                count(to.kind, &attempted, &attempt);
+                let desk = Arc::clone(&self.desk);
+                self.under_way.push(Box::pin(async move {
+                    let delivery = attempted.delivery;
+                    desk.write_down(attempted).await;
+                    Event::WrittenDown(delivery)
+                }));
+            }
+            Event::WrittenDown(delivery) => {
+                self.held.remove(&delivery);
+                self.look_again = true;
+            }
+        }
+    }
+
+    async fn resend(&mut self, to: &Addressee) -> Result<(), StoreError> {
+        self.resend_at = Instant::now() + self.desk.pipeline.config.hooks.resend_every();
+        let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
+        let mut firing: Vec<AlertBody> = Vec::new();
+        for body in self.desk.pipeline.store.firing_as_told().await? {
+            firing.push(serde_json::from_str(&body).map_err(damaged)?);
+        }
+        firing.retain(|alert| to.filter.wants(alert));
+        if firing.is_empty() {
+            return Ok(());
+        }
+        let attempt = self.desk.resend(to, &firing).await;
+        self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
+        if attempt.outcome != Outcome::Delivered {
+            tracing::warn!(hook = %self.hook, why = attempt.detail, "an Alertmanager could not be sent what fires");
+        }
+        Ok(())
+    }
+}
+
+impl Desk {
+    /// Sees to it that an attempt is written down, however long the disk may be full: what was delivered and is not
+    /// known to be would be sent again.
+    async fn write_down(&self, attempted: Attempted) {
+        loop {
+            match self.pipeline.write_down(attempted.clone()).await {
+                Ok(()) | Err(Refused::Stopping) => return,
+                Err(error) => {
+                    tracing::warn!(%error, delivery = %attempted.delivery, "an attempt cannot be written down; trying again");
+                    tokio::time::sleep(BREATH).await;
+                }
+            }
+        }
+    }
+}
+
+fn count(kind: HookKind, attempted: &Attempted, attempt: &Attempt) {
+    let outcome = match (attempted.progress, attempt.outcome) {
+        (_, Outcome::Gone) => "gone",
+        (Progress::Done(DeliveryState::Dead), _) => "dead",
+        (Progress::Done(_), _) => "delivered",
+        (Progress::RetryAt(_), _) => "failed",
+    };
+    if matches!(outcome, "gone" | "dead") {
+        let why = &attempt.detail;
+        tracing::warn!(hook = %attempted.hook, delivery = %attempted.delivery, why, "a delivery was given up");
+    }
+    metrics::counter!(telemetry::ATTEMPTS, "kind" => kind.name(), "outcome" => outcome).increment(1);
+    metrics::histogram!(telemetry::ATTEMPT_TIME, "kind" => kind.name()).record(attempt.took);
+}

@@ -1,0 +1,137 @@
+//! From a row of the outbox to a request, and from how it went to what is written down.
+
+use std::time::Duration;
+
+use super::Desk;
+use crate::alert::deliver::{Attempt, Destination, Outcome};
+use crate::alert::ladder::{Ladder, Next};
+use crate::alert::payload::{self, Context, Payload};
+use crate::alert::sign::{self, Secret};
+use crate::alert::{Event, HookKind, Message};
+use crate::core::notify::Action;
+use crate::core::time::UtcMicros;
+use crate::pipeline::hooks::{Attempted, webhook_id};
+use crate::store::{DeliveryState, DueDelivery, HookRow, Progress, Subject};
+use crate::system;
+use crate::wire::alert::AlertBody;
+use crate::wire::hook::FilterBody;
+
+/// A hook, ready to send to.
+#[derive(Clone)]
+pub(super) struct Addressee {
+    pub row: HookRow,
+    pub kind: HookKind,
+    pub filter: FilterBody,
+}
+
+impl Addressee {
+    /// # Errors
+    /// What of the stored hook makes no sense.
+    pub fn of(row: HookRow) -> Result<Self, String> {
+        let kind = HookKind::from_name(&row.kind).ok_or_else(|| format!("unknown kind {:?}", row.kind))?;
+        let filter = serde_json::from_str(&row.filter).map_err(|error| format!("filter: {error}"))?;
+        Ok(Self { row, kind, filter })
+    }
+
+    /// The secrets that sign now: while one is being replaced, both.
+    fn secrets(&self, now: UtcMicros) -> Vec<Secret> {
+        let old = self.row.old_secret.as_ref().filter(|(_, until)| now < *until).map(|(secret, _)| secret);
+        self.row.secret.iter().chain(old).filter_map(|text| Secret::parse(text).ok()).collect()
+    }
+
+    fn destination(&self) -> Destination<'_> {
+        Destination { kind: self.kind, url: &self.row.url, authorization: self.row.authorization.as_deref() }
+    }
+}
+
+impl Desk {
+    /// Makes one attempt at a delivery.
+    pub async fn attempt(&self, to: &Addressee, due: &DueDelivery) -> Attempt {
+        let now = self.pipeline.clock.now();
+        match message(due) {
+            Ok(message) => {
+                let payload = payload::render(to.kind, &message, &self.context(&to.row.name, now));
+                self.send(to, &message.id, payload, now).await
+            }
+            Err(why) => Attempt {
+                outcome: Outcome::Failed { retry_after: None },
+                status: None,
+                detail: format!("the stored message cannot be read: {why}"),
+                took: Duration::ZERO,
+            },
+        }
+    }
+
+    /// Sends what fires to an Alertmanager once more.
+    pub async fn resend(&self, to: &Addressee, firing: &[AlertBody]) -> Attempt {
+        let now = self.pipeline.clock.now();
+        let payload = payload::push_firing(firing, &self.context(&to.row.name, now));
+        self.send(to, &format!("resend_{}", now.0), payload, now).await
+    }
+
+    async fn send(&self, to: &Addressee, id: &str, payload: Payload, now: UtcMicros) -> Attempt {
+        let signature = sign::headers(id, now, &payload.body, &to.secrets(now));
+        self.courier.attempt(to.destination(), &signature, payload, now).await
+    }
+
+    fn context<'a>(&'a self, hook: &'a str, now: UtcMicros) -> Context<'a> {
+        let hooks = &self.pipeline.config.hooks;
+        let resend_every = hooks.resend_every().as_micros() as i64;
+        Context { hook, external_url: hooks.external_url(), resend_every, now }
+    }
+}
+
+fn message(due: &DueDelivery) -> Result<Message, String> {
+    let id = webhook_id(due.id, due.subject);
+    let (at, event) = match (due.subject, &due.content) {
+        (Subject::Test, _) => (due.queued_at, Event::Test),
+        (Subject::Step { .. }, Some((at, action, body))) => {
+            let action = Action::from_name(action).ok_or_else(|| format!("unknown action {action:?}"))?;
+            let alert: AlertBody = serde_json::from_str(body).map_err(|error| error.to_string())?;
+            (*at, Event::Alert(action, Box::new(alert)))
+        }
+        (Subject::Step { step, .. }, None) => return Err(format!("there is no step {step}")),
+    };
+    Ok(Message { id, at, event })
+}
+
+/// What is written down of an attempt that was made at `at`.
+pub(super) fn report(
+    to: &Addressee,
+    due: &DueDelivery,
+    attempt: &Attempt,
+    at: UtcMicros,
+    ladder: &Ladder,
+    hasten: bool,
+) -> Attempted {
+    let progress = match attempt.outcome {
+        Outcome::Delivered => Progress::Done(DeliveryState::Delivered),
+        Outcome::Gone => Progress::Done(DeliveryState::Dead),
+        Outcome::Failed { retry_after } => {
+            let first = due.first_attempt_at.unwrap_or(at);
+            let tried_for = Duration::from_micros(u64::try_from(at.0 - first.0).unwrap_or_default());
+            match ladder.next(due.attempts + 1, tried_for, retry_after, jitter()) {
+                Next::RetryIn(wait) => Progress::RetryAt(UtcMicros(at.0.saturating_add(wait.as_micros() as i64))),
+                Next::Dead => Progress::Done(DeliveryState::Dead),
+            }
+        }
+    };
+    Attempted {
+        delivery: due.id,
+        hook: due.hook,
+        at,
+        status: attempt.status,
+        detail: attempt.detail.clone(),
+        took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
+        progress,
+        gone: (attempt.outcome == Outcome::Gone).then(|| to.row.url.clone()),
+        hasten,
+    }
+}
+
+/// From 0 to 1; 0 where the system has no random numbers, which spreads nothing and harms nothing.
+fn jitter() -> f64 {
+    let mut bytes = [0; 4];
+    let _none_is_no_jitter = system::fill_random(&mut bytes);
+    f64::from(u32::from_le_bytes(bytes)) / f64::from(u32::MAX)
+}

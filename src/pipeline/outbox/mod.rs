@@ -1,0 +1,169 @@
+//! The delivery worker: takes what waits in the outbox to the targets of hooks, at least once, in order per alert.
+//!
+//! ```text
+//! worker      one lane for every enabled hook                 a target that hangs holds up its own lane alone
+//! lane        what is due -> attempts, a few at a time        the store hands out the first of each alert's line only
+//! letter      a row of the outbox -> a signed request         the same bytes and `webhook-id` at every attempt
+//! attempt     the status, or what went wrong, in words
+//! order       to the one writer: done, dead, or when again    on disk before the next of the line is looked for
+//! ```
+//!
+//! What was sent but not yet written down when the process died is sent again: receivers know it by its `webhook-id`.
+
+mod health;
+mod lane;
+mod letter;
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use tokio::sync::watch;
+use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
+
+use super::Pipeline;
+use crate::alert::deliver::Courier;
+use crate::alert::ladder::Ladder;
+use crate::store::{Id, QueueState, StoreError};
+
+use lane::Lane;
+
+/// How often the worker looks around when nothing wakes it.
+const ROUND: Duration = Duration::from_secs(5);
+/// A worker that has not looked around for so long is not at work.
+const STUCK: Duration = Duration::from_secs(30);
+/// At a stop, attempts under way get so long; what they were sent is sent again after the next start.
+const DRAIN: Duration = Duration::from_secs(5);
+/// Before a lane that broke down is started again.
+const BREATH: Duration = Duration::from_secs(1);
+
+/// When the worker last looked around. Cheap to clone.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pulse(Arc<Mutex<Option<Instant>>>);
+
+impl Pulse {
+    fn beat(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    fn is_alive(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some_and(|last| last.elapsed() < STUCK)
+    }
+}
+
+/// Why the worker cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum OutboxError {
+    #[error("hooks.ca_file {path} cannot be read: {source}")]
+    Authority { path: String, source: std::io::Error },
+    #[error("the client for hooks cannot be made (hooks.ca_file): {0}")]
+    Client(#[from] reqwest::Error),
+}
+
+/// The worker, running. It holds a clone of the pipeline, so stop it for the writer to end.
+#[derive(Debug)]
+pub struct Outbox {
+    stop: watch::Sender<bool>,
+    task: JoinHandle<()>,
+}
+
+impl Outbox {
+    /// Starts to deliver.
+    ///
+    /// # Errors
+    /// [`OutboxError`] where the configuration names certificates that cannot be used.
+    pub fn start(pipeline: &Pipeline) -> Result<Self, OutboxError> {
+        let hooks = &pipeline.config.hooks;
+        let roots = hooks.ca_file.as_ref().map(|path| {
+            std::fs::read(path).map_err(|source| OutboxError::Authority { path: path.display().to_string(), source })
+        });
+        let roots = roots.transpose()?;
+        let courier = Courier::new(pipeline.config.target_policy(), hooks.limits(), roots.as_deref())?;
+        let (stop, stopping) = watch::channel(false);
+        let desk = Arc::new(Desk { pipeline: pipeline.clone(), courier, ladder: hooks.ladder() });
+        desk.pipeline.pulse.beat();
+        let task = tokio::spawn(Worker { desk, stopping, lanes: JoinSet::new(), hooks: HashMap::new() }.run());
+        Ok(Self { stop, task })
+    }
+
+    /// Begins no more attempts; returns once those under way are over, or have been given up.
+    pub async fn stop(self) {
+        let _ended_already = self.stop.send(true);
+        if let Err(error) = self.task.await {
+            tracing::error!(%error, "the delivery worker broke down");
+        }
+    }
+}
+
+/// What all lanes share.
+struct Desk {
+    pipeline: Pipeline,
+    courier: Courier,
+    ladder: Ladder,
+}
+
+struct Worker {
+    desk: Arc<Desk>,
+    stopping: watch::Receiver<bool>,
+    lanes: JoinSet<()>,
+    hooks: HashMap<TaskId, Id>,
+}
+
+impl Worker {
+    async fn run(mut self) {
+        let mut wake = self.desk.pipeline.wake.subscribe();
+        while !*self.stopping.borrow_and_update() {
+            self.desk.pipeline.pulse.beat();
+            if let Err(error) = self.open_lanes().await {
+                tracing::warn!(%error, "the hooks cannot be read; trying again");
+            }
+            tokio::select! {
+                Some(ended) = self.lanes.join_next_with_id() => self.clear_away(ended).await,
+                _ = wake.changed() => {}
+                _ = self.stopping.changed() => {}
+                () = tokio::time::sleep(ROUND) => {}
+            }
+        }
+        let drained = async { while self.lanes.join_next().await.is_some() {} };
+        if tokio::time::timeout(DRAIN, drained).await.is_err() {
+            tracing::info!("attempts still under way were given up; they are made again after the next start");
+            self.lanes.shutdown().await;
+        }
+    }
+
+    /// Every enabled hook has a lane; a lane ends by itself when its hook is disabled or deleted.
+    async fn open_lanes(&mut self) -> Result<(), StoreError> {
+        for hook in self.desk.pipeline.store.hooks().await? {
+            if hook.enabled && !self.hooks.values().any(|open| *open == hook.id) {
+                let lane = Lane::new(Arc::clone(&self.desk), hook.id, self.stopping.clone());
+                let task = self.lanes.spawn(lane.run());
+                self.hooks.insert(task.id(), hook.id);
+            }
+        }
+        Ok(())
+    }
+
+    async fn clear_away(&mut self, ended: Result<(TaskId, ()), JoinError>) {
+        let task = match ended {
+            Ok((task, ())) => task,
+            Err(error) => {
+                tracing::error!(%error, "the deliveries of a hook broke down; they start anew");
+                tokio::time::sleep(BREATH).await;
+                error.id()
+            }
+        };
+        self.hooks.remove(&task);
+    }
+}
+
+impl Pipeline {
+    /// Whether the delivery worker is at work.
+    pub fn delivers(&self) -> bool {
+        self.pulse.is_alive()
+    }
+
+    /// How the queues of all hooks stand together.
+    pub async fn outbox_totals(&self) -> Result<QueueState, StoreError> {
+        self.store.outbox_totals().await
+    }
+}

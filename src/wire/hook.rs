@@ -1,0 +1,231 @@
+//! Hooks and their deliveries as clients write and read them.
+
+use serde::{Deserialize, Deserializer, Serialize};
+use utoipa::ToSchema;
+
+use super::alert::AlertBody;
+use crate::core::fault::Faults;
+use crate::core::judge::{Rule, Severity};
+use crate::core::record::Name;
+
+/// A hook to be set up.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewHookBody {
+    /// For people, and the `receiver` of Alertmanager's body. The kind, where it is left out.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// `standard-webhooks`, `alertmanager-webhook`, `alertmanager` or `cloudevents`.
+    pub kind: String,
+    /// `http://` or `https://`. For `alertmanager` its base address: `/api/v2/alerts` is added.
+    pub url: String,
+    /// `whsec_` and 24 to 64 bytes in base64. `standard-webhooks` draws one where it is left out; other kinds are then
+    /// not signed.
+    #[serde(default)]
+    pub secret: Option<String>,
+    /// The whole value of an `Authorization` header, as `Bearer …`.
+    #[serde(default)]
+    pub authorization: Option<String>,
+    #[serde(default)]
+    pub filter: FilterBody,
+    #[serde(default = "yes")]
+    pub enabled: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// What is to change of a hook; what is left out stays.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields, default)]
+#[derive(Default)]
+pub struct HookPatchBody {
+    pub name: Option<String>,
+    pub url: Option<String>,
+    /// A new secret; the one before signs beside it for a while. `null` ends signing.
+    #[serde(deserialize_with = "present")]
+    #[schema(value_type = Option<String>)]
+    pub secret: Option<Option<String>>,
+    /// Draws a new secret, which the answer shows; the one before signs beside it for a while.
+    pub rotate_secret: bool,
+    /// `null` takes it away.
+    #[serde(deserialize_with = "present")]
+    #[schema(value_type = Option<String>)]
+    pub authorization: Option<Option<String>>,
+    pub filter: Option<FilterBody>,
+    /// `true` also sends what waits at once.
+    pub enabled: Option<bool>,
+}
+
+/// Tells `null` from left out.
+fn present<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<String>>, D::Error> {
+    Option::deserialize(deserializer).map(Some)
+}
+
+/// Which alerts a hook is told of; an empty list lets all through.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FilterBody {
+    /// Names of rules, as `step`.
+    pub rules: Vec<String>,
+    /// Serials of gyros.
+    pub gyros: Vec<String>,
+    /// The least severity, `warning` or `critical`. An alert that has been told never falls below it, so that its end
+    /// is told as well.
+    pub min_severity: Option<String>,
+}
+
+const MOST_FILTERED: usize = 10_000;
+
+impl FilterBody {
+    pub fn check(&self, pointer: &str, faults: &mut Faults) {
+        for (i, rule) in self.rules.iter().enumerate() {
+            if Rule::from_name(rule).is_none() {
+                faults.push(format!("{pointer}/rules/{i}"), format!("there is no rule {rule:?}"));
+            }
+        }
+        for (i, serial) in self.gyros.iter().enumerate() {
+            if let Err(why) = Name::parse(serial) {
+                faults.push(format!("{pointer}/gyros/{i}"), why);
+            }
+        }
+        for (list, length) in [("rules", self.rules.len()), ("gyros", self.gyros.len())] {
+            if length > MOST_FILTERED {
+                faults.push(format!("{pointer}/{list}"), format!("must hold at most {MOST_FILTERED}, holds {length}"));
+            }
+        }
+        if let Some(severity) = &self.min_severity
+            && Severity::from_name(severity).is_none()
+        {
+            faults.push(format!("{pointer}/min_severity"), "must be `warning` or `critical`");
+        }
+    }
+
+    pub fn wants(&self, alert: &AlertBody) -> bool {
+        let severity = |name: &str| Severity::from_name(name);
+        (self.rules.is_empty() || self.rules.iter().any(|rule| *rule == alert.rule))
+            && (self.gyros.is_empty() || self.gyros.contains(&alert.serial))
+            && self.min_severity.as_deref().is_none_or(|least| severity(&alert.severity) >= severity(least))
+    }
+}
+
+/// A hook, without its secrets.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct HookBody {
+    pub id: String,
+    pub name: String,
+    pub kind: String,
+    pub url: String,
+    /// Whether an `Authorization` header is sent.
+    pub authorized: bool,
+    /// Whether what is sent is signed.
+    pub signed: bool,
+    /// Until when the secret before signs as well.
+    pub old_secret_until: Option<String>,
+    pub filter: FilterBody,
+    pub enabled: bool,
+    /// Why the service itself has disabled it.
+    pub disabled_because: Option<String>,
+    pub created_at: String,
+    pub changed_at: String,
+    pub queue: QueueBody,
+    /// Shown once, where the service has drawn it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub secret: Option<String>,
+}
+
+/// How a hook's queue stands.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct QueueBody {
+    /// Deliveries that are still to be made.
+    pub open: i64,
+    /// When the oldest of them was queued.
+    pub oldest_open: Option<String>,
+    /// Given up after the whole ladder.
+    pub dead: i64,
+}
+
+/// Something that a hook is told.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct DeliveryBody {
+    pub id: String,
+    pub hook: String,
+    /// The message's `webhook-id`, the same at every attempt.
+    pub webhook_id: String,
+    /// `alert.fired`, `alert.escalated`, `alert.repeated`, `alert.resolved` or `hook.test`.
+    pub event: &'static str,
+    pub alert: Option<String>,
+    pub queued_at: String,
+    /// `behind` (an earlier one of the same alert comes first), `waiting`, `delivered`, `dead` (given up) or `dropped`
+    /// (the hook was deleted).
+    pub state: &'static str,
+    /// When it is tried next, where it waits.
+    pub due_at: Option<String>,
+    pub finished_at: Option<String>,
+    /// Oldest first.
+    pub attempts: Vec<AttemptBody>,
+}
+
+/// One attempt to deliver.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct AttemptBody {
+    pub at: String,
+    /// The HTTP status; null where none was answered.
+    pub status: Option<u16>,
+    /// What went wrong, in words.
+    pub detail: String,
+    pub took_ms: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn alert(rule: &'static str, serial: &str, severity: &'static str) -> AlertBody {
+        let json = serde_json::json!({
+            "id": "a", "serial": serial, "coefficient": "D_I", "rule": rule, "state": "firing", "severity": severity,
+            "fired_at": "2026-03-01T08:00:00Z", "limit": 0.01, "unit": "deg/(h g0)", "reason": "",
+        });
+        serde_json::from_value(json).unwrap()
+    }
+
+    fn filter(json: serde_json::Value) -> FilterBody {
+        serde_json::from_value(json).unwrap()
+    }
+
+    #[test]
+    fn a_filter_lets_through_what_it_names() {
+        let step = alert("step", "A", "warning");
+        assert!(FilterBody::default().wants(&step));
+        for (body, wants) in [
+            (serde_json::json!({ "rules": ["step", "range"] }), true),
+            (serde_json::json!({ "rules": ["range"] }), false),
+            (serde_json::json!({ "gyros": ["A"] }), true),
+            (serde_json::json!({ "gyros": ["B"] }), false),
+            (serde_json::json!({ "rules": ["step"], "gyros": ["B"] }), false),
+            (serde_json::json!({ "min_severity": "warning" }), true),
+            (serde_json::json!({ "min_severity": "critical" }), false),
+        ] {
+            assert_eq!(filter(body.clone()).wants(&step), wants, "{body}");
+        }
+        assert!(filter(serde_json::json!({ "min_severity": "warning" })).wants(&alert("step", "A", "critical")));
+    }
+
+    #[test]
+    fn a_filter_that_names_nothing_that_exists_is_refused_at_its_place() {
+        let mut faults = Faults::default();
+        let wrong = serde_json::json!({ "rules": ["step", "stpe"], "gyros": [""], "min_severity": "fatal" });
+        filter(wrong).check("/filter", &mut faults);
+        let places: Vec<&str> = faults.0.iter().map(|fault| fault.pointer.as_str()).collect();
+        assert_eq!(places, ["/filter/rules/1", "/filter/gyros/0", "/filter/min_severity"]);
+    }
+
+    #[test]
+    fn null_is_told_from_left_out() {
+        let read = |text: &str| serde_json::from_str::<HookPatchBody>(text).unwrap();
+        assert_eq!(read("{}").secret, None);
+        assert_eq!(read(r#"{"secret": null}"#).secret, Some(None));
+        assert_eq!(read(r#"{"secret": "x"}"#).secret, Some(Some("x".into())));
+    }
+}

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
+use super::model;
 use super::separate::{Method, drift_and_mounting, figure};
-use crate::core::calibrate::outcome::{Outcome, evaluate};
-use crate::core::campaign::Campaign;
-use crate::core::model::Terms;
+use crate::core::calibrate::outcome::{Outcome, evaluate_with};
+use crate::core::campaign::{Campaign, TestKind};
 use crate::core::mounting::Slot;
 use crate::core::record::Plausibility;
 use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
-use crate::wire::campaign::{parse, terms_from_names};
+use crate::wire::campaign::parse;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;
@@ -23,9 +23,10 @@ pub struct Calibrate {
     /// The campaign, in JSON or CSV; `-` is standard input
     campaign: PathBuf,
 
-    /// Terms to fit, parted by commas: bias, g_linear, g_squared, scale [default: the campaign's, else all four]
-    #[arg(long, value_parser = terms)]
-    model: Option<Terms>,
+    /// What to fit: terms of bias, g_linear, g_squared, scale, parted by commas, or a model file
+    /// [default: the campaign's own terms, else all four]
+    #[arg(long, value_name = "TERMS|FILE", value_parser = model::choice)]
+    model: Option<model::Choice>,
 
     /// In the JSON: the method of d_i and d_s; the other is always reported beside it
     #[arg(long, value_enum, default_value_t)]
@@ -35,18 +36,17 @@ pub struct Calibrate {
     format: Format,
 }
 
-fn terms(list: &str) -> Result<Terms, String> {
-    let names: Vec<&str> = list.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
-    terms_from_names(&names).map_err(|faults| faults.0.into_iter().map(|f| f.detail).collect::<Vec<_>>().join("; "))
-}
-
 impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.campaign)?;
         let file = || document::name(&self.campaign);
         let mut campaign = parse(&bytes).with_context(file)?;
-        campaign.model = self.model.or(campaign.model);
-        let outcome = evaluate(&campaign, &Plausibility::default()).with_context(file)?;
+        let options = model::chosen(self.model.as_ref())?.options(&campaign);
+        campaign.model = options.terms;
+        if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
+            bail!("{}: the effects of a model file are fitted to campaigns of an IMU, this is a bench test", file());
+        }
+        let outcome = evaluate_with(&campaign, &options, &Plausibility::default()).with_context(file)?;
         let answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
         match self.format {
             Format::Table => document::print(&tables(&campaign, &outcome, &answer)),
@@ -122,6 +122,15 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
                 figure(p.value, p.sd),
                 p.unit.clone(),
                 remark.to_owned(),
+            ]);
+        }
+        for e in &gyro.effects {
+            parameters.add_row([
+                Slot::from(gyro.slot).name().to_owned(),
+                format!("{} {}", e.effect, e.name),
+                e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
+                e.unit.clone(),
+                "effect".to_owned(),
             ]);
         }
     }

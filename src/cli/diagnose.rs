@@ -1,16 +1,18 @@
 //! `diagnose`: where a campaign and the error model part, which unmodelled effect parts them, how far the gap shrinks.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
 use super::document::{self, Format, table};
+use super::model;
+use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
-use crate::core::diagnose::{Options, diagnose};
+use crate::core::diagnose::{Diagnosis, diagnose};
 use crate::report::{self, Subject};
-use crate::wire::campaign;
+use crate::wire::campaign::parse;
 use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::time;
+use crate::wire::{self, time};
 
 /// Diagnose the gap between a campaign and the error model
 #[derive(Debug, clap::Args)]
@@ -18,9 +20,14 @@ pub struct Diagnose {
     /// The campaign, in JSON or CSV; `-` is standard input
     campaign: PathBuf,
 
-    /// Terms of the error model in use, of bias, g_linear, g_squared, scale [default: the campaign's own, or all]
-    #[arg(long, value_delimiter = ',', value_name = "TERMS")]
-    model: Vec<String>,
+    /// The error model in use: terms of bias, g_linear, g_squared, scale, parted by commas, or a model file
+    /// [default: the campaign's own terms, or all]
+    #[arg(long, value_name = "TERMS|FILE", value_parser = model::choice)]
+    model: Option<model::Choice>,
+
+    /// Write the model in use with what is named added to it: a model file for --model
+    #[arg(long, value_name = "FILE")]
+    adopt: Option<PathBuf>,
 
     /// Also write a report that needs nothing else, in HTML
     #[arg(long, value_name = "FILE")]
@@ -33,23 +40,32 @@ pub struct Diagnose {
 impl Diagnose {
     pub fn run(self) -> anyhow::Result<()> {
         let file = || document::name(&self.campaign);
-        let campaign = campaign::parse(&document::read(&self.campaign)?).with_context(file)?;
-        let terms = if self.model.is_empty() {
-            None
-        } else {
-            Some(campaign::terms_from_names(&self.model).context("--model")?)
-        };
-        let options = Options { terms, ..Options::default() };
-        let diagnosis = DiagnosisBody::from(&diagnose(&campaign, &options).with_context(file)?);
+        let campaign = parse(&document::read(&self.campaign)?).with_context(file)?;
+        let in_use = model::chosen(self.model.as_ref())?;
+        let diagnosed = diagnose(&campaign, &in_use.options(&campaign)).with_context(file)?;
+        let diagnosis = DiagnosisBody::from(&diagnosed);
         if let Some(path) = &self.report {
             let page = report::html(&subject(&campaign), &diagnosis);
             std::fs::write(path, page).with_context(|| path.display().to_string())?;
+        }
+        if let Some(path) = &self.adopt {
+            adopt(path, &in_use, &campaign, &diagnosed)?;
         }
         match self.format {
             Format::Table => document::print(&tables(&campaign, &diagnosis)),
             Format::Json => document::print_json(&diagnosis),
         }
     }
+}
+
+/// Writes the model in use with what was named, and says on standard error what it holds.
+fn adopt(path: &Path, in_use: &AugmentedModel, campaign: &Campaign, diagnosed: &Diagnosis) -> anyhow::Result<()> {
+    let adopted = in_use.adopting(campaign, diagnosed);
+    std::fs::write(path, wire::model::to_json(&adopted) + "\n").with_context(|| path.display().to_string())?;
+    let named: Vec<&str> = diagnosed.effects.iter().map(|e| e.effect.id()).collect();
+    let what = if named.is_empty() { "nothing was named: the model in use".to_owned() } else { named.join(", ") };
+    eprintln!("{}: {what}", path.display());
+    Ok(())
 }
 
 fn subject(campaign: &Campaign) -> Subject {
@@ -75,6 +91,9 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
         d.gap.reduced_chi2,
         d.gap.p_value
     );
+    let terms = d.model.terms.join(", ");
+    let beside: Vec<String> = d.model.effects.iter().map(|e| format!("{} ({})", e.effect, e.gyros.join(" "))).collect();
+    out.push_str(&format!("model: {terms}{}{}\n", if beside.is_empty() { "" } else { "; " }, beside.join(", ")));
     for section in [effects(d), signs(d), candidates(d), impact(d), blind_spots(d), next(d)].into_iter().flatten() {
         out.push('\n');
         out.push_str(&section);

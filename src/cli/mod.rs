@@ -13,6 +13,7 @@ mod diagnose;
 mod document;
 mod experiment;
 mod import;
+mod model;
 mod restore;
 mod separate;
 mod serve;

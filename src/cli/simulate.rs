@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::experiment;
+use super::{experiment, model};
+use crate::core::augmented::AugmentedModel;
+use crate::simulate::augment::augment;
 use crate::simulate::experiment::{Test, tests};
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
@@ -31,6 +33,9 @@ pub struct Simulate {
     /// Start from a scenario in TOML or JSON (by its extension).
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Also put in the effects of this model file, as large as it says.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Overrides the scenario's seed.
     #[arg(long)]
     seed: Option<u64>,
@@ -75,14 +80,18 @@ impl Simulate {
             return Ok(std::io::stdout().lock().write_all(text.as_bytes())?);
         }
         match (&self.dir, self.count) {
-            (Some(dir), count) => many(&scenario, count.unwrap_or(1), dir),
+            (Some(dir), count) => many(&scenario, &self.effects()?, count.unwrap_or(1), dir),
             (None, Some(_)) => bail!("--count wants a --dir to write into"),
             (None, None) => self.one(&scenario),
         }
     }
 
+    fn effects(&self) -> anyhow::Result<AugmentedModel> {
+        self.model.as_deref().map_or_else(|| Ok(AugmentedModel::default()), model::file)
+    }
+
     fn paper_experiment(&self) -> anyhow::Result<()> {
-        if self.out.is_some() || self.truth.is_some() || self.print_scenario {
+        if self.out.is_some() || self.truth.is_some() || self.model.is_some() || self.print_scenario {
             bail!("{PAPER_EXPERIMENT} is seven campaigns: it takes --dir, --count and --seed only");
         }
         let seed = self.seed.unwrap_or(1);
@@ -93,7 +102,7 @@ impl Simulate {
                     let file = move |test: &Test| format!("{seed:04}-{}.json", test.name());
                     tests(seed).into_iter().map(move |test| (file(&test), test.scenario))
                 });
-                write_all(made, dir)
+                write_all(made, &AugmentedModel::default(), dir)
             }
             None => experiment::print(seed, self.count.unwrap_or(200), self.csv),
         }
@@ -113,7 +122,7 @@ impl Simulate {
     }
 
     fn one(&self, scenario: &Scenario) -> anyhow::Result<()> {
-        let simulated = made(scenario)?;
+        let simulated = made(scenario, &self.effects()?)?;
         let text = wire::campaign::to_json(&simulated.campaign);
         match &self.out {
             Some(path) => write(path, &text)?,
@@ -126,8 +135,10 @@ impl Simulate {
     }
 }
 
-fn made(scenario: &Scenario) -> anyhow::Result<Simulated> {
-    simulate(scenario).map_err(|faults| anyhow::anyhow!("scenario: {faults}"))
+fn made(scenario: &Scenario, model: &AugmentedModel) -> anyhow::Result<Simulated> {
+    let mut simulated = simulate(scenario).map_err(|faults| anyhow::anyhow!("scenario: {faults}"))?;
+    augment(&mut simulated, model).context("--model")?;
+    Ok(simulated)
 }
 
 fn list(mut out: impl Write) -> anyhow::Result<()> {
@@ -138,7 +149,7 @@ fn list(mut out: impl Write) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn many(scenario: &Scenario, count: u64, dir: &Path) -> anyhow::Result<()> {
+fn many(scenario: &Scenario, model: &AugmentedModel, count: u64, dir: &Path) -> anyhow::Result<()> {
     if scenario.seed.checked_add(count).is_none() {
         bail!("seeds end at {}", u64::MAX);
     }
@@ -146,15 +157,19 @@ fn many(scenario: &Scenario, count: u64, dir: &Path) -> anyhow::Result<()> {
         let scenario = Scenario { seed: scenario.seed + k, ..scenario.clone() };
         (format!("campaign-{k:05}.json"), scenario)
     };
-    write_all((0..count).map(named), dir)
+    write_all((0..count).map(named), model, dir)
 }
 
 /// The campaigns, and their truth in key.json beside them.
-fn write_all(scenarios: impl Iterator<Item = (String, Scenario)>, dir: &Path) -> anyhow::Result<()> {
+fn write_all(
+    scenarios: impl Iterator<Item = (String, Scenario)>,
+    model: &AugmentedModel,
+    dir: &Path,
+) -> anyhow::Result<()> {
     std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
     let mut key = Key::new();
     for (name, scenario) in scenarios {
-        let simulated = made(&scenario)?;
+        let simulated = made(&scenario, model)?;
         write(&dir.join(&name), &wire::campaign::to_json(&simulated.campaign))?;
         key.insert(name, simulated.truth);
     }

@@ -12,6 +12,7 @@
 //! go wrong, [`inject`] how much of it; [`world`] puts them together; [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is
 //! written apart from the campaign.
 
+pub mod augment;
 pub mod cause;
 pub mod detectability;
 pub mod environment;

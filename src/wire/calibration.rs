@@ -1,7 +1,5 @@
 //! What the service answers to a campaign, and `calibrate` prints: the fit with its evidence, then as for a record.
 
-use std::collections::BTreeMap;
-
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -12,12 +10,15 @@ use super::record::SlotBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
-use crate::core::calibrate::design::unit;
 use crate::core::calibrate::noise::Noise;
 use crate::core::calibrate::outcome::Outcome;
-use crate::core::calibrate::{Calibration, GyroCalibration, NullDirection, Parameter, ScaleSource};
+use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{Campaign, unchecked};
 use crate::core::model::{Term, Terms};
+
+mod parameters;
+
+pub use parameters::{EffectParameterBody, NullDirectionBody, ParameterBody};
 
 /// The answer to a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -54,6 +55,9 @@ pub struct NotSeparatedBody {
 pub struct CalibrationBody {
     /// The terms that were asked for.
     pub model: Vec<String>,
+    /// Effects of an augmented model that were fitted beside them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<String>,
     pub dwells: usize,
     /// Groups of repeated dwells, as indices.
     pub repeats: Vec<Vec<usize>>,
@@ -68,6 +72,9 @@ pub struct GyroFitBody {
     /// Whether E was `fitted`, `held` (known_e_pulse_per_arcsec) or is `missing`.
     pub e_source: String,
     pub parameters: Vec<ParameterBody>,
+    /// Coefficients of the effects of an augmented model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectParameterBody>,
     /// The parameters once more, under the names that a calibration record has for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub e_pulse_per_arcsec: Option<Triple>,
@@ -96,25 +103,6 @@ pub struct GyroFitBody {
     pub p_value: Option<f64>,
     pub noise: NoiseBody,
     pub residuals: ResidualsBody,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct ParameterBody {
-    pub name: String,
-    pub unit: String,
-    pub value: f64,
-    /// None where the dwells do not determine the parameter, or nothing gives the noise.
-    pub sd: Option<f64>,
-    /// Whether the dwells, with the gauge, leave one value.
-    pub determined: bool,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct NullDirectionBody {
-    /// Shares of the parameters, a unit vector; those of zero are left out.
-    pub direction: BTreeMap<String, f64>,
-    /// The condition that was imposed to make the estimate unique; none where it is cut off at the shortest one.
-    pub gauge: Option<String>,
 }
 
 /// How far the outputs are trusted, and why.
@@ -161,6 +149,7 @@ impl CampaignAnswer {
             test: campaign.test.name().to_owned(),
             calibration: CalibrationBody {
                 model: names(campaign.terms()),
+                effects: Vec::new(),
                 dwells: campaign.dwells.len(),
                 repeats: Vec::new(),
                 gyros: Vec::new(),
@@ -173,7 +162,13 @@ impl CampaignAnswer {
         };
         match outcome {
             Outcome::Imu { calibration, separations } => {
+                answer.calibration.model = names(calibration.terms);
                 answer.calibration.repeats.clone_from(&calibration.repeats);
+                for effect in calibration.gyros.iter().flat_map(|gyro| &gyro.effects).map(|e| e.effect.id()) {
+                    if !answer.calibration.effects.iter().any(|known| known == effect) {
+                        answer.calibration.effects.push(effect.to_owned());
+                    }
+                }
                 answer.calibration.gyros =
                     calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
                 answer.notes.extend(notes(calibration));
@@ -216,6 +211,7 @@ impl GyroFitBody {
             serial: gyro.serial.to_string(),
             e_source: scale_source(gyro.scale_source),
             parameters: gyro.parameters.iter().map(ParameterBody::of).collect(),
+            effects: gyro.effects.iter().map(EffectParameterBody::of).collect(),
             e_pulse_per_arcsec: gyro.e().map(Triple::from),
             g_pulse_per_s_g0: gyro.g().map(Triple::from),
             p_pulse_per_s_g02: gyro.p().map(Triple::from),
@@ -253,6 +249,7 @@ impl GyroFitBody {
                     determined: true,
                 })
                 .collect(),
+            effects: Vec::new(),
             e_pulse_per_arcsec: Some(bench.e.into()),
             g_pulse_per_s_g0: None,
             p_pulse_per_s_g02: None,
@@ -280,28 +277,6 @@ impl GyroFitBody {
                 standardised: bench.standardised.as_ref().map(list),
                 leverage: list(&bench.leverage),
             },
-        }
-    }
-}
-
-impl ParameterBody {
-    fn of(p: &Parameter) -> Self {
-        Self {
-            name: p.name.to_owned(),
-            unit: unit(p.term).to_owned(),
-            value: p.value,
-            sd: p.sd,
-            determined: p.determined,
-        }
-    }
-}
-
-impl NullDirectionBody {
-    fn of(null: &NullDirection, gyro: &GyroCalibration) -> Self {
-        let shares = gyro.parameters.iter().zip(null.direction.iter());
-        Self {
-            direction: shares.filter(|(_, s)| s.abs() > 1e-9).map(|(p, s)| (p.name.to_owned(), *s)).collect(),
-            gauge: null.gauge.map(str::to_owned),
         }
     }
 }
@@ -342,7 +317,7 @@ fn list(v: &DVector<f64>) -> Vec<f64> {
 
 /// How the figures came about.
 fn notes(calibration: &Calibration) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = calibration.notes.clone();
     if !calibration.has_sem {
         notes.push("no standard errors: all dwells have equal weight and the residuals give the noise".to_owned());
     }

@@ -8,6 +8,8 @@ use crate::core::effects::Effect;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DiagnosisBody {
+    /// What the campaign was compared with.
+    pub model: InUseBody,
     /// `no_gap`, `explained`, `partly_explained` or `unexplained`.
     pub verdict: String,
     pub noise_floor: NoiseFloorBody,
@@ -26,6 +28,20 @@ pub struct DiagnosisBody {
     pub next_dwells: Vec<NextDwellBody>,
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
+}
+
+/// The error model in use.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct InUseBody {
+    pub terms: Vec<String>,
+    /// Effects beyond the terms, fitted with them.
+    pub effects: Vec<InUseEffectBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct InUseEffectBody {
+    pub effect: String,
+    pub gyros: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -187,9 +203,20 @@ impl From<&core::HeldOut> for HeldOutBody {
     }
 }
 
+impl InUseBody {
+    fn of(d: &core::Diagnosis) -> Self {
+        let effect = |a: &core::Adopted| InUseEffectBody { effect: a.effect.id().to_owned(), gyros: names(&a.slots) };
+        Self {
+            terms: d.terms.iter().map(|term| term.name().to_owned()).collect(),
+            effects: d.adopted.iter().map(effect).collect(),
+        }
+    }
+}
+
 impl From<&core::Diagnosis> for DiagnosisBody {
     fn from(d: &core::Diagnosis) -> Self {
         Self {
+            model: InUseBody::of(d),
             verdict: d.verdict.name().to_owned(),
             noise_floor: NoiseFloorBody {
                 deg_per_h: d.noise_floor.deg_per_h,

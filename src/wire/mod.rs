@@ -16,6 +16,7 @@ pub mod geometry;
 pub mod history;
 pub mod hook;
 pub mod json;
+pub mod model;
 pub mod numbers;
 pub mod problem;
 pub mod record;

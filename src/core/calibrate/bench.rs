@@ -13,9 +13,10 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::bench_form::{Form, Squares};
+use super::gyro_fit::standardised;
 use super::noise::{Evidence, Noise, noise};
 use super::repeats::{PureError, repeats};
-use super::{ScaleSource, sem_scatter, standardised, weights_sd};
+use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::fit::{Factor, Fit};

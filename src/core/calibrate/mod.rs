@@ -1,26 +1,29 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
 //! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
-//! [`noise`] with [`growth`] (how far outputs can be trusted), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
+//! [`noise`] with [`growth`] (how far outputs can be trusted), [`further`] (effects beyond model (6)), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
 //! fixture). [`outcome`] puts them together: what a campaign comes to.
 
 pub mod bench;
 mod bench_form;
 pub mod design;
 pub mod drift;
+pub mod further;
 pub mod growth;
+mod gyro_fit;
 pub mod noise;
 pub mod outcome;
 pub mod repeats;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::campaign::{Campaign, CampaignGyro, Dwell, Phase};
-use super::fit::{Factor, Fit};
+use super::campaign::{Campaign, Dwell, Phase};
+use super::diagnose::Adopted;
+use super::effects::{Coefficient, Effect};
 use super::model::{Term, Terms};
 use super::mounting::Slot;
 use super::record::Name;
-use design::Design;
+use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
 use noise::{Evidence, Noise};
 use repeats::PureError;
 
@@ -48,6 +51,16 @@ pub struct Parameter {
     pub determined: bool,
 }
 
+/// One fitted coefficient of an effect beyond model (6).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectParameter {
+    pub effect: Effect,
+    pub coefficient: Coefficient,
+    pub value: f64,
+    /// None where nothing gives the noise.
+    pub sd: Option<f64>,
+}
+
 /// A direction of the parameters along which no dwell changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NullDirection {
@@ -72,6 +85,8 @@ pub struct GyroCalibration {
     pub terms: Terms,
     pub scale_source: ScaleSource,
     pub parameters: Vec<Parameter>,
+    /// Fitted beside them: the effects of an augmented model.
+    pub effects: Vec<EffectParameter>,
     /// Covariance of the parameters, p x p, with the noise scale and its t inflation; none without a noise scale.
     pub covariance: Option<DMatrix<f64>>,
     pub rank: usize,
@@ -105,6 +120,8 @@ pub struct Calibration {
     /// Without standard errors: rho, by how much the variance at the fastest rate exceeds that at rest.
     pub growth: f64,
     pub gyros: Vec<GyroCalibration>,
+    /// Effects of the model that this campaign could not be fitted with, and why.
+    pub notes: Vec<String>,
 }
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
@@ -112,12 +129,32 @@ pub struct Calibration {
 /// y_k = D0 + G.A_k + P.A_k^2 + E.w_k + noise, weights 1/sem^2 (equal without standard errors). A gyro with a known
 /// E has E.w_k taken off first and no scale term fitted.
 pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
+    calibrate_augmented(campaign, terms, &[])
+}
+
+/// As [`calibrate`], with the effects of an augmented model fitted beside the terms, each gyro for itself.
+///
+/// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
+pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
+    let (regressors, mut notes) = further::regressors(campaign, adopted);
     let dwells = &campaign.dwells;
     let has_sem = dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
     let repeats = repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
-    let mut fits: Vec<GyroFit> =
-        (0..campaign.gyros.len()).map(|j| fit_gyro(campaign, j, terms, &repeats, &mut shared)).collect();
+    let mut fits: Vec<GyroFit> = regressors
+        .into_iter()
+        .enumerate()
+        .map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared))
+        .collect();
+    for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
+        notes.extend(fit.hidden.iter().map(|effect| {
+            format!(
+                "{}: {} is left out of the fit: these dwells cannot tell it from the other terms",
+                gyro.slot.name(),
+                effect.id()
+            )
+        }));
+    }
     let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
     let gyros = fits
@@ -127,7 +164,7 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
         .enumerate()
         .map(|(j, ((fit, noise), gyro))| fit.finish(gyro, noise.with_scatter(sem_scatter(dwells, j)), &shared))
         .collect();
-    Calibration { terms, has_sem, repeats, growth, gyros }
+    Calibration { terms, has_sem, repeats, growth, gyros, notes }
 }
 
 /// Lets the residuals say how the noise grows with the rate, and what follows for each fit's evidence.
@@ -138,7 +175,7 @@ fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [Gy
     for (fit, x) in fits.iter_mut().zip(&shares) {
         fit.variances = x.map(|x| 1.0 + rho * x);
         let scaled = fit.fit.residuals.zip_map(&fit.variances, |r, v| r * r / v);
-        let pure_error = PureError::of(repeats, |k| fit.y[k], |k| fit.variances[k].sqrt());
+        let pure_error = PureError::of(repeats, |k| fit.of_position[k], |k| fit.variances[k].sqrt());
         let evidence = Evidence::of(scaled.sum(), fit.fit.dof, pure_error);
         let gyro = fit.unweighted(x);
         let residual = evidence.residual.map(|_| (gyro.variance(rho), gyro.dof(rho)));
@@ -155,147 +192,6 @@ pub fn weights_sd(dwells: &[Dwell], j: usize) -> Vec<f64> {
 fn sem_scatter(dwells: &[Dwell], j: usize) -> f64 {
     let still = dwells.iter().filter(|d| d.phase == Phase::Static);
     noise::sem_scatter(still.filter_map(|d| Some((d.output_sem_pulse_s.as_ref()?[j], d.duration_s))))
-}
-
-/// Residuals over their own standard deviations, sigma sqrt(1 - leverage); zero where a dwell is fitted exactly because
-/// nothing else speaks of it.
-fn standardised(residuals: &DVector<f64>, sigma: &DVector<f64>, leverage: &DVector<f64>) -> DVector<f64> {
-    let own_sd = |k: usize| sigma[k] * (1.0 - leverage[k]).max(0.0).sqrt();
-    DVector::from_fn(residuals.len(), |k, _| if own_sd(k) > 0.0 { residuals[k] / own_sd(k) } else { 0.0 })
-}
-
-/// Gyros with the same terms and the same standard errors share one factorisation.
-#[derive(Default)]
-struct SharedFactors(Vec<(Design, Vec<f64>, Factor)>);
-
-impl SharedFactors {
-    /// Where the factorisation for these terms and weights is.
-    fn index(&mut self, dwells: &[Dwell], terms: Terms, sd: &[f64]) -> usize {
-        if let Some(index) = self.0.iter().position(|(design, used, _)| design.terms == terms && used == sd) {
-            return index;
-        }
-        let design = match self.0.iter().find(|(design, ..)| design.terms == terms) {
-            Some((design, ..)) => design.clone(),
-            None => Design::new(dwells, terms),
-        };
-        let factor = Factor::new(design.reduced.clone(), sd);
-        self.0.push((design, sd.to_vec(), factor));
-        self.0.len() - 1
-    }
-}
-
-struct GyroFit {
-    /// In [`SharedFactors`].
-    factor: usize,
-    scale_source: ScaleSource,
-    known_e: Option<Vector3<f64>>,
-    fit: Fit,
-    /// What was fitted: the output, less E.w where E is held.
-    y: DVector<f64>,
-    /// Variances over those of the weights.
-    variances: DVector<f64>,
-    evidence: Evidence,
-}
-
-fn fit_gyro(c: &Campaign, j: usize, terms: Terms, repeats: &[Vec<usize>], shared: &mut SharedFactors) -> GyroFit {
-    let known_e = c.gyros[j].known_e;
-    let fitted =
-        if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
-    let y = DVector::from_iterator(
-        c.dwells.len(),
-        c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
-    );
-    let sd = weights_sd(&c.dwells, j);
-    let factor = shared.index(&c.dwells, fitted, &sd);
-    let fit = shared.0[factor].2.fit(&y);
-    let pure_error = PureError::of(repeats, |k| y[k], |k| sd[k]);
-    let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
-    let scale_source = match (known_e, terms.contains(Term::Scale)) {
-        (Some(_), _) => ScaleSource::Held,
-        (None, true) => ScaleSource::Fitted,
-        (None, false) => ScaleSource::Missing,
-    };
-    let variances = DVector::from_element(c.dwells.len(), 1.0);
-    GyroFit { factor, scale_source, known_e, fit, y, variances, evidence }
-}
-
-impl GyroFit {
-    fn unweighted<'a>(&'a self, x: &'a DVector<f64>) -> growth::Unweighted<'a> {
-        growth::Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, x }
-    }
-
-    /// (w_I/W)^2 of each dwell, with W the largest rate of the campaign; zeros where the table never turned.
-    fn rate_shares(&self, campaign: &Campaign) -> DVector<f64> {
-        let rates = || campaign.dwells.iter().map(|d| &d.rate_arcsec_s);
-        let largest = rates().map(|w| w.norm()).fold(0.0, f64::max);
-        let along = self.fitted_e().map(|e| e.normalize());
-        let n = campaign.dwells.len();
-        if largest <= SLOW_ARCSEC_S {
-            return DVector::zeros(n);
-        }
-        DVector::from_iterator(n, rates().map(|w| (along.map_or(w.norm(), |i| i.dot(w)) / largest).powi(2)))
-    }
-
-    /// E, held or among the estimates (which end with it), unless it is zero.
-    fn fitted_e(&self) -> Option<Vector3<f64>> {
-        let last = self.fit.estimate.len().checked_sub(3);
-        let e = match (self.scale_source, last) {
-            (ScaleSource::Fitted, Some(first)) => Some(self.fit.estimate.fixed_rows::<3>(first).into_owned()),
-            _ => self.known_e,
-        };
-        e.filter(|e| e.norm() > 0.0)
-    }
-
-    fn finish(self, gyro: &CampaignGyro, noise: Noise, shared: &SharedFactors) -> GyroCalibration {
-        let (design, sd, factor) = &shared.0[self.factor];
-        let Self { scale_source, known_e, fit, variances, evidence, .. } = self;
-        let values = &design.expand * &fit.estimate;
-        let covariance = noise.covariance_scale().map(|scale| {
-            let equal = variances.iter().all(|v| *v == 1.0);
-            let reduced = if equal { fit.covariance.clone() } else { factor.covariance_for(&variances) };
-            &design.expand * reduced * design.expand.transpose() * scale
-        });
-        let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
-        let terms_by_column = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));
-        let parameters = design::parameter_names(design.terms)
-            .into_iter()
-            .zip(terms_by_column)
-            .enumerate()
-            .map(|(i, (name, term))| Parameter {
-                name,
-                term,
-                value: values[i],
-                sd: covariance.as_ref().filter(|_| determined[i]).map(|c| c[(i, i)].max(0.0).sqrt()),
-                determined: determined[i],
-            })
-            .collect();
-        let gauge = design.gauge.iter().map(|d| NullDirection { direction: d.clone(), gauge: Some(GAUGE) });
-        let cut = fit
-            .null_directions
-            .column_iter()
-            .map(|d| NullDirection { direction: (&design.expand * d).normalize(), gauge: None });
-        let sigma = noise.factor.map(|f| DVector::from_fn(sd.len(), |k, _| sd[k] * f * variances[k].sqrt()));
-        let standardised = sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage));
-        GyroCalibration {
-            slot: gyro.slot,
-            serial: gyro.serial.clone(),
-            terms: design.terms,
-            scale_source,
-            parameters,
-            covariance,
-            rank: fit.rank,
-            null_directions: gauge.chain(cut).collect(),
-            chi2: fit.chi2,
-            dof: fit.dof,
-            p_value: noise.p_value(&evidence),
-            noise,
-            sigma,
-            residuals: fit.residuals,
-            standardised,
-            leverage: fit.leverage,
-            known_e,
-        }
-    }
 }
 
 impl GyroCalibration {

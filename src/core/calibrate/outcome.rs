@@ -2,8 +2,10 @@
 
 use super::bench::{BenchCalibration, calibrate_bench};
 use super::drift::NotSeparated;
-use super::{Calibration, calibrate};
+use super::{Calibration, calibrate_augmented};
+use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::{Campaign, TestKind};
+use crate::core::diagnose::Options;
 use crate::core::fault::Faults;
 use crate::core::record::Plausibility;
 use crate::core::separate::Separation;
@@ -18,12 +20,20 @@ pub enum Outcome {
     Bench(Box<BenchCalibration>),
 }
 
-/// Fits a campaign that passed [`Campaign::check`], and separates its gyros.
+/// Fits a campaign that passed [`Campaign::check`] with the terms that it asks for, and separates its gyros.
+///
+/// # Errors
+/// As [`evaluate_with`].
+pub fn evaluate(campaign: &Campaign, limits: &Plausibility) -> Result<Outcome, Faults> {
+    evaluate_with(campaign, &AugmentedModel::default().options(campaign), limits)
+}
+
+/// Fits terms and effects to a campaign, and separates its gyros. Of a bench test the coefficients are those of eq. (5).
 ///
 /// # Errors
 /// Faults where the outputs contradict what the campaign says of itself: a fitted E that no gyro in its slot can have
 /// (outputs or slots exchanged, polarity reversed), a bench test that determines no D_I and D_S.
-pub fn evaluate(campaign: &Campaign, limits: &Plausibility) -> Result<Outcome, Faults> {
+pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility) -> Result<Outcome, Faults> {
     let mut faults = Faults::default();
     if campaign.test != TestKind::Imu {
         return calibrate_bench(campaign).map(Box::new).map(Outcome::Bench).map_err(|why| {
@@ -31,7 +41,8 @@ pub fn evaluate(campaign: &Campaign, limits: &Plausibility) -> Result<Outcome, F
             faults
         });
     }
-    let calibration = calibrate(campaign, campaign.terms());
+    let terms = model.terms.unwrap_or_else(|| campaign.terms());
+    let calibration = calibrate_augmented(campaign, terms, &model.adopted);
     let separations = calibration.separate(&campaign.geometry, limits);
     for (i, separation) in separations.iter().enumerate() {
         if let Err(why @ (NotSeparated::Implausible(_) | NotSeparated::Unseparable(_))) = separation {

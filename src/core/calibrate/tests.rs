@@ -1,4 +1,5 @@
 use super::*;
+use crate::core::campaign::CampaignGyro;
 use crate::core::campaign::TestKind;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Plausibility;

@@ -2,8 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::Adopted;
 use crate::core::campaign::Phase;
-use crate::core::effects::Effect;
+use crate::core::effects::{Effect, Shape};
+use crate::core::model::Terms;
 use crate::core::mounting::Slot;
 
 /// How far the catalogue explains the gap.
@@ -33,6 +35,9 @@ impl Verdict {
 /// The answer for one campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnosis {
+    /// What the campaign was compared with: terms of model (6), and effects that the model holds already.
+    pub terms: Terms,
+    pub adopted: Vec<Adopted>,
     pub verdict: Verdict,
     pub noise_floor: NoiseFloor,
     /// What model (6), or the terms and effects in use, leaves above the floor.
@@ -103,6 +108,8 @@ pub struct DwellShare {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedEffect {
     pub effect: Effect,
+    /// Its non-linear parameter, at the value adopted.
+    pub shape: Shape,
     /// Every entry that this campaign cannot tell from it, itself first.
     pub class: Vec<Effect>,
     /// The gyros that have it.

@@ -23,6 +23,8 @@ pub(super) struct GyroFrame {
 pub(super) struct Frame {
     pub setting: Setting,
     pub terms: Terms,
+    /// Effects in the model in use.
+    pub adopted: Vec<Adopted>,
     pub gyros: Vec<GyroFrame>,
     pub noise: Noise,
     /// Output of each gyro, deg/h, and the raw columns of the model in use.
@@ -55,10 +57,7 @@ impl Frame {
         if terms.is_empty() {
             return Err(Refusal::NoTerms);
         }
-        let mut notes = Vec::new();
-        let axes =
-            (0..campaign.gyros.len()).map(|j| axes_of(campaign, j, &mut notes)).collect::<Result<Vec<_>, _>>()?;
-        let setting = Setting::of(campaign, axes);
+        let (setting, mut notes) = setting(campaign)?;
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
         let designs: Vec<Vec<Vec<f64>>> = (0..campaign.gyros.len())
             .map(|j| design(&setting, j, terms, &campaign.gyros[j], &options.adopted))
@@ -66,8 +65,8 @@ impl Frame {
         let noise = noise::of(campaign, &setting, &outputs, &designs);
         notes.extend(noise.notes.iter().cloned());
         let scale_fitted = campaign.gyros.iter().map(|gyro| gyro.known_e.is_none()).collect();
-        let gyros = Vec::new();
-        Self { setting, terms, gyros, noise, outputs, designs, scale_fitted, notes }.whitened()
+        let (gyros, adopted) = (Vec::new(), options.adopted.clone());
+        Self { setting, terms, adopted, gyros, noise, outputs, designs, scale_fitted, notes }.whitened()
     }
 
     /// The same campaign with another growth of noise with rate.
@@ -134,6 +133,13 @@ fn drift_output(campaign: &Campaign, s: &Setting, j: usize) -> Vec<f64> {
         .iter()
         .map(|d| (d.output_pulse_s[j] - gyro.known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))) * per_pulse)
         .collect()
+}
+
+/// The columns of a campaign with the axes of its gyros as its own dwells show them, and notes on those axes.
+pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<String>), Refusal> {
+    let mut notes = Vec::new();
+    let axes = (0..campaign.gyros.len()).map(|j| axes_of(campaign, j, &mut notes)).collect::<Result<Vec<_>, _>>()?;
+    Ok((Setting::of(campaign, axes), notes))
 }
 
 /// Largest angle between the fitted and the nominal input axis that is believed, rad.

@@ -13,9 +13,10 @@ pub(super) fn not_identifiable(frame: &Frame, bank: &Bank) -> Vec<NotIdentifiabl
     CATALOGUE.iter().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry)).collect()
 }
 
-/// Terms of the model in use are fitted, not sought.
+/// Terms and effects of the model in use are fitted, not sought.
 fn held(frame: &Frame, entry: &Entry) -> bool {
     frame.terms.iter().any(|term| term.name() == entry.id)
+        || frame.adopted.iter().any(|adopted| adopted.effect == entry.effect)
 }
 
 fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> {

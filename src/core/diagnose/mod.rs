@@ -28,6 +28,7 @@ mod settle;
 pub use answer::*;
 
 use frame::Frame;
+pub(crate) use frame::setting;
 use settle::Settled;
 
 use super::campaign::Campaign;

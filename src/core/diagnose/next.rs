@@ -143,13 +143,17 @@ fn whitened(column: Vec<f64>, sd: &[f64], factor: f64) -> Vec<f64> {
 }
 
 /// Columns of the model in use over old and proposed dwells.
-fn model(frame: &Frame, setting: &Setting, sd: &[f64]) -> Vec<Vec<f64>> {
+fn model(frame: &Frame, setting: &Setting, j: usize, sd: &[f64]) -> Vec<Vec<f64>> {
     let mut columns = vec![Vec::new(); frame.terms.columns()];
     let mut row = Vec::new();
     for (a, w) in setting.force.iter().zip(&setting.rate) {
         row.clear();
         frame.terms.push_row(a, w, &mut row);
         columns.iter_mut().zip(&row).for_each(|(column, x)| column.push(*x));
+    }
+    let slot = setting.gyros[j].slot;
+    for adopted in frame.adopted.iter().filter(|adopted| adopted.slots.contains(&slot)) {
+        columns.extend((adopted.effect.entry().columns)(setting, j, adopted.shape));
     }
     columns.into_iter().map(|column| whitened(column, sd, 1.0)).collect()
 }
@@ -167,7 +171,7 @@ fn tied(frame: &Frame, setting: &Setting, parts: &[Part], fit: &Fit, classes: &[
                 continue;
             };
             let sd = deviations(frame, j, setting.dwells());
-            let mut columns = model(frame, setting, &sd);
+            let mut columns = model(frame, setting, j, &sd);
             for column in (other.entry().columns)(setting, j, likeliest(frame, other)) {
                 columns.push(whitened(column, &sd, 1.0));
             }
@@ -214,7 +218,7 @@ fn hidden(frame: &Frame, setting: &Setting, bank: &Bank) -> Vec<Question> {
             questions.push(Question {
                 effects: vec![entry.effect],
                 signal: whitened(column, &sd, size),
-                columns: model(frame, setting, &sd),
+                columns: model(frame, setting, 0, &sd),
             });
         }
     }

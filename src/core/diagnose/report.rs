@@ -50,6 +50,8 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
     let all: Vec<&Part> = parts.iter().collect();
     let classes: Vec<Vec<Effect>> = named.iter().map(|n| n.class.clone()).collect();
     Diagnosis {
+        terms: frame.terms,
+        adopted: frame.adopted.clone(),
         verdict: match (named.is_empty(), remains) {
             (true, false) if gap.p_value >= REMAINS => Verdict::NoGap,
             (true, _) => Verdict::Unexplained,
@@ -227,6 +229,7 @@ fn effects(
             let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
             NamedEffect {
                 effect: parts[p].effect,
+                shape: parts[p].shape,
                 class: named[p].class.clone(),
                 gyros: slots(frame, &parts[p].members),
                 estimates: estimates(frame, &parts[p], p, fit),

@@ -159,6 +159,22 @@ impl Effect {
         self.entry().id
     }
 
+    /// Whether the entry's regressors are made for this kind of shape.
+    pub fn can_have(self, shape: Shape) -> bool {
+        match self {
+            Effect::Warmup => matches!(shape, Shape::Tau(_)),
+            Effect::BiasStep => matches!(shape, Shape::Instant(_)),
+            Effect::OutlierDwell => matches!(shape, Shape::Dwell(_)),
+            Effect::Periodic => matches!(shape, Shape::Period(_)),
+            Effect::Magnetic => matches!(shape, Shape::Azimuth(_)),
+            Effect::Anisoinertia => matches!(shape, Shape::Clocking(_)),
+            Effect::Levelling => matches!(shape, Shape::Tilt { .. }),
+            Effect::CrossCompliance => matches!(shape, Shape::Linear | Shape::Only(_)),
+            Effect::TemperatureG => matches!(shape, Shape::Linear | Shape::InputSpin),
+            _ => shape == Shape::Linear,
+        }
+    }
+
     pub fn from_id(id: &str) -> Option<Self> {
         CATALOGUE.iter().find(|entry| entry.id == id).map(|entry| entry.effect)
     }

@@ -1,0 +1,45 @@
+//! `--model`: terms of model (6) by name, or a model file.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use super::document;
+use crate::core::augmented::AugmentedModel;
+use crate::core::model::Terms;
+use crate::wire::campaign::terms_from_names;
+use crate::wire::model;
+
+/// What `--model` says.
+#[derive(Debug, Clone)]
+pub enum Choice {
+    Terms(Terms),
+    File(PathBuf),
+}
+
+/// `bias,scale` and the like are terms, anything else is the path of a model file.
+pub fn choice(argument: &str) -> Result<Choice, String> {
+    let names: Vec<&str> = argument.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+    match terms_from_names(&names) {
+        Ok(terms) => Ok(Choice::Terms(terms)),
+        Err(_) if Path::new(argument).is_file() => Ok(Choice::File(argument.into())),
+        Err(faults) => {
+            let words: Vec<String> = faults.0.into_iter().map(|fault| fault.detail).collect();
+            Err(format!("{}; and there is no model file of that name", words.join("; ")))
+        }
+    }
+}
+
+/// The model that was chosen; without a choice the plain one: each campaign's own terms.
+pub fn chosen(choice: Option<&Choice>) -> anyhow::Result<AugmentedModel> {
+    match choice {
+        None => Ok(AugmentedModel::default()),
+        Some(Choice::Terms(terms)) => Ok(AugmentedModel { terms: Some(*terms), ..AugmentedModel::default() }),
+        Some(Choice::File(path)) => file(path),
+    }
+}
+
+/// A model file.
+pub fn file(path: &Path) -> anyhow::Result<AugmentedModel> {
+    model::parse(&document::read(path)?).with_context(|| document::name(path))
+}

@@ -1,0 +1,93 @@
+//! The error model that an IMU is compared with: terms of model (6), and the effects that diagnoses have added to them.
+//!
+//! y = D0 + G.A + P.A^2 + E.w + |E| sum_m k_m x_m, with x_m the regressors of the adopted effects
+//! ([`super::effects`], deg/h per unit of k_m). Each campaign fits the k_m anew beside model (6); the shapes (time
+//! constants, periods, directions) are held at what the diagnosis found.
+
+use super::campaign::Campaign;
+use super::diagnose::{Adopted, Diagnosis, Estimate, Options};
+use super::effects::Effect;
+use super::model::{Term, Terms};
+use super::record::Name;
+use super::time::UtcMicros;
+
+/// An effect in the model, as large as the campaign in which it was found says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownEffect {
+    pub adopted: Adopted,
+    pub estimates: Vec<Estimate>,
+}
+
+/// The campaign in which the effects were found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    pub imu: Name,
+    pub station: Name,
+    pub measured_at: UtcMicros,
+}
+
+/// Terms and effects in use for an IMU. The default is the plain model: each campaign's own terms, no effects.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AugmentedModel {
+    /// None: those that each campaign asks for.
+    pub terms: Option<Terms>,
+    pub effects: Vec<KnownEffect>,
+    pub found_in: Option<Provenance>,
+}
+
+impl AugmentedModel {
+    /// The model in use with what a diagnosis adopted: the next campaigns are compared with it.
+    pub fn adopting(&self, campaign: &Campaign, diagnosis: &Diagnosis) -> Self {
+        let new = diagnosis.effects.iter().map(|named| KnownEffect {
+            adopted: Adopted { effect: named.effect, shape: named.shape, slots: named.gyros.clone() },
+            estimates: named.estimates.clone(),
+        });
+        Self {
+            terms: Some(self.terms.unwrap_or_else(|| campaign.terms())),
+            effects: self.effects.iter().cloned().chain(new).collect(),
+            found_in: Some(Provenance {
+                imu: campaign.imu.clone(),
+                station: campaign.station.clone(),
+                measured_at: campaign.measured_at,
+            }),
+        }
+    }
+
+    pub fn is_plain(&self) -> bool {
+        self.terms.is_none() && self.effects.is_empty()
+    }
+
+    /// What `campaign` is fitted with and compared with.
+    ///
+    /// A term of model (6) that was adopted as an effect joins the terms of all gyros. An effect of one occasion (a
+    /// step, a bad dwell) belongs to the campaign in which it happened and to no other.
+    pub fn options(&self, campaign: &Campaign) -> Options {
+        self.options_with(campaign, self.terms.unwrap_or_else(|| campaign.terms()))
+    }
+
+    /// As [`Self::options`], but the terms that a station asks for come first: it knows what its design determines.
+    pub fn options_as_asked(&self, campaign: &Campaign) -> Options {
+        self.options_with(campaign, campaign.model.or(self.terms).unwrap_or_default())
+    }
+
+    fn options_with(&self, campaign: &Campaign, terms: Terms) -> Options {
+        let of_model_6 = self.effects.iter().filter_map(|known| term(known.adopted.effect));
+        let terms: Vec<Term> = terms.iter().chain(of_model_6).collect();
+        let here = self
+            .found_in
+            .as_ref()
+            .is_some_and(|found| found.imu == campaign.imu && found.measured_at == campaign.measured_at);
+        let adopted = self.effects.iter().map(|known| &known.adopted);
+        let adopted = adopted.filter(|a| term(a.effect).is_none() && (here || !of_one_occasion(a.effect)));
+        Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect() }
+    }
+}
+
+/// The term of model (6) that an entry of the catalogue stands for.
+pub fn term(effect: Effect) -> Option<Term> {
+    Term::from_name(effect.id())
+}
+
+fn of_one_occasion(effect: Effect) -> bool {
+    matches!(effect, Effect::BiasStep | Effect::OutlierDwell)
+}

@@ -1,0 +1,87 @@
+//! Effects that the model holds beyond model (6), as columns of the fit.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::design::Design;
+use crate::core::campaign::Campaign;
+use crate::core::diagnose::{self, Adopted};
+use crate::core::effects::{Coefficient, Effect};
+use crate::core::fit::Factor;
+
+/// Share of a regressor's whitened power that the columns before it must leave over for it to be fitted: below that,
+/// the effect and model (6) are one to this campaign, and both would be lost.
+const LEAST_VISIBLE: f64 = 1e-6;
+
+/// One coefficient's regressor in the output of one gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regressor {
+    pub effect: Effect,
+    pub coefficient: Coefficient,
+    /// pulse/s per unit coefficient, by dwell.
+    pub column: DVector<f64>,
+}
+
+/// The regressors of the adopted effects, gyro by gyro, and why some cannot be formed.
+pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> (Vec<Vec<Regressor>>, Vec<String>) {
+    let none = || vec![Vec::new(); campaign.gyros.len()];
+    if adopted.is_empty() {
+        return (none(), Vec::new());
+    }
+    let (setting, mut notes) = match diagnose::setting(campaign) {
+        Ok(found) => found,
+        Err(why) => return (none(), vec![format!("the effects of the model are left out: {why}")]),
+    };
+    let mut gyros = none();
+    for adopted in adopted {
+        let entry = adopted.effect.entry();
+        if let Some(missing) = (entry.missing)(&setting) {
+            notes.push(format!("{} is left out of the fit: {missing}", entry.id));
+            continue;
+        }
+        let coefficients = (entry.coefficients)(adopted.shape);
+        for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| adopted.slots.contains(&axes.slot)) {
+            let columns = (entry.columns)(&setting, j, adopted.shape);
+            gyros[j].extend(columns.into_iter().zip(&coefficients).map(|(column, coefficient)| Regressor {
+                effect: adopted.effect,
+                coefficient: *coefficient,
+                column: axes.scale * DVector::from_vec(column),
+            }));
+        }
+    }
+    (gyros, notes)
+}
+
+/// The regressors that leave something over beside model (6) and those before them, and the effects that do not.
+pub(super) fn visible(base: &Factor, regressors: Vec<Regressor>) -> (Vec<Regressor>, Vec<Effect>) {
+    let mut basis = base.basis().clone();
+    let (mut kept, mut hidden) = (Vec::new(), Vec::new());
+    for regressor in regressors {
+        let whitened = regressor.column.component_mul(base.weights());
+        let mut left = whitened.clone();
+        for _ in 0..2 {
+            left -= &basis * basis.tr_mul(&left);
+        }
+        if left.norm_squared() > LEAST_VISIBLE * whitened.norm_squared() {
+            basis = basis.insert_column(kept.len() + base.rank(), 0.0);
+            basis.set_column(kept.len() + base.rank(), &left.normalize());
+            kept.push(regressor);
+        } else if !hidden.contains(&regressor.effect) {
+            hidden.push(regressor.effect);
+        }
+    }
+    (kept, hidden)
+}
+
+/// The design with the regressors after model (6)'s columns.
+pub(super) fn extended(design: &Design, regressors: &[Regressor]) -> Design {
+    let (n, q) = design.reduced.shape();
+    let (p, m) = (design.expand.nrows(), regressors.len());
+    let mut reduced = design.reduced.clone().resize(n, q + m, 0.0);
+    for (c, regressor) in regressors.iter().enumerate() {
+        reduced.set_column(q + c, &regressor.column);
+    }
+    let mut expand = design.expand.clone().resize(p + m, q + m, 0.0);
+    expand.view_mut((p, q), (m, m)).copy_from(&DMatrix::identity(m, m));
+    let gauge = design.gauge.as_ref().map(|direction| direction.clone().resize_vertically(p + m, 0.0));
+    Design { terms: design.terms, reduced, expand, gauge }
+}

@@ -1,0 +1,190 @@
+//! The fit of one gyro on the way: least squares done, its noise not yet judged.
+
+use nalgebra::{DVector, Vector3};
+
+use super::design::{self, Design};
+use super::further::{self, Regressor};
+use super::growth;
+use super::noise::{Evidence, Noise};
+use super::repeats::PureError;
+use super::{
+    EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, SLOW_ARCSEC_S, ScaleSource, weights_sd,
+};
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell};
+use crate::core::effects::Effect;
+use crate::core::fit::{Factor, Fit};
+use crate::core::model::{Term, Terms};
+
+/// Residuals over their own standard deviations, sigma sqrt(1 - leverage); zero where a dwell is fitted exactly because
+/// nothing else speaks of it.
+pub(super) fn standardised(residuals: &DVector<f64>, sigma: &DVector<f64>, leverage: &DVector<f64>) -> DVector<f64> {
+    let own_sd = |k: usize| sigma[k] * (1.0 - leverage[k]).max(0.0).sqrt();
+    DVector::from_fn(residuals.len(), |k, _| if own_sd(k) > 0.0 { residuals[k] / own_sd(k) } else { 0.0 })
+}
+
+/// Gyros with the same terms, the same standard errors and no effects of their own share one factorisation.
+#[derive(Default)]
+pub(super) struct SharedFactors(Vec<(Design, Vec<f64>, Factor)>);
+
+impl SharedFactors {
+    /// Where the factorisation for these terms and weights is.
+    fn index(&mut self, dwells: &[Dwell], terms: Terms, sd: &[f64]) -> usize {
+        let plain = |design: &Design| design.terms == terms && design.expand.nrows() == terms.columns();
+        if let Some(index) = self.0.iter().position(|(design, used, _)| plain(design) && used == sd) {
+            return index;
+        }
+        let design = match self.0.iter().find(|(design, ..)| plain(design)) {
+            Some((design, ..)) => design.clone(),
+            None => Design::new(dwells, terms),
+        };
+        self.add(design, sd)
+    }
+
+    fn add(&mut self, design: Design, sd: &[f64]) -> usize {
+        let factor = Factor::new(design.reduced.clone(), sd);
+        self.0.push((design, sd.to_vec(), factor));
+        self.0.len() - 1
+    }
+}
+
+pub(super) struct GyroFit {
+    /// In [`SharedFactors`].
+    factor: usize,
+    scale_source: ScaleSource,
+    known_e: Option<Vector3<f64>>,
+    pub fit: Fit,
+    /// What position and rate alone leave the same in repeats: what was fitted, less what the effects explain.
+    pub of_position: DVector<f64>,
+    /// Fitted effects, after model (6)'s columns; and those that could not be.
+    regressors: Vec<Regressor>,
+    pub hidden: Vec<Effect>,
+    /// Variances over those of the weights.
+    pub variances: DVector<f64>,
+    pub evidence: Evidence,
+}
+
+pub(super) fn fit_gyro(
+    c: &Campaign,
+    j: usize,
+    terms: Terms,
+    regressors: Vec<Regressor>,
+    repeats: &[Vec<usize>],
+    shared: &mut SharedFactors,
+) -> GyroFit {
+    let known_e = c.gyros[j].known_e;
+    let fitted =
+        if known_e.is_some() && terms != Terms::of(&[Term::Scale]) { terms.without(Term::Scale) } else { terms };
+    let y = DVector::from_iterator(
+        c.dwells.len(),
+        c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
+    );
+    let sd = weights_sd(&c.dwells, j);
+    let plain = shared.index(&c.dwells, fitted, &sd);
+    let (regressors, hidden) = further::visible(&shared.0[plain].2, regressors);
+    let factor = match regressors.as_slice() {
+        [] => plain,
+        some => shared.add(further::extended(&shared.0[plain].0, some), &sd),
+    };
+    let fit = shared.0[factor].2.fit(&y);
+    let further = fit.estimate.len() - regressors.len();
+    let explained = regressors.iter().zip(fit.estimate.iter().skip(further)).map(|(r, k)| &r.column * *k);
+    let of_position = explained.fold(y, |y, part| y - part);
+    let pure_error = PureError::of(repeats, |k| of_position[k], |k| sd[k]);
+    let evidence = Evidence::of(fit.chi2, fit.dof, pure_error);
+    let scale_source = match (known_e, terms.contains(Term::Scale)) {
+        (Some(_), _) => ScaleSource::Held,
+        (None, true) => ScaleSource::Fitted,
+        (None, false) => ScaleSource::Missing,
+    };
+    let variances = DVector::from_element(c.dwells.len(), 1.0);
+    GyroFit { factor, scale_source, known_e, fit, of_position, regressors, hidden, variances, evidence }
+}
+
+impl GyroFit {
+    pub fn unweighted<'a>(&'a self, x: &'a DVector<f64>) -> growth::Unweighted<'a> {
+        growth::Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, x }
+    }
+
+    /// (w_I/W)^2 of each dwell, with W the largest rate of the campaign; zeros where the table never turned.
+    pub fn rate_shares(&self, campaign: &Campaign) -> DVector<f64> {
+        let rates = || campaign.dwells.iter().map(|d| &d.rate_arcsec_s);
+        let largest = rates().map(|w| w.norm()).fold(0.0, f64::max);
+        let along = self.fitted_e().map(|e| e.normalize());
+        let n = campaign.dwells.len();
+        if largest <= SLOW_ARCSEC_S {
+            return DVector::zeros(n);
+        }
+        DVector::from_iterator(n, rates().map(|w| (along.map_or(w.norm(), |i| i.dot(w)) / largest).powi(2)))
+    }
+
+    /// E, held or among the estimates (model (6)'s end with it), unless it is zero.
+    fn fitted_e(&self) -> Option<Vector3<f64>> {
+        let last = self.fit.estimate.len().checked_sub(3 + self.regressors.len());
+        let e = match (self.scale_source, last) {
+            (ScaleSource::Fitted, Some(first)) => Some(self.fit.estimate.fixed_rows::<3>(first).into_owned()),
+            _ => self.known_e,
+        };
+        e.filter(|e| e.norm() > 0.0)
+    }
+
+    pub fn finish(self, gyro: &CampaignGyro, noise: Noise, shared: &SharedFactors) -> GyroCalibration {
+        let (design, sd, factor) = &shared.0[self.factor];
+        let Self { scale_source, known_e, fit, variances, evidence, regressors, .. } = self;
+        let values = &design.expand * &fit.estimate;
+        let covariance = noise.covariance_scale().map(|scale| {
+            let equal = variances.iter().all(|v| *v == 1.0);
+            let reduced = if equal { fit.covariance.clone() } else { factor.covariance_for(&variances) };
+            &design.expand * reduced * design.expand.transpose() * scale
+        });
+        let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
+        let terms_by_column = design.terms.iter().flat_map(|t| std::iter::repeat_n(t, t.columns()));
+        let p = design.terms.columns();
+        let effects = regressors.iter().enumerate().map(|(m, r)| EffectParameter {
+            effect: r.effect,
+            coefficient: r.coefficient,
+            value: values[p + m],
+            sd: covariance.as_ref().map(|c| c[(p + m, p + m)].max(0.0).sqrt()),
+        });
+        let effects = effects.collect();
+        let covariance = covariance.map(|c| c.view((0, 0), (p, p)).into_owned());
+        let parameters = design::parameter_names(design.terms)
+            .into_iter()
+            .zip(terms_by_column)
+            .enumerate()
+            .map(|(i, (name, term))| Parameter {
+                name,
+                term,
+                value: values[i],
+                sd: covariance.as_ref().filter(|_| determined[i]).map(|c| c[(i, i)].max(0.0).sqrt()),
+                determined: determined[i],
+            })
+            .collect();
+        let gauge = design.gauge.iter().map(|d| NullDirection { direction: d.clone(), gauge: Some(GAUGE) });
+        let cut = fit
+            .null_directions
+            .column_iter()
+            .map(|d| NullDirection { direction: (&design.expand * d).normalize(), gauge: None });
+        let sigma = noise.factor.map(|f| DVector::from_fn(sd.len(), |k, _| sd[k] * f * variances[k].sqrt()));
+        let standardised = sigma.as_ref().map(|sigma| standardised(&fit.residuals, sigma, &fit.leverage));
+        GyroCalibration {
+            slot: gyro.slot,
+            serial: gyro.serial.clone(),
+            terms: design.terms,
+            scale_source,
+            parameters,
+            effects,
+            covariance,
+            rank: fit.rank,
+            null_directions: gauge.chain(cut).collect(),
+            chi2: fit.chi2,
+            dof: fit.dof,
+            p_value: noise.p_value(&evidence),
+            noise,
+            sigma,
+            residuals: fit.residuals,
+            standardised,
+            leverage: fit.leverage,
+            known_e,
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The effects of a model file in a simulated campaign, as large as the file says.
+//!
+//! A cause of [`super::cause`] acts as physics; an effect of a model file is what that model says it is: its regressors
+//! times its coefficients, in the outputs that the station would have written.
+
+use super::detectability::{Sight, norm};
+use super::inject::is_visible;
+use super::run::Simulated;
+use crate::core::augmented::{AugmentedModel, KnownEffect};
+use crate::core::campaign::TestKind;
+use crate::core::diagnose;
+use crate::core::effects::{Scope, Setting};
+
+/// Why a model's effects cannot be put into a campaign.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NotPossible {
+    #[error("the effects of a model file act in campaigns of an IMU; this is a bench test")]
+    BenchTest,
+    #[error(transparent)]
+    Refused(#[from] diagnose::Refusal),
+    #[error("{effect} cannot act in this scenario: {missing}")]
+    Missing { effect: &'static str, missing: &'static str },
+    #[error("{effect} has no estimate of {coefficient} for {slot}")]
+    NoEstimate { effect: &'static str, coefficient: &'static str, slot: &'static str },
+}
+
+/// Adds every effect of `model` to the outputs, and its name to the truth.
+///
+/// # Errors
+/// [`NotPossible`]; then nothing was added.
+pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), NotPossible> {
+    if model.effects.is_empty() {
+        return Ok(());
+    }
+    if simulated.campaign.test != TestKind::Imu {
+        return Err(NotPossible::BenchTest);
+    }
+    let (setting, _) = diagnose::setting(&simulated.campaign)?;
+    let responses: Vec<Response> =
+        model.effects.iter().map(|known| Response::of(known, &setting)).collect::<Result<_, _>>()?;
+    for (known, response) in model.effects.iter().zip(&responses) {
+        for (k, dwell) in simulated.campaign.dwells.iter_mut().enumerate() {
+            dwell.output_pulse_s.iter_mut().zip(&response.pulses).for_each(|(output, pulses)| *output += pulses[k]);
+        }
+        simulated.reveal(known.adopted.effect.id(), response);
+    }
+    simulated.reveal_detectability(&responses);
+    Ok(())
+}
+
+/// What one effect adds.
+struct Response {
+    /// pulse/s, by gyro and dwell.
+    pulses: Vec<Vec<f64>>,
+    /// The coefficient of the greatest magnitude.
+    largest: f64,
+}
+
+impl Response {
+    fn of(known: &KnownEffect, setting: &Setting) -> Result<Self, NotPossible> {
+        let (entry, shape) = (known.adopted.effect.entry(), known.adopted.shape);
+        if let Some(missing) = (entry.missing)(setting) {
+            return Err(NotPossible::Missing { effect: entry.id, missing });
+        }
+        let mut response = Self { pulses: vec![vec![0.0; setting.dwells()]; setting.gyros.len()], largest: 0.0 };
+        for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| known.adopted.slots.contains(&axes.slot)) {
+            let own = if entry.scope == Scope::Common { None } else { Some(axes.slot) };
+            let columns = (entry.columns)(setting, j, shape);
+            for (coefficient, column) in (entry.coefficients)(shape).iter().zip(columns) {
+                let estimate = known.estimates.iter().find(|e| e.slot == own && e.name == coefficient.name);
+                let value = estimate.map(|e| e.value).ok_or(NotPossible::NoEstimate {
+                    effect: entry.id,
+                    coefficient: coefficient.name,
+                    slot: axes.slot.name(),
+                })?;
+                response.pulses[j].iter_mut().zip(&column).for_each(|(sum, x)| *sum += value * axes.scale * x);
+                if value.abs() > response.largest.abs() {
+                    response.largest = value;
+                }
+            }
+        }
+        Ok(response)
+    }
+}
+
+impl Simulated {
+    fn reveal(&mut self, id: &str, response: &Response) {
+        let sights = self.sights();
+        let truth = &mut self.truth;
+        truth.effects.push(id.to_owned());
+        truth.sizes.push(response.largest);
+        let slots: Vec<&str> = self.world.slots().map(|slot| slot.name()).collect();
+        if let Some(sights) = sights {
+            let each = sights.iter().zip(&response.pulses).zip(&slots);
+            let seen: Vec<_> =
+                each.map(|((sight, pulses), slot)| (*slot, sight.detectability(pulses), sight.power(pulses))).collect();
+            truth
+                .gyros
+                .extend(seen.iter().filter(|(_, d, power)| is_visible(*d, *power)).map(|(s, ..)| (*s).to_owned()));
+            truth.seen_by.push(seen.iter().map(|(slot, d, _)| ((*slot).to_owned(), *d)).collect());
+        }
+        truth.gyros.sort();
+        truth.gyros.dedup();
+    }
+
+    /// Everything that was put in, together.
+    fn reveal_detectability(&mut self, responses: &[Response]) {
+        let Some(sights) = self.sights() else { return };
+        let (with, without) = (self.world.outputs(&self.causes), self.world.outputs(&[]));
+        let each: Vec<f64> = (0..sights.len())
+            .map(|j| {
+                let all = |k: usize| with[j][k] - without[j][k] + responses.iter().map(|r| r.pulses[j][k]).sum::<f64>();
+                sights[j].detectability(&(0..with[j].len()).map(all).collect::<Vec<_>>())
+            })
+            .collect();
+        self.truth.seen = norm(&each);
+    }
+
+    /// None without noise: then nothing has a detectability.
+    fn sights(&self) -> Option<Vec<Sight>> {
+        let world = &self.world;
+        let noisy = world.sd.iter().flatten().all(|sd| *sd > 0.0);
+        noisy.then(|| world.sd.iter().map(|sd| Sight::new(world.terms, &world.commanded, sd)).collect())
+    }
+}

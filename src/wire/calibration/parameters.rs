@@ -1,0 +1,73 @@
+//! The fitted numbers of one gyro, and what the dwells leave open.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::core::calibrate::design::unit;
+use crate::core::calibrate::{EffectParameter, GyroCalibration, NullDirection, Parameter};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ParameterBody {
+    pub name: String,
+    pub unit: String,
+    pub value: f64,
+    /// None where the dwells do not determine the parameter, or nothing gives the noise.
+    pub sd: Option<f64>,
+    /// Whether the dwells, with the gauge, leave one value.
+    pub determined: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EffectParameterBody {
+    /// Id of the catalogue.
+    pub effect: String,
+    pub name: String,
+    pub unit: String,
+    pub value: f64,
+    /// None where nothing gives the noise.
+    pub sd: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NullDirectionBody {
+    /// Shares of the parameters, a unit vector; those of zero are left out.
+    pub direction: BTreeMap<String, f64>,
+    /// The condition that was imposed to make the estimate unique; none where it is cut off at the shortest one.
+    pub gauge: Option<String>,
+}
+
+impl ParameterBody {
+    pub(super) fn of(p: &Parameter) -> Self {
+        Self {
+            name: p.name.to_owned(),
+            unit: unit(p.term).to_owned(),
+            value: p.value,
+            sd: p.sd,
+            determined: p.determined,
+        }
+    }
+}
+
+impl EffectParameterBody {
+    pub(super) fn of(e: &EffectParameter) -> Self {
+        Self {
+            effect: e.effect.id().to_owned(),
+            name: e.coefficient.name.to_owned(),
+            unit: e.coefficient.unit.to_owned(),
+            value: e.value,
+            sd: e.sd,
+        }
+    }
+}
+
+impl NullDirectionBody {
+    pub(super) fn of(null: &NullDirection, gyro: &GyroCalibration) -> Self {
+        let shares = gyro.parameters.iter().zip(null.direction.iter());
+        Self {
+            direction: shares.filter(|(_, s)| s.abs() > 1e-9).map(|(p, s)| (p.name.to_owned(), *s)).collect(),
+            gauge: null.gauge.map(str::to_owned),
+        }
+    }
+}

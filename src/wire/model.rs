@@ -1,0 +1,318 @@
+//! The model file: terms and effects that an IMU is compared with. `diagnose --adopt` writes it; `calibrate`, `diagnose`
+//! and `simulate` take it with `--model`, the service by `POST /v1/imus/{imu}/model`.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::campaign::terms_from_names;
+use super::numbers::in_range;
+use super::{json, text, time};
+use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
+use crate::core::diagnose::{Adopted, Estimate};
+use crate::core::effects::{Effect, Scope, Shape};
+use crate::core::fault::Faults;
+use crate::core::mounting::Slot;
+
+/// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ModelBody {
+    /// Of `bias`, `g_linear`, `g_squared`, `scale`; empty: those that each campaign asks for.
+    pub terms: Vec<String>,
+    /// Effects beside the terms, in the order of adoption.
+    pub effects: Vec<KnownEffectBody>,
+    /// The campaign in which the effects were found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<ProvenanceBody>,
+}
+
+/// One effect of the catalogue in the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KnownEffectBody {
+    /// Id of the catalogue.
+    pub effect: String,
+    /// Slots that have it. Effects of the station act on all gyros.
+    pub gyros: Vec<String>,
+    /// Its non-linear parameter, where it has one: held, not fitted.
+    #[serde(default, skip_serializing_if = "ShapeBody::is_linear")]
+    pub shape: ShapeBody,
+    /// As the campaign of the provenance shows them. Each later campaign fits its own.
+    pub estimates: Vec<KnownEstimateBody>,
+}
+
+/// One coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KnownEstimateBody {
+    /// `all` for a coefficient that the gyros share.
+    pub slot: String,
+    pub name: String,
+    pub value: f64,
+    pub sd: f64,
+    pub unit: String,
+}
+
+/// At most one member.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShapeBody {
+    /// Time constant of `warmup`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tau_s: Option<f64>,
+    /// Instant of `bias_step`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instant_s: Option<f64>,
+    /// Index of `outlier_dwell`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dwell: Option<usize>,
+    /// Period of `periodic`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
+    /// Direction of the field of `magnetic`, from north towards east, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field_azimuth_rad: Option<f64>,
+    /// Rotation of S about I that `anisoinertia` assumes, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clocking_rad: Option<f64>,
+    /// The one product of `cross_compliance`: 0 for a_I a_S, 1 for a_I a_O, 2 for a_O a_S.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub product: Option<usize>,
+    /// Whether `levelling` tilts the IMU on the table (true) or the table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with_rate: Option<bool>,
+    /// `input_spin`, where `temperature_g` acts along I and S alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProvenanceBody {
+    pub imu: String,
+    pub station: String,
+    /// RFC 3339, with offset.
+    pub measured_at: String,
+}
+
+/// Reads and checks a model file.
+///
+/// # Errors
+/// Of a document with the wrong shape, the first fault; otherwise all, by JSON pointer.
+pub fn parse(bytes: &[u8]) -> Result<AugmentedModel, Faults> {
+    json::parse::<ModelBody>(bytes)?.to_core()
+}
+
+/// The model as one JSON document, ready to be read by [`parse`].
+pub fn to_json(model: &AugmentedModel) -> String {
+    serde_json::to_string_pretty(&ModelBody::from(model)).expect("strings and finite numbers always serialise")
+}
+
+impl ModelBody {
+    /// Converts and checks.
+    ///
+    /// # Errors
+    /// All faults, by JSON pointer.
+    pub fn to_core(&self) -> Result<AugmentedModel, Faults> {
+        let mut faults = Faults::default();
+        let terms = match self.terms.as_slice() {
+            [] => None,
+            names => terms_from_names(names).map_err(|part| faults.absorb("/terms", part)).ok(),
+        };
+        let effects = self.effects.iter().enumerate().filter_map(|(i, e)| e.to_core(i, &mut faults)).collect();
+        let found_in = self.provenance.as_ref().map(|p| Provenance {
+            imu: text::name("/provenance/imu", &p.imu, &mut faults),
+            station: text::name("/provenance/station", &p.station, &mut faults),
+            measured_at: text::instant("/provenance/measured_at", &p.measured_at, &mut faults),
+        });
+        faults.or(AugmentedModel { terms, effects, found_in })
+    }
+}
+
+impl KnownEffectBody {
+    fn to_core(&self, i: usize, faults: &mut Faults) -> Option<KnownEffect> {
+        let place = format!("/effects/{i}");
+        let before = faults.0.len();
+        let Some(effect) = Effect::from_id(&self.effect) else {
+            faults.push(format!("{place}/effect"), format!("{:?} is no effect of the catalogue", self.effect));
+            return None;
+        };
+        let slots = self.slots(&place, faults);
+        let shape = self.shape.to_core(effect, &format!("{place}/shape"), faults);
+        let estimates: Vec<Estimate> = self
+            .estimates
+            .iter()
+            .enumerate()
+            .filter_map(|(k, e)| e.to_core(effect, shape?, &slots, &format!("{place}/estimates/{k}"), faults))
+            .collect();
+        (faults.0.len() == before)
+            .then_some(KnownEffect { adopted: Adopted { effect, shape: shape?, slots }, estimates })
+    }
+
+    fn slots(&self, place: &str, faults: &mut Faults) -> Vec<Slot> {
+        let mut slots = Vec::new();
+        for (k, name) in self.gyros.iter().enumerate() {
+            match Slot::from_name(name) {
+                Some(slot) if slots.contains(&slot) => {
+                    faults.push(format!("{place}/gyros/{k}"), format!("{name} is named twice"));
+                }
+                Some(slot) => slots.push(slot),
+                None => faults.push(format!("{place}/gyros/{k}"), format!("must be G1, G2 or G3, is {name:?}")),
+            }
+        }
+        if self.gyros.is_empty() {
+            faults.push(format!("{place}/gyros"), "must name at least one gyro");
+        }
+        slots
+    }
+}
+
+impl KnownEstimateBody {
+    fn to_core(
+        &self,
+        effect: Effect,
+        shape: Shape,
+        slots: &[Slot],
+        place: &str,
+        faults: &mut Faults,
+    ) -> Option<Estimate> {
+        let entry = effect.entry();
+        let common = entry.scope == Scope::Common;
+        let slot = Slot::from_name(&self.slot);
+        let known = match slot {
+            Some(slot) => !common && slots.contains(&slot),
+            None => common && self.slot == "all",
+        };
+        if !known {
+            let wanted = if common { "all" } else { "one of the effect's gyros" };
+            faults.push(format!("{place}/slot"), format!("must be {wanted}, is {:?}", self.slot));
+        }
+        let coefficients = (entry.coefficients)(shape);
+        let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
+            let names: Vec<&str> = coefficients.iter().map(|c| c.name).collect();
+            faults.push(format!("{place}/name"), format!("must be one of {}, is {:?}", names.join(", "), self.name));
+            return None;
+        };
+        if self.unit != coefficient.unit {
+            faults.push(format!("{place}/unit"), format!("must be {:?}, is {:?}", coefficient.unit, self.unit));
+        }
+        in_range(self.value, format_args!("{place}/value"), faults);
+        if in_range(self.sd, format_args!("{place}/sd"), faults) && self.sd < 0.0 {
+            faults.push(format!("{place}/sd"), format!("must not be negative, is {}", self.sd));
+        }
+        Some(Estimate { slot, name: coefficient.name, value: self.value, sd: self.sd, unit: coefficient.unit })
+    }
+}
+
+/// The products of `cross_compliance` one by one.
+const PRODUCTS: [&[usize]; 3] = [&[0], &[1], &[2]];
+
+impl ShapeBody {
+    fn is_linear(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The shape, where it is one that the effect can have.
+    fn to_core(&self, effect: Effect, place: &str, faults: &mut Faults) -> Option<Shape> {
+        let given = [
+            self.tau_s.map(Shape::Tau),
+            self.instant_s.map(Shape::Instant),
+            self.dwell.map(Shape::Dwell),
+            self.period_s.map(Shape::Period),
+            self.field_azimuth_rad.map(Shape::Azimuth),
+            self.clocking_rad.map(Shape::Clocking),
+            self.product.and_then(|i| PRODUCTS.get(i)).map(|only| Shape::Only(only)),
+            self.with_rate.map(|with_rate| Shape::Tilt { with_rate }),
+            self.axes.as_deref().filter(|axes| *axes == "input_spin").map(|_| Shape::InputSpin),
+        ];
+        let unknown = self.product.is_some_and(|i| i >= PRODUCTS.len())
+            || self.axes.as_deref().is_some_and(|a| a != "input_spin");
+        let mut given = given.into_iter().flatten();
+        let shape = given.next().unwrap_or(Shape::Linear);
+        if unknown || given.next().is_some() || !effect.can_have(shape) {
+            faults.push(place, format!("must be {} for {}", wanted(effect), effect.id()));
+            return None;
+        }
+        let sound = match shape {
+            Shape::Tau(x) | Shape::Period(x) => x > 0.0 && x.is_finite(),
+            Shape::Instant(x) | Shape::Azimuth(x) | Shape::Clocking(x) => x.is_finite(),
+            _ => true,
+        };
+        if !sound {
+            faults.push(place, "must be finite, and a time constant or period positive");
+        }
+        sound.then_some(shape)
+    }
+
+    fn of(shape: Shape) -> Self {
+        let linear = Self::default();
+        match shape {
+            Shape::Tau(tau) => Self { tau_s: Some(tau), ..linear },
+            Shape::Instant(instant) => Self { instant_s: Some(instant), ..linear },
+            Shape::Dwell(dwell) => Self { dwell: Some(dwell), ..linear },
+            Shape::Period(period) => Self { period_s: Some(period), ..linear },
+            Shape::Azimuth(angle) => Self { field_azimuth_rad: Some(angle), ..linear },
+            Shape::Clocking(angle) => Self { clocking_rad: Some(angle), ..linear },
+            Shape::Only(only) => Self { product: only.first().copied(), ..linear },
+            Shape::Tilt { with_rate } => Self { with_rate: Some(with_rate), ..linear },
+            Shape::InputSpin => Self { axes: Some("input_spin".to_owned()), ..linear },
+            // A window belongs to suspects, which are never adopted.
+            Shape::Linear | Shape::Window(..) => linear,
+        }
+    }
+}
+
+fn wanted(effect: Effect) -> &'static str {
+    match effect {
+        Effect::Warmup => "{\"tau_s\": seconds}",
+        Effect::BiasStep => "{\"instant_s\": seconds}",
+        Effect::OutlierDwell => "{\"dwell\": index}",
+        Effect::Periodic => "{\"period_s\": seconds}",
+        Effect::Magnetic => "{\"field_azimuth_rad\": angle}",
+        Effect::Anisoinertia => "{\"clocking_rad\": angle}",
+        Effect::CrossCompliance => "absent or {\"product\": 0, 1 or 2}",
+        Effect::Levelling => "{\"with_rate\": true or false}",
+        Effect::TemperatureG => "absent or {\"axes\": \"input_spin\"}",
+        _ => "absent",
+    }
+}
+
+impl From<&AugmentedModel> for ModelBody {
+    fn from(model: &AugmentedModel) -> Self {
+        Self {
+            terms: model.terms.iter().flat_map(|terms| terms.iter()).map(|term| term.name().to_owned()).collect(),
+            effects: model.effects.iter().map(KnownEffectBody::from).collect(),
+            provenance: model.found_in.as_ref().map(|found| ProvenanceBody {
+                imu: found.imu.to_string(),
+                station: found.station.to_string(),
+                measured_at: time::format(found.measured_at),
+            }),
+        }
+    }
+}
+
+impl From<&KnownEffect> for KnownEffectBody {
+    fn from(known: &KnownEffect) -> Self {
+        let Adopted { effect, shape, slots } = &known.adopted;
+        // The shape's own entries among the estimates are said by `shape`.
+        let coefficients = (effect.entry().coefficients)(*shape);
+        let estimates = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
+        Self {
+            effect: effect.id().to_owned(),
+            gyros: slots.iter().map(|slot| slot.name().to_owned()).collect(),
+            shape: ShapeBody::of(*shape),
+            estimates: estimates
+                .map(|e| KnownEstimateBody {
+                    slot: e.slot.map_or("all", Slot::name).to_owned(),
+                    name: e.name.to_owned(),
+                    value: e.value,
+                    sd: e.sd,
+                    unit: e.unit.to_owned(),
+                })
+                .collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+use serde_json::{Value, json};
+
+use super::*;
+use crate::core::effects::CATALOGUE;
+
+fn document() -> Value {
+    json!({
+        "terms": ["bias", "g_linear", "g_squared", "scale"],
+        "effects": [{
+            "effect": "warmup",
+            "gyros": ["G1", "G3"],
+            "shape": {"tau_s": 3600.0},
+            "estimates": [{"slot": "G1", "name": "k", "value": 0.02, "sd": 1e-3, "unit": "deg/h"}],
+        }],
+        "provenance": {"imu": "IMU-1", "station": "ST-1", "measured_at": "2026-03-01T08:00:00Z"},
+    })
+}
+
+/// The document with one member replaced.
+fn with(pointer: &str, value: Value) -> Vec<u8> {
+    let mut document = document();
+    *document.pointer_mut(pointer).unwrap() = value;
+    document.to_string().into_bytes()
+}
+
+#[test]
+fn a_model_file_is_read_and_written_without_loss() {
+    let model = parse(document().to_string().as_bytes()).unwrap();
+    assert_eq!(model.effects[0].adopted.shape, Shape::Tau(3600.0));
+    assert_eq!(serde_json::from_str::<Value>(&to_json(&model)).unwrap(), document());
+    assert_eq!(parse(to_json(&model).as_bytes()).unwrap(), model);
+}
+
+#[test]
+fn every_bad_member_is_named_by_its_place() {
+    let cases = [
+        ("/terms/1", json!("gravity"), "/terms/1"),
+        ("/terms/1", json!("bias"), "/terms/1"),
+        ("/effects/0/effect", json!("poltergeist"), "/effects/0/effect"),
+        ("/effects/0/gyros/1", json!("G4"), "/effects/0/gyros/1"),
+        ("/effects/0/gyros/1", json!("G1"), "/effects/0/gyros/1"),
+        ("/effects/0/gyros", json!([]), "/effects/0/gyros"),
+        ("/effects/0/shape", json!({}), "/effects/0/shape"),
+        ("/effects/0/shape", json!({"tau_s": -1.0}), "/effects/0/shape"),
+        ("/effects/0/shape", json!({"period_s": 60.0}), "/effects/0/shape"),
+        ("/effects/0/shape", json!({"tau_s": 1.0, "dwell": 3}), "/effects/0/shape"),
+        ("/effects/0/shape", json!({"tau": 1.0}), "/effects/0/shape/tau"),
+        ("/effects/0/estimates/0/slot", json!("G2"), "/effects/0/estimates/0/slot"),
+        ("/effects/0/estimates/0/slot", json!("all"), "/effects/0/estimates/0/slot"),
+        ("/effects/0/estimates/0/name", json!("q"), "/effects/0/estimates/0/name"),
+        ("/effects/0/estimates/0/unit", json!("rad"), "/effects/0/estimates/0/unit"),
+        ("/effects/0/estimates/0/value", json!(1e300), "/effects/0/estimates/0/value"),
+        ("/effects/0/estimates/0/sd", json!(-1.0), "/effects/0/estimates/0/sd"),
+        ("/provenance/measured_at", json!("yesterday"), "/provenance/measured_at"),
+        ("/provenance/imu", json!(""), "/provenance/imu"),
+    ];
+    for (pointer, value, place) in cases {
+        let faults = parse(&with(pointer, value.clone())).expect_err(place);
+        assert!(faults.0.iter().any(|f| f.pointer == place), "{pointer} = {value}: {faults}");
+    }
+}
+
+#[test]
+fn each_entry_of_the_catalogue_can_be_kept_with_every_kind_of_shape_it_has() {
+    let shapes = [
+        Shape::Linear,
+        Shape::Tau(3600.0),
+        Shape::Instant(1e4),
+        Shape::Dwell(7),
+        Shape::Period(5400.0),
+        Shape::Azimuth(0.5),
+        Shape::Clocking(-1e-3),
+        Shape::Only(PRODUCTS[1]),
+        Shape::Tilt { with_rate: true },
+        Shape::InputSpin,
+    ];
+    for entry in CATALOGUE {
+        let possible: Vec<Shape> = shapes.into_iter().filter(|shape| entry.effect.can_have(*shape)).collect();
+        assert!(!possible.is_empty(), "{}", entry.id);
+        for shape in possible {
+            let adopted = Adopted { effect: entry.effect, shape, slots: Slot::ALL.to_vec() };
+            let slot = if entry.scope == Scope::Common { None } else { Some(Slot::G2) };
+            let estimates = (entry.coefficients)(shape)
+                .iter()
+                .map(|c| Estimate { slot, name: c.name, value: 0.25, sd: 0.125, unit: c.unit })
+                .collect();
+            let model =
+                AugmentedModel { terms: None, effects: vec![KnownEffect { adopted, estimates }], found_in: None };
+            assert_eq!(parse(to_json(&model).as_bytes()), Ok(model), "{}", entry.id);
+        }
+    }
+}

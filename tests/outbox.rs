@@ -1,0 +1,323 @@
+//! What is queued arrives: every message, in order per alert, whatever becomes of the service or of other targets.
+
+mod queue;
+mod receiver;
+mod support;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use axum::http::StatusCode;
+use axum::response::IntoResponse;
+use queue::Queue;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use receiver::{Receiver, Told};
+use serde_json::{Value, json};
+use support::Server;
+
+const SHORT: (&str, &str) = ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1");
+
+/// A number from the environment: long forms of tests are run by `scripts/soak`.
+fn asked(name: &str, otherwise: usize) -> usize {
+    std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
+}
+
+async fn sets_up(server: &Server, hook: Value) -> Value {
+    let answer = server.post_json("/v1/hooks", &hook).await;
+    assert_eq!(answer.status, 201, "{}", answer.text());
+    answer.json()
+}
+
+/// Waits until no delivery of the hooks is open.
+async fn all_told(server: &Server, hooks: &[Value]) {
+    let patience = Instant::now() + Duration::from_secs(60);
+    for hook in hooks {
+        let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
+        loop {
+            let queue = server.get(&path).await.json()["queue"].clone();
+            if queue["open"] == 0 {
+                assert_eq!(queue["dead"], 0, "{hook}");
+                break;
+            }
+            assert!(Instant::now() < patience, "{queue} {}", server.log());
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+}
+
+/// Every step of the queue came, and none after a later one of the same alert: repetitions follow at once.
+#[track_caller]
+fn came_whole_and_in_order(queue: Queue, told: &[Told]) {
+    let mut reached: BTreeMap<i64, i64> = BTreeMap::new();
+    let mut seen = BTreeSet::new();
+    for (alert, step) in told.iter().filter_map(|told| queue.place(&told.id())) {
+        let last = reached.insert(alert, step).unwrap_or(0);
+        assert!(step == last || step == last + 1, "alert {alert}: step {step} came after {last}");
+        seen.insert((alert, step));
+    }
+    let all: BTreeSet<_> = (0..queue.alerts).flat_map(|a| (0..queue.steps).map(move |s| (a, s))).collect();
+    assert_eq!(seen, all);
+}
+
+#[tokio::test]
+async fn every_step_of_every_alert_comes_in_order_while_the_target_fails_now_and_then() {
+    let queue = Queue { alerts: 12, steps: 8 };
+    let target = Receiver::answering(|earlier, _| match earlier % 5 {
+        3 => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+        4 => StatusCode::BAD_REQUEST.into_response(),
+        _ => ().into_response(),
+    })
+    .await;
+    let mut server = Server::start_with(&[SHORT]).await;
+    let hooks = [sets_up(&server, json!({ "kind": "standard-webhooks", "url": target.url() })).await];
+    server.terminate();
+    queue.fill(server.dir(), &hooks).await;
+    server.restart();
+    all_told(&server, &hooks).await;
+    came_whole_and_in_order(queue, &target.told());
+    let verifier = standardwebhooks::Webhook::new(hooks[0]["secret"].as_str().unwrap()).unwrap();
+    assert!(target.told().iter().all(|told| verifier.verify(&told.body, &told.headers).is_ok()));
+}
+
+/// `scripts/soak kill-deliveries` kills 200 times.
+#[tokio::test]
+async fn nothing_is_lost_invented_or_overtaken_when_the_service_is_killed_while_it_delivers() {
+    let kills = asked("GYROWATCH_SOAK_KILLS", 8);
+    let queue = Queue { alerts: 20 + kills as i64 * 2, steps: 6 };
+    // Slow enough that a kill finds deliveries under way.
+    let target = Receiver::answering(|earlier, _| {
+        std::thread::sleep(Duration::from_millis(2));
+        if earlier % 11 == 7 { StatusCode::BAD_GATEWAY.into_response() } else { ().into_response() }
+    })
+    .await;
+    let mut server = Server::start_with(&[SHORT, ("GYROWATCH_HOOKS__ATTEMPTS_AT_ONCE", "4")]).await;
+    let kinds = ["standard-webhooks", "cloudevents"];
+    let mut hooks = Vec::new();
+    for kind in kinds {
+        let url = format!("http://{}/{kind}", target.address);
+        hooks.push(sets_up(&server, json!({ "kind": kind, "url": url })).await);
+    }
+    server.terminate();
+    queue.fill(server.dir(), &hooks).await;
+    server.restart();
+
+    let mut chance = ChaCha8Rng::seed_from_u64(20_260_301);
+    let mut acknowledged = BTreeSet::new();
+    for _ in 0..kills {
+        let poster = tokio::spawn(posts_tests(server.url("/v1/hooks"), hooks.clone(), chance.random()));
+        tokio::time::sleep(Duration::from_micros(chance.random_range(3_000..120_000))).await;
+        server.kill();
+        acknowledged.extend(poster.await.unwrap());
+        server.restart();
+    }
+    all_told(&server, &hooks).await;
+
+    let told = target.told();
+    for kind in kinds {
+        let of_kind: Vec<Told> = told.iter().filter(|told| told.path == format!("/{kind}")).cloned().collect();
+        came_whole_and_in_order(queue, &of_kind);
+    }
+    let tests: BTreeSet<String> = told.iter().map(Told::id).filter(|id| queue.place(id).is_none()).collect();
+    let lost: Vec<&String> = acknowledged.difference(&tests).collect();
+    assert!(lost.is_empty(), "acknowledged and never sent: {lost:?}");
+    // A test whose answer the kill swallowed may have been stored; what was not stored was invented.
+    for id in &tests {
+        let path = format!("/v1/deliveries/{}", id.strip_prefix("evt_").unwrap());
+        assert_eq!(server.get(&path).await.json()["state"], "delivered", "{id}");
+    }
+    println!("{kills} kills, {} messages, {} requests", tests.len() + queue_size(queue) * 2, told.len());
+}
+
+/// Asks for tests of the hooks, one after another, until the service is gone; the messages that were acknowledged.
+async fn posts_tests(url: String, hooks: Vec<Value>, seed: u64) -> Vec<String> {
+    let http = gyrowatch::system::http_client(Duration::from_secs(5), Duration::from_secs(20)).build().unwrap();
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let mut acknowledged = Vec::new();
+    loop {
+        let hook = hooks[chance.random_range(0..hooks.len())]["id"].as_str().unwrap();
+        let Ok(answer) = http.post(format!("{url}/{hook}/test")).send().await else { return acknowledged };
+        let Ok(delivery) = answer.json::<Value>().await else { return acknowledged };
+        acknowledged.push(delivery["webhook_id"].as_str().unwrap().to_owned());
+        tokio::time::sleep(Duration::from_millis(chance.random_range(0..10))).await;
+    }
+}
+
+fn queue_size(queue: Queue) -> usize {
+    (queue.alerts * queue.steps) as usize
+}
+
+/// `scripts/soak slow-target` queues 10,000.
+#[tokio::test]
+async fn a_target_that_hangs_holds_up_no_other() {
+    let messages = asked("GYROWATCH_SOAK_DELIVERIES", 600);
+    let queue = Queue { alerts: (messages / 20 / 5) as i64, steps: 5 };
+    let target = Receiver::start().await;
+    let mut server = Server::start().await;
+    let hanging =
+        sets_up(&server, json!({ "kind": "cloudevents", "url": format!("http://{}/", receiver::hangs().await) }));
+    let hanging = hanging.await;
+    let mut hooks = Vec::new();
+    for i in 1..20 {
+        let url = format!("http://{}/{i}", target.address);
+        hooks.push(sets_up(&server, json!({ "kind": "standard-webhooks", "url": url })).await);
+    }
+    server.terminate();
+    let all: Vec<Value> = hooks.iter().chain([&hanging]).cloned().collect();
+    queue.fill(server.dir(), &all).await;
+    let others = queue_size(queue) * hooks.len();
+
+    let started = Instant::now();
+    server.restart();
+    while target.told().len() < others {
+        assert!(started.elapsed() < Duration::from_secs(60), "{} of {others}", target.told().len());
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    let took = started.elapsed();
+    all_told(&server, &hooks).await;
+    for i in 1..20 {
+        let of_hook: Vec<Told> = target.told().into_iter().filter(|told| told.path == format!("/{i}")).collect();
+        came_whole_and_in_order(queue, &of_hook);
+    }
+    let path = format!("/v1/hooks/{}", hanging["id"].as_str().unwrap());
+    assert_eq!(server.get(&path).await.json()["queue"]["open"], queue_size(queue));
+    let rate = others as f64 / took.as_secs_f64();
+    println!("{others} deliveries to 19 targets in {:.2} s beside one that hangs: {rate:.0}/s", took.as_secs_f64());
+    let least = asked("GYROWATCH_SOAK_RATE", 50) as f64;
+    assert!(rate >= least, "{rate:.0}/s, at least {least}/s are asked for");
+}
+
+#[tokio::test]
+async fn a_target_that_comes_back_is_told_all_that_waits_at_once() {
+    let queue = Queue { alerts: 40, steps: 2 };
+    let mut server = Server::start_with(&[("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.3,3600,3600")]).await;
+    let up = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let is_up = up.clone();
+    let target = Receiver::answering(move |_, _| match is_up.load(std::sync::atomic::Ordering::SeqCst) {
+        true => ().into_response(),
+        false => StatusCode::BAD_GATEWAY.into_response(),
+    })
+    .await;
+    let hooks = [sets_up(&server, json!({ "kind": "cloudevents", "url": target.url() })).await];
+    server.terminate();
+    queue.fill(server.dir(), &hooks).await;
+    server.restart();
+    tokio::time::sleep(Duration::from_secs(2)).await;
+    let asked = target.told().len();
+    assert!((4..24).contains(&asked), "a target that is down is asked now and then, not {asked} times");
+    up.store(true, std::sync::atomic::Ordering::SeqCst);
+    let back = Instant::now();
+    all_told(&server, &hooks).await;
+    assert!(back.elapsed() < Duration::from_secs(5), "{:?}: the ladder's next rung was an hour away", back.elapsed());
+}
+
+/// Debian's Alertmanager, or any on the PATH; killed at the end.
+struct Alertmanager {
+    child: Child,
+    url: String,
+    http: reqwest::Client,
+    _dir: tempfile::TempDir,
+}
+
+impl Alertmanager {
+    /// None where no such program is installed.
+    async fn start(tells: &Receiver) -> Option<Self> {
+        let program = ["prometheus-alertmanager", "alertmanager"]
+            .into_iter()
+            .find(|program| Command::new(program).arg("--version").output().is_ok());
+        let Some(program) = program else {
+            assert_ne!(std::env::var("GYROWATCH_TEST_PROGRAMS").as_deref(), Ok("required"), "no Alertmanager");
+            println!("passed over: no Alertmanager is installed");
+            return None;
+        };
+        let dir = tempfile::tempdir().unwrap();
+        let config = format!(
+            "route: {{ receiver: recorder, group_by: [serial], group_wait: 0s, group_interval: 1s }}\n\
+             receivers: [{{ name: recorder, webhook_configs: [{{ url: 'http://{}/' }}] }}]\n",
+            tells.address
+        );
+        std::fs::write(dir.path().join("config.yml"), config).unwrap();
+        let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let child = Command::new(program)
+            .current_dir(dir.path())
+            .args(["--config.file=config.yml", "--storage.path=data", "--cluster.listen-address="])
+            .arg(format!("--web.listen-address=127.0.0.1:{port}"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let http = gyrowatch::system::http_client(Duration::from_secs(1), Duration::from_secs(5)).build().unwrap();
+        let started = Self { child, url: format!("http://127.0.0.1:{port}"), http, _dir: dir };
+        let patience = Instant::now() + Duration::from_secs(20);
+        while started.http.get(format!("{}/-/ready", started.url)).send().await.is_err() {
+            assert!(Instant::now() < patience, "Alertmanager does not start");
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+        Some(started)
+    }
+
+    async fn shows(&self) -> Vec<Value> {
+        let answer = self.http.get(format!("{}/api/v2/alerts", self.url)).send().await.unwrap();
+        answer.json().await.unwrap()
+    }
+
+    /// Waits until what it shows is as `wanted`.
+    async fn comes_to_show(&self, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
+        let patience = Instant::now() + Duration::from_secs(20);
+        loop {
+            let shown = self.shows().await;
+            if wanted(&shown) {
+                return shown;
+            }
+            assert!(Instant::now() < patience, "{shown:#?}");
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    }
+}
+
+impl Drop for Alertmanager {
+    fn drop(&mut self) {
+        let _already_gone = self.child.kill();
+        let _reaped = self.child.wait();
+    }
+}
+
+#[tokio::test]
+async fn a_real_alertmanager_receives_shows_and_resolves_an_alert() {
+    gyrowatch::system::install_crypto();
+    let recorder = Receiver::start().await;
+    let Some(alertmanager) = Alertmanager::start(&recorder).await else { return };
+    let mut server = Server::start_with(&[("GYROWATCH_HOOKS__RESEND_S", "0.5")]).await;
+    let hook = sets_up(&server, json!({ "kind": "alertmanager", "url": alertmanager.url })).await;
+    server.terminate();
+    let queue = Queue { alerts: 1, steps: 1 };
+    queue.fill(server.dir(), std::slice::from_ref(&hook)).await;
+    server.restart();
+
+    let shown = alertmanager.comes_to_show(|shown| shown.len() == 1).await;
+    let alert = &shown[0];
+    assert_eq!(
+        alert["labels"],
+        json!({ "alertname": "GyroStep", "serial": "LFG-0000", "coefficient": "D_I", "rule": "step", "severity": "warning" })
+    );
+    assert_eq!((&alert["status"]["state"], &alert["startsAt"]), (&json!("active"), &json!("2026-03-01T08:00:00.000Z")));
+    let first = alert["endsAt"].as_str().unwrap().to_owned();
+    // It would let the alert go after 2 s if it were not sent again.
+    tokio::time::sleep(Duration::from_millis(2500)).await;
+    let later = alertmanager.comes_to_show(|shown| shown.len() == 1).await;
+    assert!(later[0]["endsAt"].as_str().unwrap() > first.as_str(), "{first}: {later:#?}");
+    assert_eq!(recorder.has_been_told(1).await[0].json()["status"], "firing");
+
+    server.terminate();
+    queue::resolve_first(server.dir(), &hook).await;
+    server.restart();
+    alertmanager.comes_to_show(|shown| shown.is_empty()).await;
+    let patience = Instant::now() + Duration::from_secs(20);
+    while !recorder.told().iter().any(|told| told.json()["status"] == "resolved") {
+        assert!(Instant::now() < patience, "its receiver was not told");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    assert!(alertmanager.shows().await.is_empty(), "what is resolved is not sent again");
+}

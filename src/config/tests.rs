@@ -99,3 +99,40 @@ fn a_wrong_rule_is_named() {
         assert!(error.contains(key) && error.contains(why), "{error}");
     }
 }
+
+#[test]
+fn hooks_go_to_loopback_only_beside_a_service_that_listens_there_alone() {
+    let reaches = |listen: &str, host: &str| {
+        let policy = with(&[("GYROWATCH_LISTEN", listen)]).unwrap().target_policy();
+        policy.check_url(&format!("http://{host}:9/")).is_ok()
+    };
+    for host in ["127.0.0.1", "0x7f.1", "[::1]", "[::ffff:127.0.0.1]"] {
+        assert!(reaches("127.0.0.1:0", host) && reaches("[::1]:0", host), "{host}");
+        assert!(!reaches("0.0.0.0:0", host) && !reaches("192.168.1.5:0", host) && !reaches("[::]:0", host), "{host}");
+    }
+    let allow = ("GYROWATCH_HOOKS__ALLOW", "10.0.0.0/8, 127.0.0.0/8");
+    let policy = with(&[("GYROWATCH_LISTEN", "0.0.0.0:0"), allow]).unwrap().target_policy();
+    assert!(policy.check_url("http://127.0.0.1/").is_ok() && policy.check_url("http://192.168.1.5/").is_err());
+}
+
+#[test]
+fn a_hook_key_that_cannot_be_is_named() {
+    for (key, value, named) in [
+        ("ALLOW", "10.0.0.0/33", "hooks.allow"),
+        ("ATTEMPT_TIMEOUT_S", "16", "hooks.attempt_timeout_s"),
+        ("ATTEMPT_TIMEOUT_S", "0", "hooks.attempt_timeout_s"),
+        ("CONNECT_TIMEOUT_S", "15.5", "hooks.connect_timeout_s"),
+        ("ATTEMPTS_AT_ONCE", "0", "hooks.attempts_at_once"),
+        ("RETRY_WAITS_S", "5,-1", "hooks.retry_waits_s[1]"),
+        ("RETRY_WAITS_S", "", "hooks.retry_waits_s"),
+        ("RETRY_WAITS_S", "90000", "hooks.retry_waits_s[0]"),
+        ("RESEND_S", "NaN", "hooks.resend_s"),
+        ("OLD_SECRET_HOURS", "-1", "hooks.old_secret_hours"),
+        ("EXTERNAL_URL", "gyros.example", "hooks.external_url"),
+    ] {
+        let error = with(&[(&format!("GYROWATCH_HOOKS__{key}"), value)]).unwrap_err().to_string();
+        assert!(error.contains(named), "{key}={value}: {error}");
+    }
+    let ladder = Config::defaults().hooks.ladder();
+    assert_eq!(ladder, crate::alert::ladder::Ladder::default(), "the default is the standard's");
+}

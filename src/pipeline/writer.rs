@@ -12,7 +12,7 @@ use super::read::{Calibration, Submission};
 use super::{Accepted, Job, Judged, Refused, Reply};
 use crate::config::Config;
 use crate::core::judge::Verdict;
-use crate::store::{Changes, Id, Store, StoreError, Writer};
+use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 
@@ -120,13 +120,6 @@ impl Task {
         }
     }
 
-    /// Tells the delivery worker where something is to be told.
-    fn wake_for(&self, committed: &Changes) {
-        if !committed.outbox.queued.is_empty() {
-            self.wake.send_modify(|moved| *moved += 1);
-        }
-    }
-
     /// Hooks have changed, or have something new to be told.
     async fn look_at_hooks(&mut self) {
         match HookBook::load(&self.store).await {
@@ -183,7 +176,6 @@ impl Task {
             self.writer.commit(&group.changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
             metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
-            self.wake_for(&group.changes);
             self.newest.learn(&group.changes);
         }
         for (item, reply) in items.iter().zip(&mut replies) {

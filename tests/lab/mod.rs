@@ -12,7 +12,7 @@ use gyrowatch::config::Config;
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::http::{self, App};
-use gyrowatch::pipeline::Pipeline;
+use gyrowatch::pipeline::{Outbox, Pipeline};
 use gyrowatch::store;
 use gyrowatch::system::{self, Clock};
 use gyrowatch::wire::time;
@@ -41,6 +41,7 @@ struct Running {
     stop: oneshot::Sender<()>,
     served: JoinHandle<()>,
     written: JoinHandle<()>,
+    outbox: Outbox,
 }
 
 impl Lab {
@@ -69,6 +70,7 @@ impl Lab {
         let (store, writer) = store::open(&config.database.options()).await.expect("the database opens");
         let (pipeline, written) =
             Pipeline::start(store, writer, config.clone(), self.clock.clone()).await.expect("the pipeline starts");
+        let outbox = Outbox::start(&pipeline).expect("the delivery worker starts");
         let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
         let address = listener.local_addr().expect("an address");
         let app = App { config: config.clone(), clock: self.clock.clone(), pipeline };
@@ -80,14 +82,15 @@ impl Lab {
             })
             .await;
         });
-        self.running = Some(Running { address, stop, served, written });
+        self.running = Some(Running { address, stop, served, written, outbox });
     }
 
     /// As SIGTERM does: requests in flight are finished, the database is closed.
     pub async fn stop(&mut self) {
-        let Running { stop, served, written, .. } = self.running.take().expect("it runs");
+        let Running { stop, served, written, outbox, .. } = self.running.take().expect("it runs");
         stop.send(()).expect("it listens");
         served.await.expect("it ends in order");
+        outbox.stop().await;
         written.await.expect("the writer ends in order");
     }
 

@@ -70,14 +70,22 @@ async fn open(dir: &Path) -> SqliteConnection {
     SqliteConnectOptions::new().filename(dir.join("gyrowatch.db")).connect().await.unwrap()
 }
 
-fn body(alert: i64, state: &str, resolved_at: Value) -> Value {
+fn finding() -> Value {
     json!({
-        "id": format!("a{alert}"), "serial": format!("LFG-{alert:04}"), "coefficient": "D_I", "rule": "step",
-        "state": state, "severity": "warning", "fired_at": "2026-03-01T08:00:00Z", "resolved_at": resolved_at,
         "value": 0.02, "limit": 0.01, "unit": "deg/(h g0)", "sd": 0.001, "probability": 1.0,
         "reason": "D_I stepped by 0.02 deg/(h g0).", "record": "r", "calibrated_at": "2026-03-01T08:00:00Z",
-        "imu": "IMU-07", "slot": "G1", "station": "ST-2", "acknowledged": null, "silenced": null,
+        "imu": "IMU-07", "slot": "G1", "station": "ST-2",
     })
+}
+
+fn body(alert: i64, state: &str, resolved_at: Value) -> Value {
+    let mut body = json!({
+        "id": format!("a{alert}"), "serial": format!("LFG-{alert:04}"), "coefficient": "D_I", "rule": "step",
+        "state": state, "severity": "warning", "fired_at": "2026-03-01T08:00:00Z", "resolved_at": resolved_at,
+        "acknowledged": null, "silenced": null,
+    });
+    body.as_object_mut().unwrap().extend(finding().as_object().unwrap().clone());
+    body
 }
 
 async fn add_alert(database: &mut SqliteConnection, id: i64, now: i64) {
@@ -86,8 +94,8 @@ async fn add_alert(database: &mut SqliteConnection, id: i64, now: i64) {
     let alert =
         "INSERT INTO alert (id, gyro, coefficient, rule, status, severity, fired_at, record_at, within, told_at,
                      told_severity, finding)
-                 VALUES ($1, $1, 'D_I', 'step', 'firing', 'warning', $2, $2, 0, $2, 'warning', '{}')";
-    sqlx::query(alert).bind(id).bind(now).execute(database).await.unwrap();
+                 VALUES ($1, $1, 'D_I', 'step', 'firing', 'warning', $2, $2, 0, $2, 'warning', $3)";
+    sqlx::query(alert).bind(id).bind(now).bind(finding().to_string()).execute(database).await.unwrap();
 }
 
 async fn add_step(database: &mut SqliteConnection, id: i64, alert: i64, action: &str, body: &Value, now: i64) {

@@ -16,6 +16,7 @@ mod health;
 mod hooks;
 mod import;
 mod metrics;
+mod models;
 pub mod problem;
 mod query;
 mod records;
@@ -63,6 +64,7 @@ pub fn router(app: App, pages: Router) -> Router {
         .merge(trend::routes())
         .merge(agreement::routes())
         .merge(baseline::routes())
+        .merge(models::routes())
         .merge(hooks::routes())
         .layer(TimeoutLayer::with_status_code(
             StatusCode::SERVICE_UNAVAILABLE,

@@ -21,6 +21,7 @@ impl From<Refused> for Problem {
                     .with_place(place)
             }
             Refused::UnknownGyro { .. } => Self::new(404, "Unknown gyro", detail),
+            Refused::UnknownImu { .. } => Self::new(404, "Unknown IMU", detail),
             Refused::NoSuchHook { .. } => Self::new(404, "No such hook", detail),
             Refused::NoSuchDelivery { .. } => Self::new(404, "No such delivery", detail),
             Refused::HookDisabled { .. } => Self::new(409, "Hook disabled", detail),

@@ -96,6 +96,7 @@ impl Desk<'_> {
         }
         group.records.insert((imu, at), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        group.changes.models_used.extend(sent.model.map(|model| (id, model)));
         group.changes.records.push(RecordRow {
             id,
             kind: sent.kind,

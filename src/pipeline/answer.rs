@@ -3,6 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::line::Line;
+use super::models::InForce;
 use super::read::{CalibratedGyro, Calibration};
 use super::{Judged, Pipeline};
 use crate::core::fault::Faults;
@@ -41,7 +42,7 @@ impl Pipeline {
             return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
         }
         let calibration = self
-            .read_again(row.kind, &row.body)
+            .read_again(row.kind, &row.body, &self.fitted_with(id).await?)
             .map_err(|faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}")))?;
         let verdicts = self.verdicts_in_words(&row, &calibration).await?;
         let separations = self.separations(&calibration.gyros);
@@ -49,10 +50,10 @@ impl Pipeline {
         Ok(Some(StoredRecord { row, answer }))
     }
 
-    fn read_again(&self, kind: Kind, body: &str) -> Result<Calibration, Faults> {
+    fn read_again(&self, kind: Kind, body: &str, fitted_with: &InForce) -> Result<Calibration, Faults> {
         match kind {
             Kind::Record => self.reread_record(body),
-            Kind::Campaign => self.reread_campaign(body),
+            Kind::Campaign => self.reread_campaign(body, fitted_with),
         }
     }
 

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use super::models::InForce;
 use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
 use super::{Judged, Pipeline};
 use crate::config::JudgedMethod;
-use crate::core::calibrate::outcome::{Outcome, evaluate};
+use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
-use crate::core::record::Plausibility;
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::{MethodBody, VerdictBody};
 use crate::wire::bench::BenchBody;
@@ -47,12 +47,16 @@ impl Pipeline {
             }
         };
         self.check_time("/measured_at", campaign.measured_at)?;
-        let outcome = evaluate(&campaign, &self.config.plausibility.limits())?;
+        let in_force = self.in_force(campaign.imu.as_str());
+        let options = in_force.model.options_as_asked(&campaign);
+        let outcome = evaluate_with(&campaign, &options, &self.config.plausibility.limits())?;
         let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
-        let answer = CampaignAnswer::of(&campaign, &outcome, self.method());
+        let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
+        answer.imu_model = in_force.id.map(|id| id.to_string());
         let submission = match &outcome {
             Outcome::Imu { .. } => {
-                Submission::Calibration(Box::new(self.calibration_of(&campaign, &outcome, body.clone(), body_sha256)))
+                let fitted = self.calibration_of(&campaign, &outcome, in_force.id, (body.clone(), body_sha256));
+                Submission::Calibration(Box::new(fitted))
             }
             Outcome::Bench(bench) => Submission::Bench(Box::new(BenchTest {
                 result: bench.result(&campaign),
@@ -65,18 +69,17 @@ impl Pipeline {
     }
 
     /// Reads a stored campaign: it was plausible once, whatever today's limits are.
-    pub(super) fn reread_campaign(&self, body: &str) -> Result<Calibration, Faults> {
-        let (campaign, outcome) = evaluated(body, &anything())?;
-        let (body, body_sha256) = kept(body.as_bytes())?;
-        Ok(self.calibration_of(&campaign, &outcome, body, body_sha256))
+    pub(super) fn reread_campaign(&self, body: &str, fitted_with: &InForce) -> Result<Calibration, Faults> {
+        let (campaign, outcome) = evaluated(body, fitted_with)?;
+        Ok(self.calibration_of(&campaign, &outcome, fitted_with.id, kept(body.as_bytes())?))
     }
 
     fn calibration_of(
         &self,
         campaign: &Campaign,
         outcome: &Outcome,
-        body: Arc<str>,
-        body_sha256: [u8; 32],
+        model: Option<Id>,
+        (body, body_sha256): (Arc<str>, [u8; 32]),
     ) -> Calibration {
         let gyros = match outcome {
             Outcome::Imu { calibration, separations } => {
@@ -104,6 +107,7 @@ impl Pipeline {
             imu: campaign.imu.clone(),
             station: campaign.station.clone(),
             calibrated_at: campaign.measured_at,
+            model,
             gyros,
             body,
             body_sha256,
@@ -128,9 +132,11 @@ impl Pipeline {
         if stored.row.kind != Kind::Campaign {
             return Ok(None);
         }
-        let (campaign, outcome) = evaluated(&stored.row.body, &anything()).map_err(|faults| damaged(id, &faults))?;
+        let fitted_with = self.fitted_with(id).await?;
+        let (campaign, outcome) = evaluated(&stored.row.body, &fitted_with).map_err(|faults| damaged(id, &faults))?;
         let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
         answer.id = stored.answer.id;
+        answer.imu_model = fitted_with.id.map(|id| id.to_string());
         answer.verdicts = stored.answer.verdicts;
         Ok(Some(StoredCampaign { row: stored.row, answer }))
     }
@@ -140,13 +146,19 @@ impl Pipeline {
     /// # Errors
     /// Every fault of the stored body.
     pub fn fitted_bench(&self, row: &BenchRow) -> Result<BenchBody, Faults> {
-        let (campaign, outcome) = evaluated(&row.body, &anything())?;
+        let (campaign, outcome) = evaluated(&row.body, &InForce::default())?;
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
                 Err(Fault { pointer: "/test".to_owned(), detail: "is no bench test".to_owned() }.into())
             }
         }
+    }
+
+    /// The model that a stored campaign was fitted with.
+    pub(super) async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
+        let row = self.store.model_of_campaign(id).await?;
+        row.as_ref().map_or_else(|| Ok(InForce::default()), super::models::read)
     }
 
     pub(super) fn method(&self) -> MethodBody {
@@ -157,9 +169,10 @@ impl Pipeline {
     }
 }
 
-fn evaluated(body: &str, limits: &Plausibility) -> Result<(Campaign, Outcome), Faults> {
+/// Fitted as it was when it came: it was plausible once, whatever today's limits are.
+fn evaluated(body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), Faults> {
     let campaign = campaign::parse_json(body.as_bytes())?;
-    let outcome = evaluate(&campaign, limits)?;
+    let outcome = evaluate_with(&campaign, &fitted_with.model.options_as_asked(&campaign), &anything())?;
     Ok((campaign, outcome))
 }
 

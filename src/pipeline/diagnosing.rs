@@ -1,24 +1,29 @@
-//! Diagnoses of stored campaigns: computed when they are asked for, a few at a time, the last ones remembered.
+//! Diagnoses of stored campaigns: computed in the background once they are stored, kept while they are asked for.
 //!
-//! A diagnosis is a function of the stored campaign alone and takes some tenths of a second, so it is not stored: what is
-//! answered is always what this version of the program finds.
+//! A diagnosis is a function of the stored campaign and the model in force for its IMU, and takes some tenths of a
+//! second. It is not stored: what is answered is always what this version of the program finds, against the model in
+//! force now. One that is not there (after a restart, or forgotten) is computed when it is asked for.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use tokio::sync::Semaphore;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 
 use super::Pipeline;
 use super::campaign::damaged;
+use super::models::ModelBook;
+use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, Options, Refusal, diagnose};
-use crate::store::{Id, Kind, StoreError};
+use crate::store::{Id, Kind, Store, StoreError};
 use crate::wire::campaign;
 
 /// Computed at the same time: records are to be stored meanwhile.
 const AT_ONCE: usize = 2;
-/// How many are remembered: what a few engineers look at in turn.
-const REMEMBERED: usize = 64;
+/// How many are kept: what came in lately, and what a few engineers look at in turn.
+const KEPT: usize = 256;
+/// Campaigns that wait for the background. Beyond, they are computed when they are asked for.
+pub(super) const MOST_WAITING: usize = 256;
 /// How long a caller waits for its turn.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -34,56 +39,108 @@ pub enum Asked {
     Answered(Diagnosed),
 }
 
-#[derive(Debug)]
-pub(super) struct Diagnoses {
+/// One diagnosis, and what it was computed against.
+#[derive(Debug, Clone)]
+struct Known {
+    campaign: Id,
+    imu: u32,
+    model: Option<Id>,
+    diagnosed: Diagnosed,
+}
+
+/// Who computes diagnoses and keeps them. Cheap to clone.
+#[derive(Debug, Clone)]
+pub(super) struct Diagnoser {
+    store: Store,
+    models: ModelBook,
     turns: Arc<Semaphore>,
-    remembered: Mutex<VecDeque<(Id, Diagnosed)>>,
+    known: Arc<Mutex<VecDeque<Known>>>,
 }
 
-impl Default for Diagnoses {
-    fn default() -> Self {
-        Self { turns: Arc::new(Semaphore::new(AT_ONCE)), remembered: Mutex::default() }
-    }
-}
-
-impl Diagnoses {
-    fn recall(&self, id: Id) -> Option<Diagnosed> {
-        let remembered = self.remembered.lock().unwrap_or_else(PoisonError::into_inner);
-        remembered.iter().find(|(known, _)| *known == id).map(|(_, diagnosed)| Arc::clone(diagnosed))
+impl Diagnoser {
+    pub fn new(store: Store, models: ModelBook) -> Self {
+        Self { store, models, turns: Arc::new(Semaphore::new(AT_ONCE)), known: Arc::default() }
     }
 
-    fn remember(&self, id: Id, diagnosed: &Diagnosed) {
-        let mut remembered = self.remembered.lock().unwrap_or_else(PoisonError::into_inner);
-        remembered.truncate(REMEMBERED - 1);
-        remembered.push_front((id, Arc::clone(diagnosed)));
+    /// Diagnoses what has been stored, one after the other, until nobody can store any more.
+    pub async fn run(self, mut stored: mpsc::Receiver<Id>) {
+        while let Some(id) = stored.recv().await {
+            if let Err(error) = self.diagnosis(id, Duration::MAX).await {
+                tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
+            }
+        }
     }
-}
 
-impl Pipeline {
-    /// The diagnosis of a stored campaign against its own model, computed on a thread for that.
-    pub async fn diagnosis(&self, id: Id) -> Result<Asked, StoreError> {
-        if let Some(diagnosed) = self.diagnoses.recall(id) {
+    /// What was computed against an earlier model of the IMU is computed again.
+    pub fn model_changed(&self, imu: Option<u32>, queue: &mpsc::Sender<Id>) {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        for known in known.iter().filter(|known| Some(known.imu) == imu) {
+            // Where the queue is full it is computed when it is asked for.
+            let _full = queue.try_send(known.campaign);
+        }
+    }
+
+    /// The diagnosis of a stored campaign against the model in force, computed on a thread for that.
+    async fn diagnosis(&self, id: Id, patience: Duration) -> Result<Asked, StoreError> {
+        if let Some(diagnosed) = self.recall(id) {
             return Ok(Asked::Answered(diagnosed));
         }
         let Some(row) = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign) else {
             return Ok(Asked::NoSuchCampaign);
         };
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
-        let turn = tokio::time::timeout(PATIENCE, Arc::clone(&self.diagnoses.turns).acquire_owned()).await;
-        let Ok(Ok(turn)) = turn else { return Ok(Asked::Waiting) };
+        let Some(turn) = self.turn(patience).await else { return Ok(Asked::Waiting) };
         // Whoever asked at the same time may have had the turn before.
-        if let Some(diagnosed) = self.diagnoses.recall(id) {
+        if let Some(diagnosed) = self.recall(id) {
             return Ok(Asked::Answered(diagnosed));
         }
-        let diagnoses = Arc::clone(&self.diagnoses);
+        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
+        let in_force = self.models.of(Some(row.imu));
+        let options = in_force.model.options_as_asked(&campaign);
+        let known = |diagnosed| Known { campaign: id, imu: row.imu, model: in_force.id, diagnosed };
+        let diagnosed = self.compute(campaign, options, turn).await?;
+        self.keep(known(Arc::clone(&diagnosed)));
+        Ok(Asked::Answered(diagnosed))
+    }
+
+    async fn turn(&self, patience: Duration) -> Option<OwnedSemaphorePermit> {
+        let turn = tokio::time::timeout(patience, Arc::clone(&self.turns).acquire_owned()).await;
+        turn.ok().and_then(Result::ok)
+    }
+
+    async fn compute(
+        &self,
+        campaign: Campaign,
+        options: Options,
+        turn: OwnedSemaphorePermit,
+    ) -> Result<Diagnosed, StoreError> {
         let work = tokio::task::spawn_blocking(move || {
             // The turn is over when the work is, whether or not the caller has gone.
             let _turn = turn;
-            let diagnosed = Arc::new(diagnose(&campaign, &Options::default()));
-            diagnoses.remember(id, &diagnosed);
-            diagnosed
+            Arc::new(diagnose(&campaign, &options))
         });
-        let diagnosed = work.await.map_err(|error| StoreError::Damaged(format!("diagnosis of {id}: {error}")))?;
-        Ok(Asked::Answered(diagnosed))
+        work.await.map_err(|error| StoreError::Damaged(format!("a diagnosis failed: {error}")))
+    }
+
+    fn recall(&self, id: Id) -> Option<Diagnosed> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known.iter().find(|known| known.campaign == id)?;
+        (self.models.of(Some(found.imu)).id == found.model).then(|| Arc::clone(&found.diagnosed))
+    }
+
+    fn keep(&self, new: Known) {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|known| known.campaign != new.campaign);
+        known.truncate(KEPT - 1);
+        known.push_front(new);
+    }
+}
+
+impl Pipeline {
+    /// The diagnosis of a stored campaign against the model in force for its IMU.
+    ///
+    /// # Errors
+    /// [`StoreError`], where the campaign cannot be read.
+    pub async fn diagnosis(&self, id: Id) -> Result<Asked, StoreError> {
+        self.diagnoser.diagnosis(id, PATIENCE).await
     }
 }

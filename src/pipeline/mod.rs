@@ -25,6 +25,7 @@ mod history;
 mod hooks;
 mod judging;
 mod line;
+mod models;
 mod outbox;
 mod read;
 mod writer;
@@ -49,9 +50,12 @@ pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookBook, HookPatch, NewHook, Order};
 pub use line::sample_of;
+pub use models::{Adoption, InForce};
 pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
-pub use crate::store::{BenchRow, DeliveryState, EventRow, Figures, Id, Kind, Names, Span, StoreError, Tables};
+pub use crate::store::{
+    BenchRow, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names, Span, StoreError, Tables,
+};
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
 
 /// The way in, and the way back to what is stored. Cheap to clone.
@@ -61,7 +65,10 @@ pub struct Pipeline {
     config: Arc<Config>,
     clock: Clock,
     jobs: mpsc::Sender<Job>,
-    diagnoses: Arc<diagnosing::Diagnoses>,
+    models: models::ModelBook,
+    diagnoser: diagnosing::Diagnoser,
+    /// Campaigns that the background is to diagnose.
+    to_diagnose: mpsc::Sender<Id>,
     /// Moves when a hook has changed or has something new to be told.
     wake: watch::Sender<u64>,
     pulse: outbox::Pulse,
@@ -76,6 +83,8 @@ enum Job {
     Hook { order: Order, reply: oneshot::Sender<Result<Id, Refused>> },
     /// An attempt to tell a hook is to be written down.
     Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
+    /// A model is to be in force for an IMU.
+    Model { adoption: Box<Adoption>, reply: oneshot::Sender<Result<Accepted, Refused>> },
     /// Whether it could.
     Probe(oneshot::Sender<Result<(), StoreError>>),
 }
@@ -110,6 +119,8 @@ pub enum Refused {
     GyroElsewhere { existing: Id, index: usize, serial: String },
     #[error("no gyro with the serial {serial} is known")]
     UnknownGyro { serial: String },
+    #[error("no IMU {imu} is known")]
+    UnknownImu { imu: String },
     #[error("there is no hook {id}")]
     NoSuchHook { id: Id },
     #[error("there is no delivery {id}")]
@@ -146,10 +157,16 @@ impl Pipeline {
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let wake = watch::Sender::default();
-        let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), wake.clone()).await?;
+        let models = models::ModelBook::load(&store).await?;
+        let (to_diagnose, stored) = mpsc::channel(diagnosing::MOST_WAITING);
+        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone());
+        let after = writer::After { wake: wake.clone(), models: models.clone(), to_diagnose: to_diagnose.clone() };
+        let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
+        // It ends when the pipeline and the writer, who alone can send to it, are gone.
+        tokio::spawn(diagnoser.clone().run(stored));
         let handle = tokio::spawn(task.run(queue));
-        let (diagnoses, pulse) = (Arc::default(), outbox::Pulse::default());
-        Ok((Self { store, config, clock, jobs, diagnoses, wake, pulse }, handle))
+        let pulse = outbox::Pulse::default();
+        Ok((Self { store, config, clock, jobs, models, diagnoser, to_diagnose, wake, pulse }, handle))
     }
 
     pub fn store(&self) -> &Store {

@@ -14,7 +14,7 @@ use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
 use crate::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate};
 use crate::core::time::UtcMicros;
-use crate::store::Kind;
+use crate::store::{Id, Kind};
 use crate::wire::bench::parse_bench_result;
 use crate::wire::record::parse_record;
 
@@ -33,6 +33,8 @@ pub struct Calibration {
     pub imu: Name,
     pub station: Name,
     pub calibrated_at: UtcMicros,
+    /// The adopted model that it was fitted with, if it was one.
+    pub model: Option<Id>,
     pub gyros: Vec<CalibratedGyro>,
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
@@ -96,6 +98,7 @@ impl Pipeline {
             imu,
             station,
             calibrated_at,
+            model: None,
             gyros,
             body,
             body_sha256,

@@ -8,11 +8,12 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::admit::{Desk, Group, Newest};
 use super::hooks::{Attempted, HookBook, HookDesk, Order};
 use super::judging::{Judge, Verdicts};
+use super::models::{ModelBook, adopt};
 use super::read::{Calibration, Submission};
 use super::{Accepted, Job, Judged, Refused, Reply};
 use crate::config::Config;
 use crate::core::judge::Verdict;
-use crate::store::{Id, Store, StoreError, Writer};
+use crate::store::{Id, Kind, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 
@@ -27,7 +28,15 @@ pub(super) struct Task {
     newest: Newest,
     judge: Judge,
     hooks: HookBook,
-    wake: watch::Sender<u64>,
+    after: After,
+}
+
+/// Who is told of what has been written.
+pub(super) struct After {
+    /// Moves when a hook has changed or has something new to be told.
+    pub wake: watch::Sender<u64>,
+    pub models: ModelBook,
+    pub to_diagnose: mpsc::Sender<Id>,
 }
 
 /// Orders that concern hooks, and where their answers go.
@@ -40,12 +49,12 @@ impl Task {
         writer: Writer,
         config: Arc<Config>,
         clock: Clock,
-        wake: watch::Sender<u64>,
+        after: After,
     ) -> Result<Self, StoreError> {
         let newest = Newest::load(&store).await?;
         let hooks = HookBook::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone());
-        Ok(Self { store, writer, clock, config, newest, judge, hooks, wake })
+        Ok(Self { store, writer, clock, config, newest, judge, hooks, after })
     }
 
     /// Works until every sender is gone and the queue is empty, then closes the database.
@@ -64,6 +73,11 @@ impl Task {
                     }
                     Job::Attempted { attempted, reply } => {
                         attempts.push((attempted, reply));
+                        continue;
+                    }
+                    Job::Model { adoption, reply } => {
+                        let (store, models) = (&self.store, &self.after.models);
+                        let _gone = reply.send(adopt(store, &mut self.writer, &self.clock, models, &adoption).await);
                         continue;
                     }
                     Job::Probe(reply) => {
@@ -126,7 +140,7 @@ impl Task {
             Ok(book) => self.hooks = book,
             Err(error) => tracing::error!(%error, "the hooks cannot be read; those known before are told"),
         }
-        self.wake.send_modify(|moved| *moved += 1);
+        self.after.wake.send_modify(|moved| *moved += 1);
     }
 
     /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.
@@ -181,6 +195,10 @@ impl Task {
         for (item, reply) in items.iter().zip(&mut replies) {
             if let (Submission::Calibration(sent), Ok(Accepted::Stored { id, judged })) = (item, reply) {
                 *judged = self.judged(sent, *id, &verdicts);
+                if sent.kind == Kind::Campaign {
+                    // Where the queue is full, the campaign is diagnosed when somebody asks.
+                    let _full = self.after.to_diagnose.try_send(*id);
+                }
             }
         }
         Ok(replies)

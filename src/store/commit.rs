@@ -14,6 +14,7 @@ use super::hook::{self, HookRow};
 use super::id::{Id, IdSource};
 use super::keys::{self, KeyRow};
 use super::lock::Lock;
+use super::model::{self, ModelRow};
 use super::names::Names;
 use super::record::{self, RecordRow};
 use super::verdicts::VerdictSheet;
@@ -35,6 +36,9 @@ pub struct Changes {
     pub alerts: Vec<AlertRow>,
     pub alert_steps: Vec<StepRow>,
     pub hooks: Vec<HookRow>,
+    pub models: Vec<ModelRow>,
+    /// Campaigns of `records` that were fitted with an adopted model, and which.
+    pub models_used: Vec<(Id, Id)>,
     pub outbox: OutboxChanges,
 }
 
@@ -55,6 +59,7 @@ impl Changes {
             && self.alerts.is_empty()
             && self.alert_steps.is_empty()
             && self.hooks.is_empty()
+            && self.models.is_empty()
             && self.outbox.is_empty()
     }
 }
@@ -181,6 +186,8 @@ fn batch_of(changes: &Changes) -> Batch {
     alerts::upsert(&changes.alerts, &mut batch);
     alerts::insert_steps(&changes.alert_steps, &mut batch);
     hook::upsert(&changes.hooks, &mut batch);
+    model::insert(&changes.models, &mut batch);
+    model::insert_uses(&changes.models_used, &mut batch);
     delivery::apply(&changes.outbox, &mut batch);
     batch
 }

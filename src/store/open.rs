@@ -39,9 +39,10 @@ pub struct Store {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 2] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 3] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
+    (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -122,7 +123,7 @@ async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
     let sql = "SELECT max(coalesce((SELECT max(id) FROM record), 0), coalesce((SELECT max(id) FROM bench_result), 0),
                           coalesce((SELECT max(id) FROM event), 0), coalesce((SELECT max(id) FROM alert), 0),
                           coalesce((SELECT max(id) FROM alert_step), 0), coalesce((SELECT max(id) FROM hook), 0),
-                          coalesce((SELECT max(id) FROM delivery), 0))";
+                          coalesce((SELECT max(id) FROM delivery), 0), coalesce((SELECT max(id) FROM imu_model), 0))";
     Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
 }
 

@@ -27,6 +27,9 @@ pub struct CampaignAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
     pub imu: String,
+    /// Identifier of the adopted model that it was fitted with; none for the plain model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imu_model: Option<String>,
     pub station: String,
     pub measured_at: String,
     /// `imu`, `torque_feedback` or `turntable_servo`.
@@ -144,6 +147,7 @@ impl CampaignAnswer {
         let mut answer = Self {
             id: None,
             imu: campaign.imu.to_string(),
+            imu_model: None,
             station: campaign.station.to_string(),
             measured_at: time::format(campaign.measured_at),
             test: campaign.test.name().to_owned(),

@@ -26,6 +26,23 @@ pub struct ModelBody {
     pub provenance: Option<ProvenanceBody>,
 }
 
+/// The content of a model file, with who adopts it and why.
+#[derive(Debug, Clone, PartialEq, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AdoptionBody {
+    /// As in the model file. Without terms and effects the plain model is in force again.
+    #[serde(default)]
+    pub terms: Vec<String>,
+    #[serde(default)]
+    pub effects: Vec<KnownEffectBody>,
+    #[serde(default)]
+    pub provenance: Option<ProvenanceBody>,
+    #[schema(min_length = 1, max_length = 64)]
+    pub author: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    pub reason: String,
+}
+
 /// One effect of the catalogue in the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -109,6 +126,11 @@ pub fn to_json(model: &AugmentedModel) -> String {
 }
 
 impl ModelBody {
+    /// Model (6), each campaign with the terms that it asks for.
+    pub fn plain() -> Self {
+        Self { terms: Vec::new(), effects: Vec::new(), provenance: None }
+    }
+
     /// Converts and checks.
     ///
     /// # Errors
@@ -126,6 +148,31 @@ impl ModelBody {
             measured_at: text::instant("/provenance/measured_at", &p.measured_at, &mut faults),
         });
         faults.or(AugmentedModel { terms, effects, found_in })
+    }
+}
+
+impl AdoptionBody {
+    /// The model, its author and the reason.
+    ///
+    /// # Errors
+    /// All faults, by JSON pointer.
+    pub fn to_core(self) -> Result<(AugmentedModel, String, String), Faults> {
+        let mut faults = Faults::default();
+        for (pointer, said) in [("/author", &self.author), ("/reason", &self.reason)] {
+            if said.trim().is_empty() {
+                faults.push(pointer, "must not be empty");
+            }
+        }
+        let author = text::short("/author", &Some(self.author), &mut faults).unwrap_or_default();
+        let reason = text::note("/reason", &Some(self.reason), &mut faults).unwrap_or_default();
+        let file = ModelBody { terms: self.terms, effects: self.effects, provenance: self.provenance };
+        match file.to_core() {
+            Ok(model) => faults.or((model, author, reason)),
+            Err(part) => {
+                faults.absorb("", part);
+                Err(faults)
+            }
+        }
     }
 }
 

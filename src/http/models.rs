@@ -1,0 +1,94 @@
+//! `/v1/imus/{imu}/model`: the error model that the campaigns of an IMU are fitted with and compared with.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use serde::Serialize;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::Document;
+use crate::pipeline::{Accepted, Adoption, ModelRow};
+use crate::wire::json;
+use crate::wire::model::{AdoptionBody, ModelBody};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_model, post_model))
+}
+
+/// The model in force, and every one before it.
+#[derive(Serialize, ToSchema)]
+struct ImuModelBody {
+    imu: String,
+    /// In force now; without terms and effects it is the plain model, each campaign's own terms.
+    model: ModelBody,
+    /// Newest first; empty where none was ever adopted.
+    history: Vec<AdoptedBody>,
+}
+
+/// A model as it was adopted.
+#[derive(Serialize, ToSchema)]
+struct AdoptedBody {
+    id: String,
+    adopted_at: String,
+    author: String,
+    reason: String,
+    model: ModelBody,
+}
+
+/// The error model in force for the IMU, with its history.
+#[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus", params(("imu" = String, Path, description = "name of the IMU")),
+    responses(
+        (status = 200, description = "the model and its history", body = ImuModelBody),
+        (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
+async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
+    let models = app.pipeline.models(&imu).await?;
+    let models = models.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU {imu} is known")))?;
+    let adopted = |row: ModelRow, model: ModelBody| AdoptedBody {
+        id: row.id.to_string(),
+        adopted_at: time::format(row.adopted_at),
+        author: row.author,
+        reason: row.reason,
+        model,
+    };
+    let history: Vec<AdoptedBody> =
+        models.into_iter().map(|(row, read)| adopted(row, ModelBody::from(&*read.model))).collect();
+    let model = history.first().map_or_else(ModelBody::plain, |newest| newest.model.clone());
+    Ok(Json(ImuModelBody { imu, model, history }))
+}
+
+/// Adopts the content of a model file for the IMU: its later campaigns are fitted with it, its diagnoses reported against it.
+///
+/// A body without terms and effects undoes what was adopted before. What is stored stays as it was judged.
+#[utoipa::path(post, path = "/v1/imus/{imu}/model", tag = "imus", request_body = AdoptionBody,
+    params(("imu" = String, Path, description = "name of the IMU")),
+    responses(
+        (status = 201, description = "in force from now on", body = AdoptedBody),
+        (status = 200, description = "was in force before", body = AdoptedBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that is no model; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_model(
+    State(app): State<App>,
+    Path(imu): Path<String>,
+    body: Document,
+) -> Result<(StatusCode, Json<AdoptedBody>), Problem> {
+    let read = json::parse::<AdoptionBody>(&body.0).and_then(|body| body.to_core());
+    let (model, author, reason) = read.map_err(|faults| Document::problem(&body.0, faults))?;
+    let accepted = app.pipeline.adopt(Adoption { imu: imu.clone(), model, author, reason }).await?;
+    let (status, id) = match accepted {
+        Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
+        Accepted::There { id, .. } => (StatusCode::OK, id),
+    };
+    let Json(now) = get_model(State(app), Path(imu)).await?;
+    let adopted = now.history.into_iter().find(|adopted| adopted.id == id.to_string());
+    adopted.map(|adopted| (status, Json(adopted))).ok_or_else(|| {
+        Problem::new(500, "Internal error", "the model was adopted and cannot be read back; the log says why")
+    })
+}

@@ -1,0 +1,120 @@
+//! The error model in force for each IMU: adopted by people, used by every later fit and diagnosis of that IMU.
+
+use std::collections::HashMap;
+use std::sync::{Arc, PoisonError, RwLock};
+
+use tokio::sync::oneshot;
+
+use super::{Accepted, Job, Pipeline, Refused};
+use crate::core::augmented::AugmentedModel;
+use crate::core::fault::Faults;
+use crate::store::{Changes, Id, ModelRow, Store, StoreError, Writer};
+use crate::system::Clock;
+use crate::wire::model;
+
+/// A model that somebody wants to be used for an IMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adoption {
+    pub imu: String,
+    pub model: AugmentedModel,
+    pub author: String,
+    pub reason: String,
+}
+
+/// A model with its identifier; none for the plain model that holds where nothing was adopted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InForce {
+    pub id: Option<Id>,
+    pub model: Arc<AugmentedModel>,
+}
+
+/// The newest model of each IMU, by its number.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ModelBook(Arc<RwLock<HashMap<u32, InForce>>>);
+
+impl ModelBook {
+    pub async fn load(store: &Store) -> Result<Self, StoreError> {
+        let book = Self::default();
+        for row in store.models_in_force().await? {
+            book.note(&row)?;
+        }
+        Ok(book)
+    }
+
+    pub fn of(&self, imu: Option<u32>) -> InForce {
+        let book = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        imu.and_then(|imu| book.get(&imu)).cloned().unwrap_or_default()
+    }
+
+    fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
+        let in_force = read(row)?;
+        self.0.write().unwrap_or_else(PoisonError::into_inner).insert(row.imu, in_force);
+        Ok(())
+    }
+}
+
+/// A stored model.
+pub(super) fn read(row: &ModelRow) -> Result<InForce, StoreError> {
+    let damaged = |faults: Faults| StoreError::Damaged(format!("model {} cannot be read: {faults}", row.id));
+    let model = model::parse(row.body.as_bytes()).map_err(damaged)?;
+    Ok(InForce { id: Some(row.id), model: Arc::new(model) })
+}
+
+/// What the writer does with an adoption: one transaction; the same again changes nothing.
+pub(super) async fn adopt(
+    store: &Store,
+    writer: &mut Writer,
+    clock: &Clock,
+    book: &ModelBook,
+    adoption: &Adoption,
+) -> Result<Accepted, Refused> {
+    let unknown = || Refused::UnknownImu { imu: adoption.imu.clone() };
+    let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
+    let body = model::to_json(&adoption.model);
+    if let Some(newest) = store.models(imu).await?.first()
+        && (&newest.body, &newest.author, &newest.reason) == (&body, &adoption.author, &adoption.reason)
+    {
+        return Ok(Accepted::There { id: newest.id, same_bytes: true });
+    }
+    let now = clock.now();
+    let id = writer.next_id(now);
+    let (author, reason) = (adoption.author.clone(), adoption.reason.clone());
+    let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
+    let changes = Changes { models: vec![row], ..Changes::default() };
+    writer.commit(&changes).await?;
+    book.note(&changes.models[0])?;
+    Ok(Accepted::Stored { id, judged: Vec::new() })
+}
+
+impl Pipeline {
+    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those before it.
+    ///
+    /// # Errors
+    /// [`Refused`]; then nothing has changed.
+    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
+        let (reply, answer) = oneshot::channel();
+        let imu = adoption.imu.clone();
+        self.offer(Job::Model { adoption: Box::new(adoption), reply })?;
+        let accepted = answer.await.map_err(|_| Refused::Stopping)??;
+        if matches!(accepted, Accepted::Stored { .. }) {
+            self.diagnoser.model_changed(self.store.names().read().imus.number(&imu), &self.to_diagnose);
+        }
+        Ok(accepted)
+    }
+
+    /// The model that the next campaign of an IMU is fitted with.
+    pub fn in_force(&self, imu: &str) -> InForce {
+        self.models.of(self.store.names().read().imus.number(imu))
+    }
+
+    /// The models of an IMU, newest first; none where no such IMU is known.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn models(&self, imu: &str) -> Result<Option<Vec<(ModelRow, InForce)>>, StoreError> {
+        let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
+        let rows = self.store.models(imu).await?;
+        let read = rows.into_iter().map(|row| read(&row).map(|in_force| (row, in_force)));
+        read.collect::<Result<_, _>>().map(Some)
+    }
+}

@@ -1,0 +1,142 @@
+//! The error model of an IMU over HTTP: adopted with a reason, used by the later campaigns, kept through a restart, undone.
+
+mod lab;
+
+use serde_json::{Value, json};
+
+use lab::Lab;
+
+/// A practice campaign with `temperature_bias` in it.
+fn campaign() -> Value {
+    let key: Value = serde_json::from_str(include_str!("data/practice/key.json")).unwrap();
+    let name = key.as_object().unwrap().iter().find(|(_, entry)| entry["effects"] == json!(["temperature_bias"]));
+    let path = format!("{}/tests/data/practice/{}", env!("CARGO_MANIFEST_DIR"), name.unwrap().0);
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn at(mut campaign: Value, measured_at: &str) -> Value {
+    campaign["measured_at"] = measured_at.into();
+    campaign
+}
+
+fn adoption(effects: Value) -> Value {
+    json!({"terms": [], "effects": effects, "author": "M. Adopter", "reason": "held-out dwells say so"})
+}
+
+/// `temperature_bias` in every gyro, as a model file holds it.
+fn temperature_bias() -> Value {
+    json!([{"effect": "temperature_bias", "gyros": ["G1", "G2", "G3"], "estimates": []}])
+}
+
+fn model_path(campaign: &Value) -> String {
+    format!("/v1/imus/{}/model", campaign["imu"].as_str().unwrap())
+}
+
+async fn diagnosis(lab: &Lab, stored: &Value) -> Value {
+    lab.get(&format!("/v1/campaigns/{}/diagnosis", stored["id"].as_str().unwrap())).await.ok()
+}
+
+fn named(diagnosis: &Value) -> Vec<&str> {
+    diagnosis["effects"].as_array().unwrap().iter().map(|e| e["effect"].as_str().unwrap()).collect()
+}
+
+#[tokio::test]
+async fn an_adopted_model_is_used_by_the_later_campaigns_and_undone_by_an_empty_one() {
+    let mut lab = Lab::open().await;
+    let sent = campaign();
+    let path = model_path(&sent);
+    let first = lab.post("/v1/campaigns", &sent).await.created();
+    let plain = diagnosis(&lab, &first).await;
+    assert_eq!(named(&plain), ["temperature_bias"]);
+    assert_eq!(lab.get(&path).await.ok()["history"], json!([]));
+
+    let adopted = lab.post(&path, &adoption(temperature_bias())).await.created();
+    assert_eq!(adopted["author"], "M. Adopter");
+    assert_eq!(lab.post(&path, &adoption(temperature_bias())).await.ok()["id"], adopted["id"], "the same again");
+    // What is stored stays as it was fitted; its diagnosis is against the model in force.
+    let again = lab.get(&format!("/v1/campaigns/{}", first["id"].as_str().unwrap())).await.ok();
+    assert_eq!(again["separations"], first["separations"]);
+    let against = diagnosis(&lab, &first).await;
+    assert_eq!(against["model"]["effects"][0]["effect"], "temperature_bias");
+    assert_eq!(against["verdict"], "no_gap", "{against}");
+
+    let second = lab.post("/v1/campaigns", &at(sent.clone(), "2026-05-01T08:00:00Z")).await.created();
+    assert_eq!(second["imu_model"], adopted["id"]);
+    assert_eq!(second["calibration"]["effects"], json!(["temperature_bias"]));
+    assert_ne!(second["separations"], first["separations"]);
+
+    lab.restart().await;
+    let stored = lab.get(&format!("/v1/campaigns/{}", second["id"].as_str().unwrap())).await.ok();
+    for member in ["separations", "calibration", "verdicts", "imu_model"] {
+        assert_eq!(stored[member], second[member], "{member}");
+    }
+    let shown = lab.get(&path).await.ok();
+    assert_eq!(shown["model"]["effects"][0]["effect"], "temperature_bias");
+    assert_eq!(diagnosis(&lab, &second).await["verdict"], "no_gap");
+
+    let undone = lab.post(&path, &adoption(json!([]))).await.created();
+    assert_ne!(undone["id"], adopted["id"]);
+    let shown = lab.get(&path).await.ok();
+    assert_eq!((&shown["model"]["terms"], &shown["model"]["effects"]), (&json!([]), &json!([])));
+    assert_eq!(shown["history"].as_array().unwrap().len(), 2);
+    assert_eq!(diagnosis(&lab, &first).await, plain);
+    let third = lab.post("/v1/campaigns", &at(sent, "2026-06-01T08:00:00Z")).await.created();
+    assert_eq!(third["separations"], first["separations"]);
+    assert_eq!(third["calibration"]["effects"], Value::Null);
+}
+
+#[tokio::test]
+async fn a_station_that_asks_for_fewer_terms_gets_them_whatever_the_model_says() {
+    let lab = Lab::open().await;
+    let mut sent = campaign();
+    lab.post("/v1/campaigns", &sent).await.created();
+    let mut whole = adoption(json!([]));
+    whole["terms"] = json!(["bias", "g_linear", "g_squared", "scale"]);
+    lab.post(&model_path(&sent), &whole).await.created();
+    sent["model"] = json!(["bias", "g_linear", "scale"]);
+    let fitted = lab.post("/v1/campaigns", &at(sent, "2026-05-01T08:00:00Z")).await.created();
+    assert_eq!(fitted["calibration"]["model"], json!(["bias", "g_linear", "scale"]));
+}
+
+#[tokio::test]
+async fn what_is_no_model_is_refused_by_name() {
+    let lab = Lab::open().await;
+    let sent = campaign();
+    let path = model_path(&sent);
+    lab.post(&path, &adoption(json!([]))).await.refused(404);
+    lab.get(&path).await.refused(404);
+    lab.post("/v1/campaigns", &sent).await.created();
+    let with = |member: &str, value: Value| {
+        let mut body = adoption(temperature_bias());
+        body[member] = value;
+        body
+    };
+    let cases = [
+        (with("author", json!(" ")), "/author"),
+        (with("reason", json!("")), "/reason"),
+        (with("terms", json!(["gravity"])), "/terms/0"),
+        (with("effects", json!([{"effect": "ghost", "gyros": ["G1"], "estimates": []}])), "/effects/0/effect"),
+        (with("sincerely", json!("me")), "/sincerely"),
+    ];
+    for (body, pointer) in cases {
+        assert_eq!(lab.post(&path, &body).await.refused(422), [pointer]);
+    }
+    assert_eq!(lab.get(&path).await.ok()["history"], json!([]));
+}
+
+#[tokio::test]
+async fn a_stored_campaign_is_diagnosed_without_anybody_asking_and_ingest_does_not_wait_for_it() {
+    let lab = Lab::open().await;
+    let campaigns: Vec<Value> = (1..=20).map(|k| at(campaign(), &format!("2026-05-{k:02}T08:00:00Z"))).collect();
+    let lines = lab.imports(&campaigns).await;
+    assert!(lines.iter().all(|line| line["status"] == 201), "{lines:?}");
+    for line in &lines {
+        let path = format!("/v1/campaigns/{}/diagnosis", line["id"].as_str().unwrap());
+        let mut answer = lab.get(&path).await;
+        while answer.status == 202 {
+            assert!(answer.header("retry-after").parse::<u32>().unwrap() > 0);
+            answer = lab.get(&path).await;
+        }
+        assert_eq!(named(&answer.ok()), ["temperature_bias"]);
+    }
+}

@@ -111,7 +111,7 @@ struct StoredCampaignBody {
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
 async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
     let id: Id = id.parse().map_err(|_| no_such(&id))?;
-    let StoredCampaign { row, answer } = stored(&app, id).await?;
+    let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of campaign {id} is no JSON")))?;
     Ok(Json(StoredCampaignBody { answer, received_at: time::format(row.received_at), campaign }))

@@ -21,10 +21,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type};
-use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Kind, Pipeline, ReadCampaign, Reply, Sent, Submission};
-use crate::wire::campaign::Form;
-use crate::wire::document::DocumentKind;
+use crate::pipeline::{Accepted, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::problem::Problem;
 
 pub fn routes() -> OpenApiRouter<App> {
@@ -233,14 +230,7 @@ struct ReadLine {
     number: u64,
     /// None where the line became a submission.
     problem: Option<Problem>,
-    sent: Option<(SentKind, Arc<str>)>,
-}
-
-#[derive(Clone, Copy)]
-enum SentKind {
-    Record,
-    Campaign,
-    Bench,
+    origin: Option<Origin>,
 }
 
 impl Chunk {
@@ -248,16 +238,16 @@ impl Chunk {
     fn read(lines: Vec<Line>, pipeline: &Pipeline) -> Self {
         let mut chunk = Self { items: Vec::with_capacity(lines.len()), lines: Vec::with_capacity(lines.len()) };
         for (number, line) in lines {
-            let read =
-                line.and_then(|bytes| submission(&bytes, pipeline).map_err(|faults| Document::problem(&bytes, faults)));
-            let (problem, sent) = match read {
-                Ok((item, sent)) => {
-                    chunk.items.push(item);
-                    (None, Some(sent))
+            let read = line
+                .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| Document::problem(&bytes, faults)));
+            let (problem, origin) = match read {
+                Ok(ReadDocument { submission, origin }) => {
+                    chunk.items.push(submission);
+                    (None, Some(origin))
                 }
                 Err(problem) => (Some(problem), None),
             };
-            chunk.lines.push(ReadLine { number, problem, sent });
+            chunk.lines.push(ReadLine { number, problem, origin });
         }
         chunk
     }
@@ -267,10 +257,10 @@ impl Chunk {
         let mut replies = replies.into_iter();
         let mut text = Vec::with_capacity(64 * self.lines.len());
         for line in self.lines {
-            let outcome = match (line.problem, line.sent) {
+            let outcome = match (line.problem, line.origin) {
                 (Some(problem), _) => Err(problem),
-                (None, Some(sent)) => match replies.next() {
-                    Some(reply) => settled(reply, &sent, pipeline).await,
+                (None, Some(origin)) => match replies.next() {
+                    Some(reply) => settled(reply, &origin, pipeline).await,
                     None => Err(Problem::new(500, "Internal error", "the line was not answered")),
                 },
                 (None, None) => Err(Problem::new(500, "Internal error", "the line was not read")),
@@ -288,40 +278,11 @@ impl Chunk {
     }
 }
 
-fn submission(bytes: &[u8], pipeline: &Pipeline) -> Result<(Submission, (SentKind, Arc<str>)), Faults> {
-    match DocumentKind::of(bytes) {
-        DocumentKind::Record => {
-            let calibration = pipeline.read_record(bytes)?;
-            let body = Arc::clone(&calibration.body);
-            Ok((Submission::Calibration(Box::new(calibration)), (SentKind::Record, body)))
-        }
-        DocumentKind::Campaign => {
-            let ReadCampaign { submission, body, .. } = pipeline.read_campaign(bytes, Form::Json)?;
-            let kind = if matches!(submission, Submission::Bench(_)) { SentKind::Bench } else { SentKind::Campaign };
-            Ok((submission, (kind, body)))
-        }
-        DocumentKind::Bench => {
-            let bench = pipeline.read_bench_result(bytes)?;
-            let body = Arc::clone(&bench.body);
-            Ok((Submission::Bench(Box::new(bench)), (SentKind::Bench, body)))
-        }
-    }
-}
-
-async fn settled(
-    reply: Reply,
-    (kind, body): &(SentKind, Arc<str>),
-    pipeline: &Pipeline,
-) -> Result<(u16, String), Problem> {
+async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String), Problem> {
     let accepted = reply?;
     if let Accepted::Stored { id, .. } = accepted {
         return Ok((201, id.to_string()));
     }
-    let sent = match kind {
-        SentKind::Record => Sent::Calibration(Kind::Record, body),
-        SentKind::Campaign => Sent::Calibration(Kind::Campaign, body),
-        SentKind::Bench => Sent::Bench(body),
-    };
-    let id = pipeline.settle(&accepted, sent).await?;
+    let id = pipeline.settle_document(&accepted, origin).await?;
     Ok((200, id.to_string()))
 }

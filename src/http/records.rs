@@ -78,7 +78,7 @@ struct StoredRecordBody {
 async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredRecordBody>, Problem> {
     let no_such = || Problem::new(404, "No such record", format!("there is no record {id}"));
     let id: Id = id.parse().map_err(|_| no_such())?;
-    let StoredRecord { row, answer } = stored(&app, id).await?;
+    let StoredRecord { row, answer, .. } = stored(&app, id).await?;
     let record = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
     Ok(Json(StoredRecordBody { answer, received_at: time::format(row.received_at), record }))

@@ -17,6 +17,8 @@ use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 pub struct StoredRecord {
     pub row: RecordRow,
     pub answer: RecordAnswer,
+    /// What each rule saw, verdict by verdict of the answer; none where judging again finds other figures.
+    pub seen: Vec<Option<Verdict>>,
 }
 
 impl Pipeline {
@@ -44,10 +46,10 @@ impl Pipeline {
         let calibration = self
             .read_again(row.kind, &row.body, &self.fitted_with(id).await?)
             .map_err(|faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}")))?;
-        let verdicts = self.verdicts_in_words(&row, &calibration).await?;
+        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?.into_iter().unzip();
         let separations = self.separations(&calibration.gyros);
         let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
-        Ok(Some(StoredRecord { row, answer }))
+        Ok(Some(StoredRecord { row, answer, seen }))
     }
 
     fn read_again(&self, kind: Kind, body: &str, fitted_with: &InForce) -> Result<Calibration, Faults> {
@@ -63,7 +65,7 @@ impl Pipeline {
         &self,
         row: &RecordRow,
         calibration: &Calibration,
-    ) -> Result<Vec<VerdictBody>, StoreError> {
+    ) -> Result<Vec<(VerdictBody, Option<Verdict>)>, StoreError> {
         let mut bodies = Vec::new();
         for (number, stored) in &row.verdicts.0 {
             let serial = self.store.names().read().gyros.name(*number).cloned();
@@ -82,8 +84,9 @@ impl Pipeline {
     }
 }
 
-fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> VerdictBody {
-    match again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored) {
+fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {
+    let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
+    let body = match &seen {
         Some(verdict) => VerdictBody::of(serial, verdict),
         None => VerdictBody {
             serial: serial.to_owned(),
@@ -98,5 +101,6 @@ fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> VerdictB
             reason: "As it was decided when the record was judged; the limits or the history have changed since."
                 .into(),
         },
-    }
+    };
+    (body, seen)
 }

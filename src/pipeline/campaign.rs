@@ -9,6 +9,7 @@ use crate::config::JudgedMethod;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
+use crate::core::judge::Verdict;
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::{MethodBody, VerdictBody};
 use crate::wire::bench::BenchBody;
@@ -30,6 +31,8 @@ pub struct ReadCampaign {
 pub struct StoredCampaign {
     pub row: RecordRow,
     pub answer: CampaignAnswer,
+    /// As of [`super::StoredRecord`].
+    pub seen: Vec<Option<Verdict>>,
 }
 
 impl Pipeline {
@@ -138,7 +141,7 @@ impl Pipeline {
         answer.id = stored.answer.id;
         answer.imu_model = fitted_with.id.map(|id| id.to_string());
         answer.verdicts = stored.answer.verdicts;
-        Ok(Some(StoredCampaign { row: stored.row, answer }))
+        Ok(Some(StoredCampaign { row: stored.row, answer, seen: stored.seen }))
     }
 
     /// The bench result that was fitted to stored dwells.

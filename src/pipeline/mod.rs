@@ -20,6 +20,7 @@ mod campaign;
 mod compare;
 mod course;
 mod diagnosing;
+mod document;
 mod fleet;
 mod history;
 mod hooks;
@@ -28,6 +29,7 @@ mod line;
 mod models;
 mod outbox;
 mod read;
+mod stations;
 mod writer;
 
 use std::sync::Arc;
@@ -46,6 +48,7 @@ pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
 pub use course::{Baseline, Course};
 pub use diagnosing::{Asked, Diagnosed};
+pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookBook, HookPatch, NewHook, Order};
@@ -54,9 +57,10 @@ pub use models::{Adoption, InForce};
 pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
-    BenchRow, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names, Span, StoreError, Tables,
+    BenchRow, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names, RecordHead, Span, StoreError, Tables,
 };
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
+pub use stations::StationEffect;
 
 /// The way in, and the way back to what is stored. Cheap to clone.
 #[derive(Debug, Clone)]

@@ -43,7 +43,7 @@ pub use keys::KeyRow;
 pub use model::ModelRow;
 pub use names::{Names, Tables};
 pub use open::{Options, Store, open};
-pub use record::{Kind, RecordRow};
+pub use record::{Kind, RecordHead, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 
 #[cfg(test)]

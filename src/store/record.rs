@@ -46,6 +46,15 @@ pub struct RecordRow {
     pub verdicts: VerdictSheet,
 }
 
+/// Which record it is, without what it says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordHead {
+    pub id: Id,
+    pub kind: Kind,
+    pub station: u32,
+    pub calibrated_at: UtcMicros,
+}
+
 pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for record in records {
@@ -140,5 +149,19 @@ impl Store {
         let rows: Vec<(i64, Vec<u8>)> =
             sqlx::query_as(sql).bind(format!("[{}]", ids.join(","))).fetch_all(&self.readers).await?;
         rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
+    }
+
+    /// The newest `limit` records of an IMU, newest first, without their bodies.
+    pub async fn records_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
+        let sql =
+            "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 ORDER BY calibrated_at DESC LIMIT $2";
+        let rows: Vec<(i64, i64, u32, i64)> =
+            sqlx::query_as(sql).bind(imu).bind(limit).fetch_all(&self.readers).await?;
+        let head = |(id, kind, station, at)| {
+            let kind =
+                Kind::from_code(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
+            Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
+        };
+        rows.into_iter().map(head).collect()
     }
 }

@@ -1,0 +1,75 @@
+//! Any one document: told by what it holds, read, and settled.
+
+use std::sync::Arc;
+
+use super::{Accepted, Id, Kind, Pipeline, ReadCampaign, Refused, Sent, Submission};
+use crate::core::fault::Faults;
+use crate::wire::campaign::Form;
+use crate::wire::document::DocumentKind;
+
+/// A document that can be stored, and how it would be compared with one that is there.
+#[derive(Debug, Clone)]
+pub struct ReadDocument {
+    pub submission: Submission,
+    pub origin: Origin,
+}
+
+/// What a submission was read from.
+#[derive(Debug, Clone)]
+pub struct Origin {
+    kind: OriginKind,
+    body: Arc<str>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum OriginKind {
+    Record,
+    Campaign,
+    Bench,
+}
+
+impl Pipeline {
+    /// Reads a record, a campaign or a bench result, whichever the JSON holds.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer.
+    pub fn read_document(&self, bytes: &[u8]) -> Result<ReadDocument, Faults> {
+        match DocumentKind::of(bytes) {
+            DocumentKind::Record => {
+                let calibration = self.read_record(bytes)?;
+                let origin = Origin { kind: OriginKind::Record, body: Arc::clone(&calibration.body) };
+                Ok(ReadDocument { submission: Submission::Calibration(Box::new(calibration)), origin })
+            }
+            DocumentKind::Campaign => self.read_campaign_document(bytes, Form::Json),
+            DocumentKind::Bench => {
+                let bench = self.read_bench_result(bytes)?;
+                let origin = Origin { kind: OriginKind::Bench, body: Arc::clone(&bench.body) };
+                Ok(ReadDocument { submission: Submission::Bench(Box::new(bench)), origin })
+            }
+        }
+    }
+
+    /// Reads a campaign in JSON or CSV.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer, or its line and column.
+    pub fn read_campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
+        let ReadCampaign { submission, body, .. } = self.read_campaign(bytes, form)?;
+        let bench = matches!(submission, Submission::Bench(_));
+        let kind = if bench { OriginKind::Bench } else { OriginKind::Campaign };
+        Ok(ReadDocument { submission, origin: Origin { kind, body } })
+    }
+
+    /// The id of what was submitted: newly stored, or there already with the same content.
+    ///
+    /// # Errors
+    /// [`Refused::Differs`] where it is there with other content.
+    pub async fn settle_document(&self, accepted: &Accepted, origin: &Origin) -> Result<Id, Refused> {
+        let sent = match origin.kind {
+            OriginKind::Record => Sent::Calibration(Kind::Record, &origin.body),
+            OriginKind::Campaign => Sent::Calibration(Kind::Campaign, &origin.body),
+            OriginKind::Bench => Sent::Bench(&origin.body),
+        };
+        self.settle(accepted, sent).await
+    }
+}

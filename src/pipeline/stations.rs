@@ -1,0 +1,134 @@
+//! What each station does to results: how its calibrations scatter, and what D_I and D_S did when a gyro came to it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::Pipeline;
+use super::line::{load_marks, sample_of};
+use crate::core::judge::Event;
+use crate::core::time::UtcMicros;
+use crate::store::{Figures, Span, StoreError};
+
+/// Newest records of each gyro that count.
+const RECORDS: usize = 60;
+
+/// One station over the fleet, deg/(h g0).
+#[derive(Debug, Clone, PartialEq)]
+pub struct StationEffect {
+    pub name: Arc<str>,
+    pub last: UtcMicros,
+    pub records: usize,
+    /// Scatter of one calibration of D_I and D_S, from successive differences; none with fewer than two.
+    pub scatter: [Option<f64>; 2],
+    /// Gyros that came from another station, counted each time.
+    pub arrivals: usize,
+    /// Mean change of D_I and D_S when they came, and its standard error where there are two or more.
+    pub arrival: [Option<(f64, Option<f64>)>; 2],
+}
+
+/// What has been seen of one station so far.
+#[derive(Debug)]
+struct Seen {
+    last: UtcMicros,
+    records: usize,
+    /// Differences of successive calibrations here, D_I and D_S.
+    differences: Vec<[f64; 2]>,
+    /// Differences to the calibration before, at another station.
+    arrivals: Vec<[f64; 2]>,
+}
+
+impl Pipeline {
+    /// Every station that calibrated a gyro lately, by name.
+    pub async fn station_effects(&self) -> Result<Vec<StationEffect>, StoreError> {
+        let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
+        let mut seen = BTreeMap::<u32, Seen>::new();
+        for gyro in gyros {
+            let rows = self.store.newest_history(gyro, Span::EVER, RECORDS).await?;
+            let marks = load_marks(&self.store, gyro).await?;
+            let repairs: Vec<UtcMicros> =
+                marks.iter().filter(|mark| mark.event == Event::Repair).map(|mark| mark.at).collect();
+            self.look_through(&rows, &repairs, &mut seen);
+        }
+        let tables = self.store.names().read();
+        let named = seen.into_iter().filter_map(|(number, seen)| Some(seen.summed_up(tables.stations.name(number)?)));
+        let mut effects: Vec<StationEffect> = named.collect();
+        effects.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(effects)
+    }
+
+    fn look_through(&self, rows: &[Figures], repairs: &[UtcMicros], seen: &mut BTreeMap<u32, Seen>) {
+        let values = |figures: &Figures| {
+            let [d_i, d_s, _] = sample_of(figures, self.config.judging.method).d;
+            [d_i.value, d_s.value]
+        };
+        for (i, row) in rows.iter().enumerate() {
+            let of_station = seen.entry(row.station).or_insert_with(|| Seen {
+                last: row.at,
+                records: 0,
+                differences: Vec::new(),
+                arrivals: Vec::new(),
+            });
+            of_station.records += 1;
+            of_station.last = of_station.last.max(row.at);
+            let Some(before) = i.checked_sub(1).map(|i| &rows[i]) else { continue };
+            // A repaired gyro is another gyro: its change says nothing about the station.
+            if repairs.iter().any(|at| (before.at..=row.at).contains(at)) {
+                continue;
+            }
+            let (old, new) = (values(before), values(row));
+            let difference = [new[0] - old[0], new[1] - old[1]];
+            if before.station == row.station {
+                of_station.differences.push(difference);
+            } else {
+                of_station.arrivals.push(difference);
+            }
+        }
+    }
+}
+
+impl Seen {
+    fn summed_up(&self, name: &Arc<str>) -> StationEffect {
+        let scatter = |column: usize| {
+            let n = self.differences.len();
+            let squares: f64 = self.differences.iter().map(|difference| difference[column].powi(2)).sum();
+            (n > 0).then(|| (squares / (2 * n) as f64).sqrt())
+        };
+        StationEffect {
+            name: name.clone(),
+            last: self.last,
+            records: self.records,
+            scatter: [scatter(0), scatter(1)],
+            arrivals: self.arrivals.len(),
+            arrival: [0, 1].map(|column| mean(&self.arrivals, column)),
+        }
+    }
+}
+
+/// The mean, and its standard error.
+fn mean(all: &[[f64; 2]], column: usize) -> Option<(f64, Option<f64>)> {
+    let n = all.len() as f64;
+    let mean = all.iter().map(|one| one[column]).sum::<f64>() / n;
+    let variance = all.iter().map(|one| (one[column] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (!all.is_empty()).then(|| (mean, (all.len() > 1).then(|| (variance / n).sqrt())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scatter_and_arrivals_are_summed_up() {
+        let seen = Seen {
+            last: UtcMicros(5),
+            records: 4,
+            differences: vec![[0.003, 0.0], [-0.003, 0.0]],
+            arrivals: vec![[0.01, 0.0], [0.02, 0.0], [0.03, 0.0]],
+        };
+        let effect = seen.summed_up(&"ST-1".into());
+        assert!((effect.scatter[0].unwrap() - 0.003 / 2_f64.sqrt()).abs() < 1e-12);
+        let (change, error) = effect.arrival[0].unwrap();
+        assert!((change - 0.02).abs() < 1e-12 && (error.unwrap() - 0.01 / 3_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(mean(&[], 0), None);
+        assert_eq!(mean(&[[0.5, 1.0]], 1), Some((1.0, None)));
+    }
+}

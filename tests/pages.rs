@@ -132,3 +132,57 @@ async fn the_viewers_language_and_theme_are_kept() {
     let away = server.get("/preference?theme=dark&back=%2F%2Fevil.example").await;
     assert_eq!(away.headers["location"], "/");
 }
+
+#[tokio::test]
+async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
+    let server = Server::start().await;
+    let campaign = support::data("practice/campaign-02.json");
+    let answer = server.post("/v1/campaigns", "application/json", campaign).await.json();
+    let id = answer["id"].as_str().unwrap();
+    let shown = page(&server, &format!("/campaigns/{id}"), &[]).await;
+    // What is shown is what the interface answers: E of the first gyro to the place of its uncertainty.
+    let e = answer["calibration"]["gyros"][0]["e_pulse_per_arcsec"][0].as_f64().unwrap();
+    let cell = shown.split("<td class=\"n\">").find(|cell| cell.starts_with(&format!("{e:.7}")[..8]));
+    assert!(cell.is_some_and(|cell| cell.contains(" ± ") && cell.contains("0.8425 … 0.8529")), "{cell:?}");
+    assert_eq!(shown.matches("<svg class=\"dwells\"").count(), 3, "residuals of three gyros");
+    let imu = page(&server, "/imus/IMU-9002", &[]).await;
+    assert!(imu.contains(&format!("/campaigns/{id}/diagnosis")) && imu.contains("/gyros/LFG-9002-1"));
+    let moved = server.get(&format!("/records/{id}")).await;
+    assert_eq!((moved.status, moved.headers["location"].to_str().unwrap()), (303, &*format!("/campaigns/{id}")));
+
+    let diagnosis = page(&server, &format!("/campaigns/{id}/diagnosis"), &[]).await;
+    let body = server.get(&format!("/v1/campaigns/{id}/diagnosis")).await.json();
+    assert_eq!((&body["verdict"], &body["effects"][0]["effect"]), (&json!("explained"), &json!("temperature_bias")));
+    assert!(place(&diagnosis, "what is named below explains it") < place(&diagnosis, "bias changes with temperature"));
+    for candidate in body["candidates"].as_array().unwrap() {
+        assert!(diagnosis.contains(candidate["effect"].as_str().unwrap()));
+    }
+    let chinese = page(&server, &format!("/campaigns/{id}/diagnosis"), &[("accept-language", "zh")]).await;
+    assert!(chinese.contains("零偏随温度变化"));
+    assert_eq!(server.get("/campaigns/0000000000000/diagnosis").await.status, 404);
+}
+
+#[tokio::test]
+async fn a_record_is_shown_with_what_was_separated_from_it() {
+    let server = Server::start().await;
+    let answer = server.post("/v1/records", "application/json", support::data("paper.json")).await.json();
+    let shown = page(&server, &format!("/records/{}", answer["id"].as_str().unwrap()), &[]).await;
+    // Golden figures of Tables 3 and 4.
+    for there in ["2.957643", "4.618005", "0.075874", "2.958219", "54.737806", "114.177661", "0.8425 … 0.8529"] {
+        assert!(shown.contains(there), "{there} is not in {shown}");
+    }
+    assert_eq!(server.get("/records/nonsense").await.status, 404);
+    assert_eq!(server.get("/imus/NOBODY").await.status, 404);
+}
+
+#[tokio::test]
+async fn a_station_is_shown_with_what_it_does_to_results() {
+    let server = Server::start().await;
+    for (day, station, d_i) in [(0, "ST-1", 1.0), (7, "ST-1", 1.002), (14, "ST-1", 1.0), (21, "ST-2", 1.5)] {
+        let answer = server.post_json("/v1/records", &record("IMU-A", station, "ROAMER", day, [d_i, 2.0])).await;
+        assert_eq!(answer.status, 201);
+    }
+    let shown = page(&server, "/stations", &[]).await;
+    // Successive differences at ST-1 of 0.002: their root mean square over the square root of two; and the step to ST-2.
+    assert!(shown.contains("0.00141") && shown.contains("0.500000"), "{shown}");
+}

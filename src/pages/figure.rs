@@ -12,11 +12,17 @@ pub(super) fn drift(value: f64, sd: Option<f64>) -> String {
 /// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is known.
 pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
     match sd.filter(|sd| *sd > 0.0 && sd.is_finite()) {
-        Some(sd) if (1e-9..1e7).contains(&sd) => {
+        Some(sd) if (1e-8..1e7).contains(&sd) => {
             let places = places(sd, 2);
-            format!("{value:.places$} ± {sd:.places$}")
+            format!("{} ± {sd:.places$}", unsigned_zero(format!("{value:.places$}")))
         }
-        Some(sd) => format!("{value:e} ± {sd:.1e}"),
+        Some(sd) => {
+            // One power of ten for both, so that they can still be compared.
+            let power = value.abs().max(sd).log10().floor();
+            let (value, sd) = (value / 10_f64.powf(power), sd / 10_f64.powf(power));
+            let places = places(sd, 2);
+            format!("({value:.places$} ± {sd:.places$})e{power}")
+        }
         None => fixed(value, decimals),
     }
 }
@@ -25,7 +31,33 @@ pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let lost = value != 0.0 && value.abs() < 0.5 * 10_f64.powi(-(decimals as i32));
-    if lost { format!("{value:.2e}") } else { text }
+    if lost { format!("{value:.2e}") } else { unsigned_zero(text) }
+}
+
+/// What rounds to nothing has no sign.
+fn unsigned_zero(text: String) -> String {
+    match text.strip_prefix('-') {
+        Some(rest) if rest.bytes().all(|byte| matches!(byte, b'0' | b'.')) => rest.to_owned(),
+        _ => text,
+    }
+}
+
+/// Three significant digits, without an exponent where a person would not write one.
+pub(super) fn short(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".into()
+    } else if (1e-4..1e6).contains(&size) {
+        let places = places(size, 3);
+        format!("{value:.places$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+pub(super) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent != 0.0 && percent.abs() < 0.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
 /// Decimals that show `digits` significant digits of `size`.
@@ -53,8 +85,25 @@ mod tests {
             (2.0, Some(f64::NAN), "2.000000"),
             (3e-9, None, "3.00e-9"),
             (0.0, None, "0.000000"),
+            (-1e-7, Some(2.2e-4), "0.00000 ± 0.00022"),
+            (2.05e-9, Some(2e-10), "(2.05 ± 0.20)e-9"),
         ] {
             assert_eq!(drift(value, sd), text);
         }
+    }
+
+    #[test]
+    fn short_figures_have_three_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.012345, "0.0123"),
+            (-1.2345, "-1.23"),
+            (999.6, "1000"),
+            (1e-7, "1.00e-7"),
+            (2.5e9, "2.50e9"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+        assert_eq!((percent(0.5), percent(0.004), percent(0.0)), ("50 %".into(), "0.4 %".into(), "0 %".into()));
     }
 }

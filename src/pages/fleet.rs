@@ -191,7 +191,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
             th scope="row" { a href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
             td {
                 @if let Some(figures) = &standing.newest {
-                    a href={ "/?q=" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
+                    a href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
                 }
             }
             @for column in 0..2 {

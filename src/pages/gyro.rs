@@ -10,7 +10,7 @@ use super::course::{self, Shown};
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::standing::Grade;
-use super::verdicts;
+use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use crate::core::judge::{Coefficient, Rule, State};
 use crate::pipeline::{Comparison, Course, Figures, Tables, sample_of};
@@ -58,18 +58,17 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
     Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
 }
 
-async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<VerdictBody>, Problem> {
+async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
     let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
     let stored = pages.pipeline.stored_record(newest.record).await?;
-    let all = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
-    Ok(all.filter(|verdict| verdict.serial == serial).collect())
+    Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }
 
-fn head(viewer: &Viewer, serial: &str, verdicts: &[VerdictBody], course: &Course, tables: &Tables) -> Markup {
+fn head(viewer: &Viewer, serial: &str, verdicts: &[Said], course: &Course, tables: &Tables) -> Markup {
     let t = viewer.text();
     let newest = course.figures.last();
-    let broken = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded.name());
-    let broken = broken.filter_map(|verdict| Rule::from_name(&verdict.rule));
+    let broken = verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
+    let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));
     let grade = Grade::judged(newest.map(|figures| verdicts::worst(figures, verdicts)), broken);
     html! {
         h1 {
@@ -78,7 +77,8 @@ fn head(viewer: &Viewer, serial: &str, verdicts: &[VerdictBody], course: &Course
         }
         @if let Some(figures) = newest {
             p.lead {
-                (course::seat(figures, tables)) " · " (t.station) " " (course::name(tables.stations.name(figures.station)))
+                a href={ "/imus/" (encoded(course::name(tables.imus.name(figures.imu)))) } { (course::seat(figures, tables)) }
+                " · " (t.station) " " (course::name(tables.stations.name(figures.station)))
                 " · " (t.calibrated) " " (instant(figures.at))
             }
         } @else {
@@ -87,7 +87,7 @@ fn head(viewer: &Viewer, serial: &str, verdicts: &[VerdictBody], course: &Course
     }
 }
 
-fn verdict_section(viewer: &Viewer, verdicts: &[VerdictBody]) -> Markup {
+fn verdict_section(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     html! {
         @if !verdicts.is_empty() {
             section {
@@ -159,7 +159,7 @@ fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
                         }
                     } }
                 } }
-                @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| VerdictBody::of(serial, v)).collect();
+                @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| Said { body: VerdictBody::of(serial, v), seen: Some(*v) }).collect();
                 (verdicts::list(viewer, &verdicts))
             }
         }
@@ -201,7 +201,7 @@ fn calibration(viewer: &Viewer, shown: Shown, figures: &Figures, tables: &Tables
     let beyond: Vec<_> = states.filter(|(_, state)| *state == Some(State::Exceeded)).collect();
     html! {
         tr {
-            td { a href={ "/v1/records/" (figures.record) } { (instant(figures.at)) } }
+            td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
             td { (course::seat(figures, tables)) }
             td { (course::name(tables.stations.name(figures.station))) }
             @for measured in sample.d { td.n { (figure::drift(measured.value, measured.sd)) } }

@@ -31,6 +31,8 @@ pub(super) struct Page {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Fleet,
+    Stations,
+    Import,
     None,
 }
 
@@ -91,6 +93,8 @@ impl Viewer {
                         a.name href="/" { "gyrowatch" }
                         nav aria-label=(t.navigation) {
                             (entry("/", t.fleet, page.section == Section::Fleet))
+                            (entry("/stations", t.stations, page.section == Section::Stations))
+                            (entry("/import", t.import, page.section == Section::Import))
                             (entry("/docs", t.api, false))
                         }
                         (self.switches())

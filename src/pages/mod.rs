@@ -4,14 +4,23 @@
 //! and the content security policy allows none.
 
 mod assets;
+mod calibration;
 mod course;
+mod diagnosis;
 mod figure;
 mod fleet;
 mod gyro;
+mod import;
+mod imu;
 mod layout;
+mod parameters;
+mod pieces;
 mod plot;
+mod residuals;
+mod separation;
 mod spark;
 mod standing;
+mod stations;
 mod text;
 mod thin;
 mod verdicts;
@@ -20,7 +29,7 @@ mod viewer;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::routing::get;
+use axum::routing::{get, post};
 
 use crate::config::Config;
 use crate::pipeline::Pipeline;
@@ -39,6 +48,14 @@ pub fn router(pages: Pages) -> Router {
     Router::new()
         .route("/", get(fleet::page))
         .route("/gyros/{serial}", get(gyro::page))
+        .route("/imus/{imu}", get(imu::page))
+        .route("/records/{id}", get(calibration::record))
+        .route("/campaigns/{id}", get(calibration::campaign))
+        .route("/campaigns/{id}/diagnosis", get(diagnosis::page))
+        .route("/stations", get(stations::page))
+        .route("/import", get(import::page))
+        .route("/import/preview", post(import::preview))
+        .route("/import/store", post(import::store))
         .route("/preference", get(viewer::prefer))
         .route("/assets/{name}", get(assets::serve))
         .with_state(pages)

@@ -4,15 +4,38 @@ use maud::{Markup, html};
 
 use super::layout::symbol;
 use super::standing::Grade;
+use super::text::{Language, reason};
 use super::viewer::Viewer;
-use crate::core::judge::{Coefficient, Rule, State};
+use crate::core::judge::{Coefficient, Rule, State, Verdict};
 use crate::pipeline::Figures;
 use crate::wire::answer::VerdictBody;
 
+/// A verdict, and what its rule saw, from which words are made in the viewer's language.
+#[derive(Clone)]
+pub(super) struct Said {
+    pub body: VerdictBody,
+    pub seen: Option<Verdict>,
+}
+
+impl Said {
+    /// Of one gyro, from the verdicts of a record and what was seen, side by side.
+    pub fn of_gyro(serial: &str, bodies: &[VerdictBody], seen: &[Option<Verdict>]) -> Vec<Self> {
+        let all = bodies.iter().zip(seen).filter(|(body, _)| body.serial == serial);
+        all.map(|(body, seen)| Self { body: body.clone(), seen: *seen }).collect()
+    }
+
+    fn reason(&self, language: Language) -> String {
+        match (language, &self.seen) {
+            (Language::Chinese, Some(verdict)) => reason::in_chinese(verdict),
+            _ => self.body.reason.clone(),
+        }
+    }
+}
+
 /// The worst that any rule that could judge says of the newest record.
-pub(super) fn worst(newest: &Figures, verdicts: &[VerdictBody]) -> State {
-    let judged = verdicts.iter().filter(|verdict| verdict.value.is_some());
-    let states = judged.filter_map(|verdict| State::from_name(&verdict.state));
+pub(super) fn worst(newest: &Figures, verdicts: &[Said]) -> State {
+    let judged = verdicts.iter().filter(|said| said.body.value.is_some());
+    let states = judged.filter_map(|said| State::from_name(&said.body.state));
     states.chain(newest.states.worst()).max().unwrap_or(State::Indeterminate)
 }
 
@@ -22,12 +45,12 @@ pub(super) fn badge(viewer: &Viewer, state: State) -> Markup {
 }
 
 /// What is broken and what is undecided in full, the rest folded.
-pub(super) fn list(viewer: &Viewer, verdicts: &[VerdictBody]) -> Markup {
+pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     let t = viewer.text();
-    let of_state = |state: State| verdicts.iter().filter(move |verdict| verdict.state == state.name());
+    let of_state = |state: State| verdicts.iter().filter(move |said| said.body.state == state.name());
     // A rule that found too few records has decided nothing.
     let (undecided, waiting): (Vec<_>, Vec<_>) =
-        of_state(State::Indeterminate).partition(|verdict| verdict.value.is_some());
+        of_state(State::Indeterminate).partition(|said| said.body.value.is_some());
     let kept = of_state(State::Within).count();
     html! {
         ul.verdicts {
@@ -35,15 +58,15 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[VerdictBody]) -> Markup {
         }
         @if kept + waiting.len() > 0 {
             details {
-                summary { (kept) " " (t.verdicts_within) }
+                summary { (t.verdicts_within) " " (kept) @if !waiting.is_empty() { " · " (t.too_few) " " (waiting.len()) } }
                 ul.verdicts { @for verdict in of_state(State::Within).chain(waiting) { (one(viewer, verdict)) } }
             }
         }
     }
 }
 
-fn one(viewer: &Viewer, verdict: &VerdictBody) -> Markup {
-    let t = viewer.text();
+fn one(viewer: &Viewer, said: &Said) -> Markup {
+    let (t, verdict) = (viewer.text(), &said.body);
     let state = State::from_name(&verdict.state).unwrap_or(State::Indeterminate);
     let rule = Rule::from_name(&verdict.rule);
     let grade = Grade::judged(Some(state), rule.into_iter());
@@ -54,7 +77,7 @@ fn one(viewer: &Viewer, verdict: &VerdictBody) -> Markup {
             span title=(meaning) { (symbol(&verdict.coefficient)) } " " strong { (rule.map_or("", |rule| t.rule(rule))) }
             @if verdict.confirmed { " (" (t.confirmed) ")" }
             br;
-            (verdict.reason)
+            (said.reason(viewer.language))
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `demo`: a service with a history in it, to look at.
 
+mod campaigns;
 mod fleet;
 mod paper;
 
@@ -18,6 +19,7 @@ use crate::config::Config;
 use crate::core::time::UtcMicros;
 use crate::system::Clock;
 use crate::wire::bench::BenchBody;
+use crate::wire::campaign::CampaignBody;
 use crate::wire::record::RecordBody;
 
 /// Run the service on a file of its own, with the paper's figures and a fleet of two years in it
@@ -56,6 +58,7 @@ impl Demo {
 enum Happening {
     Record(Box<RecordBody>),
     Bench(BenchBody),
+    Campaign(Box<CampaignBody>),
     Baseline { serial: String, at: String, reason: String },
 }
 
@@ -65,6 +68,7 @@ impl Happening {
         match self {
             Self::Record(record) => &record.calibrated_at,
             Self::Bench(bench) => &bench.measured_at,
+            Self::Campaign(campaign) => &campaign.measured_at,
             Self::Baseline { at, .. } => at,
         }
     }
@@ -73,6 +77,7 @@ impl Happening {
         Ok(match self {
             Self::Record(record) => ("/v1/records".to_owned(), serde_json::to_vec(record)?),
             Self::Bench(bench) => ("/v1/bench-results".to_owned(), serde_json::to_vec(bench)?),
+            Self::Campaign(campaign) => ("/v1/campaigns".to_owned(), serde_json::to_vec(campaign)?),
             Self::Baseline { serial, at, reason } => {
                 let body = json!({"at": at, "reason": reason, "author": "demo"});
                 (format!("/v1/gyros/{serial}/baseline"), serde_json::to_vec(&body)?)
@@ -94,6 +99,7 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
          Why it does                      {base}/v1/gyros/LFG-0004/diagnosis\n\
          One that jumped on transport     {base}/gyros/LFG-0008\n\
          One that was repaired and moved  {base}/gyros/LFG-0011\n\
+         Raw campaigns, to diagnose       {base}/imus/IMU-21\n\
          Table 5, method beside method    {base}/gyros/PAPER-T5-G1\n\
          A trend as CSV                   {base}/v1/gyros/LFG-0004/trend?coefficient=D_I&format=csv\n\
          The API, to read and try         {base}/docs\n\n\
@@ -107,6 +113,7 @@ async fn post_all(service: &Service) -> anyhow::Result<()> {
     let today = UtcMicros(now - now.rem_euclid(UtcMicros::DAY));
     let mut happenings = paper::happenings(today);
     happenings.extend(fleet::draw(today));
+    happenings.extend(campaigns::happenings(today)?);
     happenings.sort_by(|a, b| a.at().cmp(b.at()));
     let bar = ProgressBar::new(happenings.len() as u64);
     for happening in &happenings {

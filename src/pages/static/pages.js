@@ -26,16 +26,29 @@
   const INDEX = { I: "<sub>I</sub>", S: "<sub>S</sub>", O: "<sub>O</sub>" };
   const title = (symbol) => symbol.replace(/_([ISO])$/, (_, index) => INDEX[index]);
 
+  // A line from one baseline to the next would connect two gyros: a gap stands where a new one begins.
+  const withGaps = (strip, series) => {
+    const starts = strip.bands.slice(1).map(([from]) => from);
+    const gaps = series.t.flatMap((t, k) => (k && starts.some((from) => series.t[k - 1] < from && from <= t) ? [k] : []));
+    const spread = (list, gap) => list.flatMap((one, k) => (gaps.includes(k) ? [gap, one] : [one]));
+    const { t, v, sd, state, place } = series;
+    return {
+      ...series, t: spread(t, null), v: spread(v, null), sd: sd && spread(sd, null),
+      state: spread(state, 0), place: spread(place, 0),
+    };
+  };
+
   const tracesOf = (plot, strip, row, palette) =>
-    strip.series.map((series, i) => {
-      const main = !series.bench;
+    strip.series.map((thinned, i) => {
+      const main = !thinned.bench;
+      const series = main ? withGaps(strip, thinned) : thinned;
       return {
         type: "scatter",
         mode: main ? "lines+markers" : "markers",
         name: series.name,
         legendgroup: series.name,
         showlegend: row === 0,
-        x: series.t.map((t) => new Date(t)),
+        x: series.t.map((t) => (t === null ? null : new Date(t))),
         y: series.v,
         error_y: series.sd ? { type: "data", array: series.sd, thickness: 1, width: 2, color: palette.quiet } : undefined,
         line: { color: palette.quiet, width: 1 },
@@ -45,6 +58,7 @@
           symbol: main ? series.state.map((s) => SYMBOLS[s]) : i % 2 ? "diamond-open" : "diamond",
         },
         text: series.t.map((t, k) => {
+          if (t === null) return "";
           const sd = series.sd && series.sd[k] !== null ? ` ± ${series.sd[k].toPrecision(2)}` : "";
           const state = main ? `<br>${plot.states[series.state[k]]}` : "";
           return (
@@ -75,6 +89,21 @@
     });
   };
 
+  // Marks that would be written over one another share one line and one label.
+  const together = (plot) => {
+    const times = plot.strips.flatMap((strip) => strip.series.flatMap((series) => series.t));
+    const near = 0.015 * (times.reduce((a, b) => Math.max(a, b), -Infinity) - times.reduce((a, b) => Math.min(a, b), Infinity));
+    const joined = [];
+    for (const mark of [...plot.marks].sort((a, b) => a.t - b.t)) {
+      const last = joined[joined.length - 1];
+      if (last && mark.t - last.t < near) {
+        last.label += ` · ${mark.label}`;
+        last.event ||= mark.event;
+      } else joined.push({ ...mark });
+    }
+    return joined;
+  };
+
   const layoutOf = (plot, palette, narrow) => {
     const rows = plot.strips.length;
     const layout = {
@@ -102,7 +131,7 @@
       };
       layout.shapes.push(...shapesOf(strip, row, palette));
     });
-    for (const mark of plot.marks) {
+    for (const mark of together(plot)) {
       const x = new Date(mark.t);
       const line = { color: mark.event ? palette.bad : palette.quiet, width: 1, dash: mark.event ? "solid" : "dot" };
       layout.shapes.push({ type: "line", xref: "x", yref: "paper", x0: x, x1: x, y0: 0, y1: 1, line });
@@ -167,6 +196,21 @@
       }
     });
   };
+
+  // A file that is dropped or chosen becomes the text of the form, and is previewed at once.
+  for (const form of document.querySelectorAll("form[data-drop]")) {
+    const input = form.querySelector("input[type=file]");
+    const take = async (file) => {
+      if (!file) return;
+      form.querySelector("textarea").value = await file.text();
+      form.requestSubmit();
+    };
+    input.closest("[hidden]").hidden = false;
+    input.addEventListener("change", () => take(input.files[0]));
+    form.addEventListener("dragover", (event) => { event.preventDefault(); form.classList.add("over"); });
+    form.addEventListener("dragleave", () => form.classList.remove("over"));
+    form.addEventListener("drop", (event) => { event.preventDefault(); take(event.dataTransfer.files[0]); });
+  }
 
   if (window.Plotly) document.querySelectorAll("[data-plot=history]").forEach(draw);
 })();

@@ -1,5 +1,7 @@
 //! Every word of the pages, in both languages side by side: what is missing in one does not compile.
 
+mod effects;
+pub(super) mod reason;
 mod words;
 
 pub(super) use words::Text;
@@ -23,10 +25,7 @@ impl Language {
     }
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::English => "en",
-            Self::Chinese => "zh",
-        }
+        self.text().tag
     }
 
     pub fn text(self) -> &'static Text {
@@ -82,6 +81,11 @@ impl Text {
         }
     }
 
+    /// The phase of a dwell by its name on the wire.
+    pub fn phase(&self, name: &str) -> &'static str {
+        if name == "rate" { self.phase_rate } else { self.phase_static }
+    }
+
     /// What a coefficient is, in a few words.
     pub fn meaning(&self, coefficient: Coefficient) -> &'static str {
         match coefficient {
@@ -91,6 +95,20 @@ impl Text {
             Coefficient::E => self.meaning_e,
             Coefficient::G => self.meaning_g,
             Coefficient::All => self.meaning_all,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::effects::CATALOGUE;
+
+    #[test]
+    fn every_effect_has_a_name_in_both_languages() {
+        for entry in CATALOGUE {
+            let [english, chinese] = [Language::English, Language::Chinese].map(|l| l.text().effect(entry.effect));
+            assert!(english.is_ascii() && english != entry.cause && !chinese.is_ascii(), "{}", entry.id);
         }
     }
 }

@@ -10,6 +10,8 @@ macro_rules! catalogue {
 }
 
 catalogue! {
+    tag: "en", "zh";
+
     // The frame of every page.
     fleet: "Fleet", "全部陀螺";
     stations: "Stations", "标定台站";
@@ -40,6 +42,7 @@ catalogue! {
     meaning_all: "the gyro as a whole", "整个陀螺";
 
     // States, rules, events, methods.
+    slot: "Slot", "位置";
     within: "within", "合格";
     indeterminate: "undecided", "待定";
     exceeded: "exceeded", "超限";
@@ -96,7 +99,8 @@ catalogue! {
     whole_history: "All", "全部";
     save_picture: "Save picture", "保存图片";
     verdicts: "Verdicts on the newest record", "最新记录的判定";
-    verdicts_within: "rules that are kept", "项合格";
+    verdicts_within: "Rules that are kept:", "合格项：";
+    too_few: "with too few records to judge:", "记录不足未判：";
     agreement: "Agreement of methods", "方法一致性";
     agreement_note: "As in Table 5 of the paper: results of every method side by side.", "与论文表5相同：各方法结果并列。";
     not_counted: "for comparison, not in the range", "仅供比较，不计入极差";
@@ -110,4 +114,121 @@ catalogue! {
     thinned: "points, thinned to their extremes in each stretch", "个点，按区段保留极值后显示";
     never_calibrated: "Never calibrated in an IMU.", "从未在惯性组合中标定。";
     confirmed: "confirmed by a second campaign", "已由第二次标定证实";
+
+    // One calibration.
+    record: "Calibration record", "标定记录";
+    campaign: "Campaign", "标定试验";
+    measured: "measured", "测试时间";
+    received: "Received", "收到";
+    identifier: "id", "编号";
+    operator: "operator", "操作员";
+    dwells: "dwells", "个位置段";
+    dwell: "dwell", "位置段";
+    diagnose: "Diagnose: where it parts from the error model, and why", "诊断：与误差模型的差异及原因";
+    verdicts_of_record: "Verdicts", "判定";
+    not_judged: "Nothing is judged.", "无判定。";
+    separated: "Separated coefficients", "分离结果";
+    as_printed: "as printed", "按原文印刷";
+    as_printed_note: "As printed: equations (8) to (13) letter by letter, misprints included, for comparison only. The number in brackets is the equation that applies.", "按原文印刷：公式(8)-(13)逐字照用，含印刷错误，仅供比较。括号内为所用公式编号。";
+    closure_rms: "closure rms", "闭合差均方根";
+    mounting: "Angles of the input axis", "输入轴角度";
+    misalignment: "off nominal", "偏离标称";
+    clocking: "clocking of S about I", "S绕I的转角";
+    parameters: "Parameters of model (6)", "模型(6)参数";
+    requirement_note: "Limits: requirements of Tables 3 and 4 of the paper.", "限值：论文表3与表4的要求。";
+    not_determined: "not determined by these dwells", "这些位置段不能确定";
+    pass: "pass", "合格";
+    fail: "fail", "不合格";
+    fit_quality: "Quality of the fit", "拟合质量";
+    rank: "rank / parameters", "秩/参数数";
+    freedom: "ν", "ν";
+    noise: "noise", "噪声";
+    sem_factor: "real / stated noise", "实际/标称噪声";
+    noise_from: "noise known from", "噪声来源";
+    not_seen: "no dwell sees the direction", "任何位置段都看不到的方向";
+    fixed_by: "fixed by", "约束条件";
+    residuals_by_dwell: "Residuals by dwell", "各位置段残差";
+    residuals_note: "Each over its own standard deviation; the band is two of them.", "以各自标准差为单位；灰带为两倍标准差。";
+    no_noise: "Nothing gives the noise, so residuals have no scale.", "噪声未知，残差无法归一化。";
+    every_residual: "Every residual as a table", "全部残差列表";
+
+    // A diagnosis.
+    diagnosis: "Diagnosis", "诊断";
+    diagnosis_waiting: "Other diagnoses are being computed; load the page again in a few seconds.", "正在计算其他诊断，请几秒后刷新。";
+    verdict_no_gap: "The model predicts this campaign to within its noise: there is no gap to explain.", "模型与试验数据在噪声范围内一致：没有需要解释的差异。";
+    verdict_explained: "There is a gap; what is named below explains it, and nothing significant remains.", "存在差异；下列效应已解释，没有显著剩余。";
+    verdict_partly_explained: "There is a gap; what is named below explains part of it, and something significant remains.", "存在差异；下列效应解释了一部分，仍有显著剩余。";
+    verdict_unexplained: "There is a gap, and nothing in the catalogue earns the blame.", "存在差异，但目录中没有可以归因的效应。";
+    gap_before: "Gap before", "解释前";
+    gap_after: "Left after", "解释后";
+    noise_floor: "Noise floor", "噪声底";
+    sign_of_more: "Sign of more", "还有其他迹象";
+    what_parts_them: "What parts them", "差异来源";
+    no_effect: "No effect is named.", "没有指出任何效应。";
+    all_together: "All together", "合计";
+    adjusted_p: "adjusted p", "校正p值";
+    detectability: "detectability", "可检测度";
+    cannot_tell_from: "This campaign cannot tell it from:", "本次试验无法与下列效应区分：";
+    parameter: "Parameter", "参数";
+    value: "Value", "数值";
+    unit_word: "Unit", "单位";
+    all_gyros: "all", "全部";
+    held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的位置段上得到解释：";
+    located: "Where", "位置";
+    heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×位置段；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
+    heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各位置段残差与不确定度之比";
+    place: "Place", "位置";
+    share: "Share of the gap", "所占差异";
+    what_else: "What else was tried", "其他候选";
+    effect: "Effect", "效应";
+    closes_alone: "Closes alone", "单独解释";
+    why_not: "Why it was not taken", "未采用原因";
+    impact: "What it does to the drift coefficients", "对漂移系数的影响";
+    plain: "Plain", "原值";
+    with_effects: "With the effects", "计入效应后";
+    shift: "Shift", "变化";
+    of_budget: "Of the budget", "占允许范围";
+    how_far: "Before and after", "解释前后";
+    before_after_note: "Hollow: after the fit of the model in use. Filled: with the named effects added. Band: two standard uncertainties.", "空心：按现用模型拟合后；实心：计入所指效应后；灰带：两倍标准不确定度。";
+    cannot_be_told: "What this campaign cannot tell", "本次试验无法判断的效应";
+    visible: "Visible", "可见部分";
+    why: "Why", "原因";
+    would_show: "What would show it", "需要的条件";
+    measure_next: "What to measure next", "建议下一步测量";
+    phase_word: "Phase", "阶段";
+    phase_static: "static", "静态";
+    phase_rate: "rate", "速率";
+    specific_force: "Specific force", "比力";
+    rate_word: "Rate", "角速度";
+    separates: "Separates", "可区分";
+    notes: "Notes", "说明";
+
+    // An IMU; stations.
+    gyros_in_it: "Gyros in it", "所装陀螺";
+    newest_parameters: "Newest parameters", "最新参数";
+    records: "Calibrations", "历次标定";
+    kind: "Kind", "类型";
+    kind_record: "record", "记录";
+    kind_campaign: "campaign", "原始试验";
+    station_note: "Of every gyro's last records. Scatter: root mean square of the differences between successive calibrations at this station, over √2. Changes: what D_I and D_S did when a gyro came here from another station.", "取自各陀螺最近的记录。离散：同一台站相邻两次标定之差的均方根除以√2。换台变化：陀螺从其他台站转来时D_I、D_S的变化。";
+    scatter: "Scatter", "离散";
+    on_arrival: "Change on arrival", "换台变化";
+    changes_seen: "changes", "次数";
+    calibrations_seen: "Calibrations seen", "计入标定数";
+
+    // Import.
+    import: "Import", "导入";
+    import_note: "A calibration record, a campaign or a bench result: JSON, one document a line (NDJSON), or a campaign's CSV. Nothing is stored before you have seen what it says.", "标定记录、原始试验或单表测试结果：JSON、逐行NDJSON，或试验CSV。预览确认之前不存储任何内容。";
+    choose_file: "Choose a file, or drop it here:", "选择文件，或拖放到此处：";
+    or_paste: "Text of the file:", "文件内容：";
+    preview: "Preview", "预览";
+    can_be_stored: "can be stored", "项可以存储";
+    cannot_be_stored: "cannot, and will not be", "项有误，不会存储";
+    store: "Store", "存储";
+    store_note: "Storing the same again is harmless.", "重复存储同样内容无妨。";
+    result: "Result", "结果";
+    line: "Line", "行";
+    refused: "refused", "拒绝";
+    is_stored: "stored:", "已存储：";
+    was_there: "was stored before with the same content:", "此前已存储，内容相同：";
 }

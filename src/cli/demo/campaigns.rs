@@ -1,0 +1,43 @@
+//! Raw campaigns with something hidden in them, to diagnose.
+
+use anyhow::anyhow;
+
+use super::Happening;
+use crate::core::time::UtcMicros;
+use crate::simulate::presets::preset;
+use crate::simulate::scenario::EffectChoice;
+use crate::simulate::{Scenario, simulate};
+use crate::wire::campaign::CampaignBody;
+use crate::wire::time;
+
+const IMU: &str = "IMU-21";
+/// Days before today; the programme; what is hidden, and how visible it is.
+const CAMPAIGNS: [(f64, &str, &[(&str, f64)]); 4] = [
+    (52.0, "24-position", &[]),
+    (38.0, "24-position", &[("temperature_bias", 14.0)]),
+    (24.0, "60-position", &[("hysteresis", 16.0), ("scale_asymmetry", 18.0)]),
+    (10.0, "24-bare", &[("magnetic", 20.0)]),
+];
+
+pub fn happenings(today: UtcMicros) -> anyhow::Result<Vec<Happening>> {
+    CAMPAIGNS.iter().map(|&(days_ago, programme, hidden)| campaign(today, days_ago, programme, hidden)).collect()
+}
+
+fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f64)]) -> anyhow::Result<Happening> {
+    let base = preset(programme).ok_or_else(|| anyhow!("no preset {programme}"))?;
+    let mut gyros = base.gyros.clone();
+    for (gyro, serial) in gyros.iter_mut().zip(["LFG-0061", "LFG-0062", "LFG-0063"]) {
+        gyro.serial = Some(serial.into());
+    }
+    let scenario = Scenario {
+        seed: 21,
+        imu: IMU.into(),
+        station: "ST-1".into(),
+        measured_at: time::format(today.plus_days(-days_ago)),
+        gyros,
+        effects: hidden.iter().map(|&(effect, visible)| EffectChoice::detectable(effect, visible)).collect(),
+        ..base
+    };
+    let simulated = simulate(&scenario).map_err(|faults| anyhow!("scenario: {faults}"))?;
+    Ok(Happening::Campaign(Box::new(CampaignBody::from(&simulated.campaign))))
+}

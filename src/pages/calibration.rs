@@ -1,0 +1,204 @@
+//! `/records/{id}` and `/campaigns/{id}`: one calibration of an IMU, from its verdicts down to its residuals.
+
+use axum::extract::{Path, State as Held};
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::{Markup, html};
+
+use super::Pages;
+use super::figure;
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::parameters::{self, Parameters};
+use super::residuals;
+use super::separation;
+use super::verdicts::{self, Said};
+use super::viewer::Viewer;
+use crate::core::judge::Verdict;
+use crate::core::mounting::Slot;
+use crate::pipeline::{Id, Kind, StoredCampaign, StoredRecord};
+use crate::wire::answer::VerdictBody;
+use crate::wire::calibration::GyroFitBody;
+use crate::wire::campaign::CampaignBody;
+use crate::wire::problem::Problem;
+use crate::wire::record::RecordBody;
+
+pub(super) async fn record(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+    match stored_record(&pages, &id).await {
+        Ok(stored) if stored.row.kind == Kind::Campaign => Redirect::to(&format!("/campaigns/{id}")).into_response(),
+        stored => viewer.show(stored.and_then(|stored| record_page(&pages, &viewer, &stored))),
+    }
+}
+
+pub(super) async fn campaign(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+    viewer.show(stored_campaign(&pages, &id).await.and_then(|stored| campaign_page(&pages, &viewer, &stored)))
+}
+
+async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
+    let number: Id = id.parse().map_err(|_| no_such("record", id))?;
+    pages.pipeline.stored_record(number).await?.ok_or_else(|| no_such("record", id))
+}
+
+pub(super) async fn stored_campaign(pages: &Pages, id: &str) -> Result<StoredCampaign, Problem> {
+    let number: Id = id.parse().map_err(|_| no_such("campaign", id))?;
+    pages.pipeline.stored_campaign(number).await?.ok_or_else(|| no_such("campaign", id))
+}
+
+fn no_such(what: &str, id: &str) -> Problem {
+    Problem::new(404, "Not found", format!("there is no {what} {id}"))
+}
+
+fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let StoredRecord { row, answer, seen } = stored;
+    let body: RecordBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
+    let gyros: Vec<Parameters> = body.gyros.iter().map(Parameters::stated).collect();
+    let title = format!("{} · {}", t.record, body.imu);
+    let markup = html! {
+        h1 { (t.record) " " a href={ "/imus/" (encoded(&body.imu)) } { (body.imu) } }
+        p.lead { (t.station) " " (body.station) " · " (t.calibrated) " " (instant(row.calibrated_at)) }
+        p.note {
+            (t.received) " " (instant(row.received_at)) " · " (t.identifier) " "
+            a href={ "/v1/records/" (row.id) } { code { (row.id) } }
+            @if let Some(operator) = &body.operator { " · " (t.operator) " " (operator) }
+            @if let Some(temperature) = body.temperature_c { " · " (temperature) " °C" }
+        }
+        @if let Some(note) = &body.note { p { (note) } }
+        (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen)))
+        section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
+        section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
+    };
+    Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
+}
+
+fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let StoredCampaign { row, answer, seen } = stored;
+    let body: CampaignBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
+    let fits = &answer.calibration.gyros;
+    let gyros: Vec<Parameters> = fits.iter().map(Parameters::fitted).collect();
+    let title = format!("{} · {}", t.campaign, answer.imu);
+    let markup = html! {
+        h1 { (t.campaign) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
+        p.lead {
+            (t.station) " " (answer.station) " · " (t.measured) " " (instant(row.calibrated_at)) " · "
+            (answer.calibration.dwells) " " (t.dwells)
+        }
+        p.note {
+            (t.received) " " (instant(row.received_at)) " · " (t.identifier) " "
+            a href={ "/v1/campaigns/" (row.id) } { code { (row.id) } }
+        }
+        p { a.action href={ "/campaigns/" (row.id) "/diagnosis" } { (t.diagnose) } }
+        (judged(viewer, fits.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen)))
+        section {
+            h2 { (t.separated) }
+            (separation::tables(t, &answer.separations))
+            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (gyro.reason) } }
+        }
+        section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
+        section {
+            h2 { (t.fit_quality) }
+            (quality(viewer, fits))
+            @for gyro in fits { (blind_directions(viewer, gyro)) }
+            @for note in &answer.notes { p.note { (note) } }
+        }
+        section {
+            h2 { (t.residuals_by_dwell) }
+            p.note { (t.residuals_note) }
+            @for gyro in fits {
+                h3 { (Slot::from(gyro.slot).name()) " " (gyro.serial) }
+                @if let Some(standardised) = &gyro.residuals.standardised {
+                    (residuals::strip(t, standardised))
+                } @else { p { (t.no_noise) } }
+            }
+            (residual_table(viewer, fits))
+        }
+    };
+    Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
+}
+
+/// Tables 3 and 4 hold where they are configured to.
+fn required(pages: &Pages, skewed: bool) -> bool {
+    skewed && pages.config.judging.requirements
+}
+
+fn unreadable(id: &Id) -> Problem {
+    Problem::new(500, "Damaged database", format!("the body of {id} cannot be read"))
+}
+
+fn judged<'a>(
+    viewer: &Viewer,
+    gyros: impl Iterator<Item = (Slot, &'a str)>,
+    (bodies, seen): (&[VerdictBody], &[Option<Verdict>]),
+) -> Markup {
+    let t = viewer.text();
+    html! {
+        section {
+            h2 { (t.verdicts_of_record) }
+            @for (slot, serial) in gyros {
+                @let own = Said::of_gyro(serial, bodies, seen);
+                h3 { (slot.name()) " " a href={ "/gyros/" (encoded(serial)) } { (serial) } }
+                @if own.is_empty() { p.quiet { (t.not_judged) } } @else { (verdicts::list(viewer, &own)) }
+            }
+        }
+    }
+}
+
+fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
+    let t = viewer.text();
+    let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p" }
+                th.n { (t.noise) ", deg/h" } th.n { (t.sem_factor) } th { (t.noise_from) }
+            } }
+            tbody { @for gyro in fits {
+                tr {
+                    th scope="row" { (Slot::from(gyro.slot).name()) " " (gyro.serial) }
+                    td.n { (gyro.rank) " / " (gyro.parameters.len()) } td.n { (gyro.dof) }
+                    td.n { (short(gyro.reduced_chi2)) } td.n { (short(gyro.p_value)) }
+                    td.n { (short(gyro.noise.rms_deg_per_h)) } td.n { (short(gyro.noise.sem_factor)) }
+                    td { (gyro.noise.source) }
+                }
+            } }
+        } }
+    }
+}
+
+/// What no dwell can see, and by which condition it was fixed.
+fn blind_directions(viewer: &Viewer, gyro: &GyroFitBody) -> Markup {
+    let t = viewer.text();
+    html! {
+        @for null in &gyro.null_directions {
+            p.note {
+                (gyro.serial) ": " (t.not_seen) " "
+                @for (i, (name, share)) in null.direction.iter().enumerate() {
+                    @if i > 0 { ", " } (symbol(name)) " " (figure::short(*share))
+                }
+                @if let Some(gauge) = &null.gauge { "; " (t.fixed_by) " " (gauge) }
+            }
+        }
+    }
+}
+
+fn residual_table(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
+    let t = viewer.text();
+    let dwells = fits.iter().map(|gyro| gyro.residuals.pulse_per_s.len()).max().unwrap_or(0);
+    html! {
+        details {
+            summary { (t.every_residual) }
+            div.scroll.tall { table {
+                thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", deg/h" } th.n { "σ" } } } }
+                tbody { @for dwell in 0..dwells {
+                    tr {
+                        td.n { (dwell) }
+                        @for gyro in fits {
+                            @let of = |list: &Option<Vec<f64>>| list.as_ref().and_then(|list| list.get(dwell).copied());
+                            td.n { @if let Some(value) = of(&gyro.residuals.deg_per_h) { (figure::short(value)) } }
+                            td.n { @if let Some(value) = of(&gyro.residuals.standardised) { (format!("{value:+.1}")) } }
+                        }
+                    }
+                } }
+            } }
+        }
+    }
+}

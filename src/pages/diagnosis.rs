@@ -1,0 +1,282 @@
+//! `/campaigns/{id}/diagnosis`: where campaign and model part, what parts them, how far the gap shrinks, what cannot be told,
+//! and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
+
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::calibration::stored_campaign;
+use super::figure::{percent, short};
+use super::layout::{Page, Section, encoded, instant};
+use super::residuals;
+use super::text::Text;
+use super::viewer::Viewer;
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
+use crate::pipeline::{Asked, StoredCampaign};
+use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
+use crate::wire::problem::Problem;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+    viewer.show(build(&pages, &viewer, &id).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let stored = stored_campaign(pages, id).await?;
+    let diagnosis = match pages.pipeline.diagnosis(stored.row.id).await? {
+        Asked::NoSuchCampaign => return Err(Problem::new(404, "Not found", format!("there is no campaign {id}"))),
+        Asked::Waiting => return Err(Problem::new(503, "Wait", t.diagnosis_waiting)),
+        Asked::Answered(diagnosed) => match &*diagnosed {
+            Ok(diagnosis) => DiagnosisBody::from(diagnosis),
+            Err(why) => return Err(Problem::new(422, "Nothing to diagnose", why.to_string())),
+        },
+    };
+    let slots: Vec<(String, String)> = stored
+        .answer
+        .calibration
+        .gyros
+        .iter()
+        .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
+        .collect();
+    let body = html! {
+        (head(t, &stored, &diagnosis))
+        (effects(t, &diagnosis))
+        (located(t, &diagnosis, &slots))
+        (candidates(t, &diagnosis.candidates))
+        (impact(t, &diagnosis))
+        (before_and_after(t, &diagnosis, &slots))
+        (blind_spots(t, &diagnosis))
+        (next(t, &diagnosis))
+        @if !diagnosis.notes.is_empty() {
+            section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (note) } } } }
+        }
+    };
+    Ok(Page { title: format!("{} · {}", t.diagnosis, stored.answer.imu), section: Section::Fleet, plots: false, body })
+}
+
+fn verdict_in_words(t: &Text, verdict: &str) -> &'static str {
+    match verdict {
+        "no_gap" => t.verdict_no_gap,
+        "explained" => t.verdict_explained,
+        "partly_explained" => t.verdict_partly_explained,
+        _ => t.verdict_unexplained,
+    }
+}
+
+fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
+    let answer = &stored.answer;
+    let gap = |rms: f64, chi2: f64, p: f64| html! { td.n { (short(rms)) } td.n { (short(chi2)) } td.n { (short(p)) } };
+    html! {
+        h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
+        p.note {
+            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.row.calibrated_at)) " · "
+            (answer.calibration.dwells) " " (t.dwells) " · "
+            a href={ "/campaigns/" (stored.row.id) } { (t.campaign) } " · "
+            a href={ "/v1/campaigns/" (stored.row.id) "/diagnosis" } { "JSON" }
+        }
+        p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
+        div.scroll { table {
+            thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { "p" } } }
+            tbody {
+                tr { th scope="row" { (t.gap_before) } (gap(d.gap.rms_deg_per_h, d.gap.reduced_chi2, d.gap.p_value)) }
+                tr {
+                    th scope="row" { (t.gap_after) }
+                    (gap(d.remaining.rms_deg_per_h, d.remaining.reduced_chi2, d.remaining.p_value))
+                }
+                tr {
+                    th scope="row" { (t.noise_floor) } td.n { (short(d.noise_floor.deg_per_h)) }
+                    td.quiet colspan="2" { (d.noise_floor.source) }
+                }
+            }
+        } }
+        @for sign in &d.remaining.signs {
+            p { (t.sign_of_more) ": " (sign.kind) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
+        }
+    }
+}
+
+/// An effect by its name in words, with the identifier that the interface uses.
+fn named(t: &Text, id: &str) -> Markup {
+    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
+}
+
+fn effects(t: &Text, d: &DiagnosisBody) -> Markup {
+    html! {
+        section {
+            h2 { (t.what_parts_them) }
+            @if d.effects.is_empty() { p { (t.no_effect) } }
+            @for effect in &d.effects { (one_effect(t, effect)) }
+            @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) {
+                p { (t.all_together) ": " } (closure(t, all))
+            }
+        }
+    }
+}
+
+fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
+    let others: Vec<&String> = effect.class.iter().filter(|id| **id != effect.effect).collect();
+    html! {
+        article.effect {
+            h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
+            @if let Some(entry) = Effect::from_id(&effect.effect).map(Effect::entry) {
+                p.note { code { (entry.equation) } }
+            }
+            (closure(t, &effect.held_out))
+            p.note {
+                (t.adjusted_p) " " (short(effect.p_value_adjusted)) " · " (t.detectability) " " (short(effect.detectability))
+            }
+            @if !others.is_empty() {
+                p { strong { (t.cannot_tell_from) } " " @for (i, id) in others.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+            }
+            div.scroll { table {
+                thead { tr { th { (t.serial) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
+                tbody { @for estimate in &effect.estimates {
+                    tr {
+                        td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
+                        td.n { (super::figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (estimate.unit) }
+                    }
+                } }
+            } }
+        }
+    }
+}
+
+/// How far the error of dwells that were held out shrinks.
+fn closure(t: &Text, held_out: &HeldOutBody) -> Markup {
+    let [low, high] = held_out.interval;
+    html! {
+        p {
+            (residuals::closure_bar(held_out.closure, Some(held_out.interval)))
+            strong { (percent(held_out.closure)) } " (" (percent(low)) " – " (percent(high)) ") "
+            (t.held_out) " " (short(held_out.before_deg_per_h)) " → " (short(held_out.after_deg_per_h)) " deg/h"
+        }
+    }
+}
+
+fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> Markup {
+    let names: Vec<String> = slots.iter().map(|(slot, _)| slot.clone()).collect();
+    let serial = |slot: &str| slots.iter().find(|(name, _)| name == slot).map_or("", |(_, serial)| serial.as_str());
+    html! {
+        section {
+            h2 { (t.located) }
+            p.note { (t.heat_note) }
+            (residuals::heat_map(t, &d.residuals, &names))
+            div.scroll { table {
+                thead { tr { th { (t.place) } th.n { (t.share) } } }
+                tbody {
+                    @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
+                    @for phase in &d.located.phases { tr { td { (t.phase(&phase.phase)) } td.n { (percent(phase.share)) } } }
+                    @for dwell in &d.located.dwells {
+                        tr {
+                            td { (t.dwell) " " (dwell.index) ", " (dwell.slot) ": " (short(dwell.residual_deg_per_h)) " deg/h" }
+                            td.n { (percent(dwell.share)) }
+                        }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
+    html! {
+        @if !all.is_empty() {
+            section {
+                h2 { (t.what_else) }
+                div.scroll { table {
+                    thead { tr { th { (t.effect) } th { (t.gyros) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) } } }
+                    tbody { @for candidate in all {
+                        tr {
+                            td { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+                            td.nowrap {
+                                @if let Some(closure) = candidate.closure {
+                                    (residuals::closure_bar(closure, None)) (percent(closure))
+                                } @else { "–" }
+                            }
+                            td.n { (short(candidate.p_value_adjusted)) } td { (candidate.why_not) }
+                        }
+                    } }
+                } }
+            }
+        }
+    }
+}
+
+fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
+    html! {
+        @if !d.impact.is_empty() {
+            section {
+                h2 { (t.impact) }
+                div.scroll { table {
+                    thead { tr {
+                        th { (t.serial) } th {} th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
+                    } }
+                    tbody { @for one in &d.impact {
+                        tr {
+                            td { (one.slot) } td { (super::layout::symbol(&one.coefficient)) }
+                            td.n { (super::figure::with_sd(one.plain, Some(one.augmented_sd), 6)) }
+                            td.n { (super::figure::with_sd(one.augmented, Some(one.augmented_sd), 6)) }
+                            td.n { (format!("{:+.6}", one.shift)) } td.n { (percent(one.of_budget)) }
+                        }
+                    } }
+                } }
+                p.note { (t.unit) }
+            }
+        }
+    }
+}
+
+fn before_and_after(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> Markup {
+    html! {
+        section {
+            h2 { (t.how_far) }
+            p.note { (t.before_after_note) }
+            @for (slot, serial) in slots {
+                h3 { (slot) " " (serial) }
+                (residuals::before_and_after(t, &d.residuals, slot))
+            }
+        }
+    }
+}
+
+fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
+    html! {
+        @if !d.not_identifiable.is_empty() {
+            section {
+                h2 { (t.cannot_be_told) }
+                div.scroll { table {
+                    thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }
+                    tbody { @for one in &d.not_identifiable {
+                        tr {
+                            td { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
+                            td { (one.reason) } td { (one.needs) }
+                        }
+                    } }
+                } }
+            }
+        }
+    }
+}
+
+fn next(t: &Text, d: &DiagnosisBody) -> Markup {
+    let three = |v: [f64; 3], decimals: usize| v.map(|x| format!("{x:.decimals$}")).join(", ");
+    html! {
+        @if !d.next_dwells.is_empty() {
+            section {
+                h2 { (t.measure_next) }
+                div.scroll { table {
+                    thead { tr { th { (t.phase_word) } th { (t.specific_force) ", g0" } th { (t.rate_word) ", arcsec/s" } th { (t.separates) } } }
+                    tbody { @for dwell in &d.next_dwells {
+                        tr {
+                            td { (t.phase(&dwell.phase)) } td.n { (three(dwell.specific_force_g0, 4)) }
+                            td.n { (three(dwell.rate_arcsec_s, 1)) }
+                            td { @for (i, id) in dwell.separates.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+                        }
+                    } }
+                } }
+            }
+        }
+    }
+}

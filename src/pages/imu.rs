@@ -1,0 +1,114 @@
+//! `/imus/{imu}`: the gyros in it, its newest parameters against what is required, its calibrations.
+
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::figure;
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::parameters::{self, Parameters};
+use super::standing::Grade;
+use super::text::Text;
+use super::viewer::Viewer;
+use crate::pipeline::{Kind, RecordHead, Standing, sample_of};
+use crate::wire::problem::Problem;
+use crate::wire::record::RecordBody;
+
+/// Calibrations that are listed.
+const RECORDS: u32 = 60;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Path<String>) -> Response {
+    viewer.show(build(&pages, &viewer, &imu).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let number = pages.pipeline.store().names().read().imus.number(imu);
+    let number =
+        number.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU with the name {imu} is known")))?;
+    let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
+    let mut gyros = pages.pipeline.fleet().await?;
+    gyros.retain(|standing| standing.newest.is_some_and(|newest| newest.imu == number));
+    gyros.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
+    let newest = match records.first() {
+        Some(head) => Some(newest_parameters(pages, t, head).await?),
+        None => None,
+    };
+    let body = html! {
+        h1 { (imu) }
+        section { h2 { (t.gyros_in_it) } (seated(pages, t, &gyros)) }
+        @if let Some(newest) = newest { section { h2 { (t.newest_parameters) } (newest) } }
+        section { h2 { (t.records) } (list(pages, t, &records)) }
+    };
+    Ok(Page { title: imu.to_owned(), section: Section::Fleet, plots: false, body })
+}
+
+async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result<Markup, Problem> {
+    let requirements = pages.config.judging.requirements;
+    let tables = match head.kind {
+        Kind::Campaign => {
+            let stored = pages.pipeline.stored_campaign(head.id).await?;
+            stored.map(|stored| {
+                let gyros: Vec<_> = stored.answer.calibration.gyros.iter().map(Parameters::fitted).collect();
+                let skewed = serde_json::from_str::<crate::wire::campaign::CampaignBody>(&stored.row.body)
+                    .is_ok_and(|body| parameters::is_skewed(&body.geometry));
+                parameters::tables(t, &gyros, requirements && skewed)
+            })
+        }
+        Kind::Record => {
+            let stored = pages.pipeline.store().record(head.id).await?;
+            let body = stored.and_then(|row| serde_json::from_str::<RecordBody>(&row.body).ok());
+            body.map(|body| {
+                let gyros: Vec<_> = body.gyros.iter().map(Parameters::stated).collect();
+                parameters::tables(t, &gyros, requirements && parameters::is_skewed(&body.geometry))
+            })
+        }
+    };
+    Ok(tables.unwrap_or_default())
+}
+
+fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th { (t.slot) } th { (t.serial) } th { (t.state) }
+                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.calibrated) }
+            } }
+            tbody { @for gyro in gyros {
+                @if let Some(newest) = &gyro.newest {
+                    tr {
+                        td { (newest.slot.name()) }
+                        th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
+                        td { (Grade::of(gyro).badge(t)) }
+                        @for measured in sample_of(newest, pages.config.judging.method).d {
+                            td.n { (figure::drift(measured.value, measured.sd)) }
+                        }
+                        td { (instant(newest.at)) }
+                    }
+                }
+            } }
+        } }
+        p.note { (t.unit) }
+    }
+}
+
+fn list(pages: &Pages, t: &Text, records: &[RecordHead]) -> Markup {
+    let tables = pages.pipeline.store().names().read();
+    html! {
+        div.scroll.tall { table {
+            thead { tr { th { (t.calibrated) } th { (t.station) } th { (t.kind) } } }
+            tbody { @for head in records {
+                @let campaign = head.kind == Kind::Campaign;
+                tr {
+                    td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
+                    td { (super::course::name(tables.stations.name(head.station))) }
+                    td {
+                        @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
+                        @else { (t.kind_record) }
+                    }
+                }
+            } }
+        } }
+    }
+}

@@ -1,0 +1,156 @@
+//! E, G and P of an IMU's gyros in the form of the paper's Tables 3 and 4: each figure with its standard deviation, what is
+//! required of it, and whether it keeps that.
+
+use maud::{Markup, html};
+
+use super::figure;
+use super::layout::encoded;
+use super::text::Text;
+use crate::core::judge::limits::{Bounds, Requirement};
+use crate::core::mounting::Slot;
+use crate::wire::calibration::{GyroFitBody, ParameterBody};
+use crate::wire::geometry::{GeometryBody, NamedGeometry};
+use crate::wire::record::GyroBody;
+
+/// One gyro's parameters of model (6).
+pub(super) struct Parameters {
+    slot: Slot,
+    serial: String,
+    /// Pulse/arcsec, pulse/(s g0) and pulse/(s g0^2), body axes.
+    e: Option<Three>,
+    g: Option<Three>,
+    p: Option<Three>,
+}
+
+/// Values along X, Y, Z, and their standard deviations where they are known.
+#[derive(Clone, Copy)]
+struct Three {
+    values: [f64; 3],
+    sd: [Option<f64>; 3],
+}
+
+impl Parameters {
+    /// As a station stated them. G that came in deg/(h g0) is multiplied by |E|.
+    pub fn stated(gyro: &GyroBody) -> Self {
+        let e = gyro.e_pulse_per_arcsec.0;
+        let norm = e.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let factor = if gyro.g_pulse_per_s_g0.is_some() { 1.0 } else { norm };
+        let g = gyro.g_pulse_per_s_g0.or(gyro.g_deg_per_h_g0);
+        let three =
+            |values: [f64; 3], sd: Option<[f64; 3]>| Three { values, sd: sd.map_or([None; 3], |sd| sd.map(Some)) };
+        Self {
+            slot: gyro.slot.into(),
+            serial: gyro.serial.clone(),
+            e: Some(three(e, gyro.e_sd.map(|sd| sd.0))),
+            g: g.map(|g| three(g.0.map(|v| v * factor), gyro.g_sd.map(|sd| sd.0.map(|v| v * factor)))),
+            p: gyro.p_pulse_per_s_g02.map(|p| three(p.0, None)),
+        }
+    }
+
+    /// As they were fitted here.
+    pub fn fitted(gyro: &GyroFitBody) -> Self {
+        let sd_of = |unit: &str| {
+            let of_unit: Vec<&ParameterBody> = gyro.parameters.iter().filter(|p| p.unit == unit).collect();
+            [0, 1, 2].map(|i| of_unit.get(i).and_then(|parameter| parameter.sd))
+        };
+        let split = |sd: Option<[f64; 3]>| sd.map_or([None; 3], |sd| sd.map(Some));
+        let g_squared = "pulse/(s g0^2)";
+        Self {
+            slot: gyro.slot.into(),
+            serial: gyro.serial.clone(),
+            e: gyro.e_pulse_per_arcsec.map(|e| Three { values: e.0, sd: split(gyro.e_sd.map(|sd| sd.0)) }),
+            g: gyro.g_pulse_per_s_g0.map(|g| Three { values: g.0, sd: split(gyro.g_sd.map(|sd| sd.0)) }),
+            p: gyro.p_pulse_per_s_g02.map(|p| Three { values: p.0, sd: sd_of(g_squared) }),
+        }
+    }
+}
+
+/// Whether Tables 3 and 4 apply.
+pub(super) fn is_skewed(geometry: &GeometryBody) -> bool {
+    matches!(geometry, GeometryBody::Named(NamedGeometry::Skewed))
+}
+
+pub(super) fn tables(t: &Text, gyros: &[Parameters], skewed: bool) -> Markup {
+    let required =
+        |slot: Slot| if skewed { Requirement::tables_3_and_4()[slot.index()] } else { Requirement::default() };
+    let norm = |three: &Three| three.values.iter().map(|v| v * v).sum::<f64>().sqrt();
+    html! {
+        (table(t, ("E", "pulse/arcsec"), gyros, |gyro| {
+            let e = gyro.e?;
+            let required = required(gyro.slot);
+            Some((e, required.e, Some((norm(&e), required.e_norm))))
+        }))
+        (table(t, ("G", "pulse/(s g0)"), gyros, |gyro| Some((gyro.g?, required(gyro.slot).g, None))))
+        @if gyros.iter().any(|gyro| gyro.p.is_some()) {
+            (table(t, ("P", "pulse/(s g0²)"), gyros, |gyro| Some((gyro.p?, [None; 3], None))))
+        }
+        @if skewed { p.note { (t.requirement_note) } }
+    }
+}
+
+/// Values, what is required of each, and the length with what is required of it.
+type Line = (Three, [Option<Bounds>; 3], Option<(f64, Option<Bounds>)>);
+
+fn table(
+    t: &Text,
+    (symbol, unit): (&str, &str),
+    gyros: &[Parameters],
+    line: impl Fn(&Parameters) -> Option<Line>,
+) -> Markup {
+    let lines: Vec<(&Parameters, Option<Line>)> = gyros.iter().map(|gyro| (gyro, line(gyro))).collect();
+    let with_norm = lines.iter().any(|(_, line)| line.as_ref().is_some_and(|(.., norm)| norm.is_some()));
+    html! {
+        div.scroll { table.parameters {
+            thead { tr {
+                th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
+                @if with_norm { th.n { "|" (symbol) "|" } }
+            } }
+            tbody { @for (gyro, line) in &lines {
+                tr {
+                    th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
+                    @if let Some((three, bounds, norm)) = line {
+                        @for i in 0..3 { (cell(t, three.values[i], three.sd[i], bounds[i])) }
+                        @if let Some((length, bounds)) = norm { (cell(t, *length, None, *bounds)) }
+                    } @else {
+                        td.quiet colspan="4" { (t.not_determined) }
+                    }
+                }
+            } }
+        } }
+    }
+}
+
+fn cell(t: &Text, value: f64, sd: Option<f64>, bounds: Option<Bounds>) -> Markup {
+    html! {
+        td.n {
+            (figure::with_sd(value, sd, 6))
+            @if let Some(Bounds { low, high }) = bounds {
+                @let kept = (low..=high).contains(&value);
+                br;
+                span.quiet { (low) " … " (high) } " "
+                span class={ "badge " (if kept { "within" } else { "exceeded" }) } { (if kept { t.pass } else { t.fail }) }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pages::text::Language;
+    use crate::wire::record::RecordBody;
+
+    #[test]
+    fn the_papers_own_figures_are_shown_with_what_is_required_of_them() {
+        let record: RecordBody =
+            serde_json::from_str(include_str!("../../tests/data/paper.json")).expect("the paper's record");
+        let gyros: Vec<Parameters> = record.gyros.iter().map(Parameters::stated).collect();
+        let shown = tables(Language::English.text(), &gyros, is_skewed(&record.geometry)).into_string();
+        assert!(shown.contains("0.847300") && shown.contains("0.8425 … 0.8529"), "{shown}");
+        assert_eq!(shown.matches("class=\"badge ").count(), 3 * (3 + 1 + 3));
+        let e: Vec<f64> = record.gyros.iter().flat_map(|gyro| gyro.e_pulse_per_arcsec.0).collect();
+        let required = Requirement::tables_3_and_4().map(|r| r.e).concat();
+        let outside = e.iter().zip(required).filter(|(v, b)| !b.is_some_and(|b| (b.low..=b.high).contains(*v))).count();
+        assert_eq!(shown.matches("badge exceeded").count(), outside);
+    }
+}

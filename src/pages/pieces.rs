@@ -1,0 +1,71 @@
+//! What a file holds: one document, several in an array, or one a line; each with the line on which it begins.
+
+use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
+
+use crate::wire::campaign::Form;
+
+#[derive(Debug, PartialEq)]
+pub(super) struct Piece<'a> {
+    /// Counting from 1.
+    pub line: usize,
+    pub text: &'a str,
+    pub form: Form,
+}
+
+/// The content decides, not a name. What is no JSON is read as a campaign's CSV.
+pub(super) fn pieces(text: &str) -> Vec<Piece<'_>> {
+    let text = text.trim_start_matches('\u{feff}');
+    let body = text.trim();
+    let piece = |part, form| Piece { line: line_of(text, part), text: part, form };
+    let json = |part| piece(part, Form::Json);
+    if body.is_empty() {
+        return Vec::new();
+    }
+    if let Ok(members) = serde_json::from_str::<Vec<&RawValue>>(body) {
+        return members.into_iter().map(|member| json(member.get())).collect();
+    }
+    let mut lines = body.lines().map(str::trim).filter(|line| !line.is_empty());
+    let several = lines.clone().count() > 1;
+    if several && lines.next().is_some_and(|first| first.starts_with('{') && is_json(first)) {
+        let all = body.lines().map(str::trim).filter(|line| !line.is_empty());
+        return all.map(json).collect();
+    }
+    if body.starts_with(['{', '[', '"']) {
+        return vec![json(body)];
+    }
+    vec![piece(body, Form::Csv)]
+}
+
+/// The line of `whole` on which its `part` begins.
+fn line_of(whole: &str, part: &str) -> usize {
+    let start = part.as_ptr() as usize - whole.as_ptr() as usize;
+    whole[..start].matches('\n').count() + 1
+}
+
+fn is_json(text: &str) -> bool {
+    serde_json::from_str::<IgnoredAny>(text).is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &str) -> Vec<(usize, &str)> {
+        pieces(text).into_iter().map(|piece| (piece.line, piece.text)).collect()
+    }
+
+    #[test]
+    fn files_are_taken_apart_by_what_they_hold() {
+        assert_eq!(lines("\u{feff}\n{\n \"a\": 1\n}\n"), [(2, "{\n \"a\": 1\n}")]);
+        assert_eq!(
+            lines("{\"a\": 1}\n\n  {\"b\": 2}\n{ broken"),
+            [(1, "{\"a\": 1}"), (3, "{\"b\": 2}"), (4, "{ broken")]
+        );
+        assert_eq!(lines("[{\"a\": 1},\n {\"b\": 2}]"), [(1, "{\"a\": 1}"), (2, "{\"b\": 2}")]);
+        assert_eq!(lines("{ broken"), [(1, "{ broken")]);
+        assert!(lines(" \n").is_empty());
+        let csv = pieces("# imu: A\nphase,start_s\n");
+        assert_eq!((csv.len(), csv[0].form), (1, Form::Csv));
+    }
+}

@@ -1,0 +1,78 @@
+//! What was separated from one calibration: D_I, D_S and the closure by both methods, angles and branches.
+
+use maud::{Markup, html};
+
+use super::figure;
+use super::layout::{encoded, symbol};
+use super::text::Text;
+use crate::core::mounting::Slot;
+use crate::wire::answer::{FigureBody, SeparationBody};
+
+pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
+                th.n { (t.closure_rms) }
+            } }
+            tbody { @for one in separations { (figures(t, one)) } }
+        } }
+        p.note { (t.unit) ". " (t.as_printed_note) }
+        h3 { (t.mounting) }
+        div.scroll { table {
+            thead { tr {
+                th { (t.serial) } th.n { "α" sub { "x" } } th.n { "α" sub { "y" } } th.n { "α" sub { "z" } }
+                th.n { (t.misalignment) ", ′" } th.n { (t.clocking) ", °" } th.n { "|E|, pulse/arcsec" }
+            } }
+            tbody { @for one in separations {
+                tr {
+                    (gyro(one))
+                    @for angle in one.alpha_deg.0 { td.n { (figure::fixed(angle, 6)) "°" } }
+                    td.n { (figure::fixed(one.misalignment_arcmin, 3)) }
+                    td.n { (measured(&one.clocking_deg)) }
+                    td.n { (measured(&one.scale_factor)) }
+                }
+            } }
+        } }
+    }
+}
+
+fn figures(t: &Text, one: &SeparationBody) -> Markup {
+    // The main figures may be the published ones; then the rigid ones stand beside them, without uncertainty.
+    let rigid = match &one.rigid {
+        Some(rigid) => [rigid.d_i, rigid.d_s, rigid.d_o].map(|value| FigureBody { value, sd: None }),
+        None => [one.d_i, one.d_s, one.d_o],
+    };
+    html! {
+        tr {
+            (gyro(one))
+            td { (t.method_rigid) }
+            @for figure in rigid { td.n { (measured(&figure)) } }
+            td.n {}
+        }
+        @for (body, name) in [(&one.published, t.method_published), (&one.as_printed, t.as_printed)] {
+            @if let Some(body) = body {
+                tr.beside {
+                    td {}
+                    td { (name) " (" (body.branch) ")" }
+                    td.n { (figure::drift(body.d_i, body.d_i_sd)) }
+                    td.n { (figure::drift(body.d_s, body.d_s_sd)) }
+                    td.n {}
+                    td.n { (figure::short(body.closure_rms)) }
+                }
+            }
+        }
+    }
+}
+
+fn gyro(one: &SeparationBody) -> Markup {
+    html! {
+        th scope="row" {
+            (Slot::from(one.slot).name()) " " a href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) }
+        }
+    }
+}
+
+fn measured(figure: &FigureBody) -> String {
+    figure::drift(figure.value, figure.sd)
+}

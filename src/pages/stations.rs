@@ -1,0 +1,52 @@
+//! `/stations`: what each station does to results.
+
+use axum::extract::State as Held;
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::figure;
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::text::Text;
+use super::viewer::Viewer;
+use crate::pipeline::StationEffect;
+use crate::wire::problem::Problem;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
+    viewer.show(build(&pages, &viewer).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let stations = pages.pipeline.station_effects().await?;
+    let body = html! {
+        h1 { (t.stations) }
+        @if stations.is_empty() { p.lead { (t.nothing_yet) } } @else {
+            p.note { (t.station_note) " " (t.unit) }
+            div.scroll { table {
+                thead { tr {
+                    th { (t.station) } th { (t.last_seen) } th.n { (t.calibrations_seen) }
+                    th.n { (t.scatter) " " (symbol("D_I")) } th.n { (t.scatter) " " (symbol("D_S")) }
+                    th.n { (t.on_arrival) " " (symbol("D_I")) } th.n { (t.on_arrival) " " (symbol("D_S")) } th.n { (t.changes_seen) }
+                } }
+                tbody { @for station in &stations { (line(t, station)) } }
+            } }
+        }
+    };
+    Ok(Page { title: t.stations.into(), section: Section::Stations, plots: false, body })
+}
+
+fn line(t: &Text, station: &StationEffect) -> Markup {
+    html! {
+        tr {
+            th scope="row" { a href={ "/?station=" (encoded(&station.name)) } title=(t.gyros) { (station.name) } }
+            td { (instant(station.last)) }
+            td.n { (station.records) }
+            @for scatter in station.scatter { td.n { @if let Some(scatter) = scatter { (figure::short(scatter)) } @else { "–" } } }
+            @for arrival in station.arrival {
+                td.n { @if let Some((mean, error)) = arrival { (figure::with_sd(mean, error, 6)) } @else { "–" } }
+            }
+            td.n { (station.arrivals) }
+        }
+    }
+}

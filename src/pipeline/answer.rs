@@ -24,8 +24,7 @@ pub struct StoredRecord {
 impl Pipeline {
     /// The answer to a calibration that has just been stored.
     pub fn answer(&self, id: Id, separations: Vec<SeparationBody>, judged: &[Judged]) -> RecordAnswer {
-        let verdicts = judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v)));
-        RecordAnswer { id: Some(id.to_string()), separations, verdicts: verdicts.collect() }
+        RecordAnswer { id: Some(id.to_string()), separations, verdicts: verdict_bodies(judged) }
     }
 
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
@@ -82,6 +81,10 @@ impl Pipeline {
         }
         Ok(bodies)
     }
+}
+
+pub(super) fn verdict_bodies(judged: &[Judged]) -> Vec<VerdictBody> {
+    judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v))).collect()
 }
 
 fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::models::InForce;
+use super::answer::verdict_bodies;
 use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
 use super::{Judged, Pipeline};
 use crate::config::JudgedMethod;
@@ -11,7 +12,7 @@ use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::Verdict;
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
-use crate::wire::answer::{MethodBody, VerdictBody};
+use crate::wire::answer::MethodBody;
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
@@ -120,8 +121,7 @@ impl Pipeline {
 
     /// The answer to a campaign that has just been stored.
     pub fn campaign_answer(&self, id: Id, mut answer: CampaignAnswer, judged: &[Judged]) -> CampaignAnswer {
-        let verdicts = judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v)));
-        answer.verdicts = verdicts.collect();
+        answer.verdicts = verdict_bodies(judged);
         answer.id = Some(id.to_string());
         answer
     }

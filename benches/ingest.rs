@@ -33,7 +33,7 @@ fn main() {
     runtime.block_on(async {
         let bare = bare_loop().await;
         println!("{:<34}{bare:>9.0} records/s", "bare sqlx, one commit a record");
-        for connections in [1, 16, 64] {
+        for connections in connections() {
             let (rate, p99) = over_http(connections).await;
             println!(
                 "{:<34}{rate:>9.0} records/s  {:>5.2} of bare  p99 {:.1} ms",
@@ -43,6 +43,12 @@ fn main() {
             );
         }
     });
+}
+
+/// Given on the command line (`cargo bench --bench ingest -- 64`), or 1, 16 and 64.
+fn connections() -> Vec<usize> {
+    let given: Vec<usize> = std::env::args().skip(1).filter_map(|argument| argument.parse().ok()).collect();
+    if given.is_empty() { vec![1, 16, 64] } else { given }
 }
 
 /// The paper's record as IMU number `imu` would send it at its `k`-th calibration, one a day.

@@ -13,6 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
+use super::answer::Answer;
 use super::document::{Document, check_media_type, idempotency_key};
 use crate::pipeline::{Accepted, Asked, Id, Kind, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
@@ -82,13 +83,13 @@ async fn post_campaign(State(app): State<App>, headers: HeaderMap, body: Dwells)
     match &accepted {
         Accepted::Stored { judged, .. } => {
             let answer = app.pipeline.campaign_answer(id, answer, judged);
-            Ok((StatusCode::CREATED, location, Json(answer)).into_response())
+            Ok((StatusCode::CREATED, location, Answer(answer)).into_response())
         }
         // Of a bench test nothing is judged: the answer is the fit, now as then.
         Accepted::There { .. } if place == "bench-results" => {
             Ok((location, Json(app.pipeline.campaign_answer(id, answer, &[]))).into_response())
         }
-        Accepted::There { .. } => Ok((location, Json(stored(&app, id).await?.answer)).into_response()),
+        Accepted::There { .. } => Ok((location, Answer(stored(&app, id).await?.answer)).into_response()),
     }
 }
 

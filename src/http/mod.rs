@@ -5,6 +5,7 @@
 //! ([`problem::as_problem`]).
 
 mod agreement;
+mod answer;
 mod baseline;
 mod bench_results;
 mod campaigns;
@@ -31,6 +32,7 @@ use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
 use axum::middleware;
+use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
@@ -76,11 +78,14 @@ pub fn router(app: App, pages: Router) -> Router {
         .with_state(app)
         .merge(pages)
         .fallback(problem::no_such_path)
-        .layer(DefaultBodyLimit::max(server.max_body_bytes))
-        .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
-        .layer(CompressionLayer::new())
-        .layer(middleware::from_fn(problem::as_problem))
-        .layer(CatchPanicLayer::new())
-        .layer(middleware::from_fn(problem::as_problem))
-        .layer(middleware::from_fn(metrics::count))
+        .layer(
+            // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
+            ServiceBuilder::new()
+                .layer(middleware::from_fn(metrics::count))
+                .layer(CompressionLayer::new())
+                .layer(middleware::from_fn(problem::as_problem))
+                .layer(CatchPanicLayer::new())
+                .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
+                .layer(DefaultBodyLimit::max(server.max_body_bytes)),
+        )
 }

@@ -12,6 +12,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
+use super::answer::Answer;
 use super::document::{Document, idempotency_key};
 use crate::pipeline::{Accepted, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
@@ -49,12 +50,12 @@ async fn post_record(State(app): State<App>, headers: HeaderMap, body: Document)
     match &accepted {
         Accepted::Stored { id, judged } => {
             let answer = app.pipeline.answer(*id, separations, judged);
-            Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/records/{id}"))], Json(answer)).into_response())
+            Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
         }
         Accepted::There { .. } => {
             let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
             let stored = stored(&app, id).await?;
-            Ok(([(LOCATION, format!("/v1/records/{id}"))], Json(stored.answer)).into_response())
+            Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(stored.answer)).into_response())
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use super::models::{ModelBook, adopt};
 use super::read::{Calibration, Submission};
 use super::{Accepted, Job, Judged, Refused, Reply};
 use crate::config::Config;
-use crate::core::judge::Verdict;
+use crate::core::judge::{Rule, State, Verdict};
 use crate::store::{Id, Kind, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
@@ -218,6 +219,8 @@ impl Task {
 
 /// Counts what has become of each item.
 fn count(items: &[&Submission], replies: &[Reply]) {
+    // A record has dozens of verdicts, and looking a counter up costs more than adding to it.
+    let mut verdicts: BTreeMap<(Rule, State), u64> = BTreeMap::new();
     for (item, reply) in items.iter().zip(replies) {
         let kind = match item {
             Submission::Calibration(_) => "calibration",
@@ -232,9 +235,11 @@ fn count(items: &[&Submission], replies: &[Reply]) {
         };
         metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(1);
         for verdict in reply.iter().flat_map(verdicts_of) {
-            metrics::counter!(telemetry::VERDICTS, "rule" => verdict.rule.name(), "state" => verdict.state.name())
-                .increment(1);
+            *verdicts.entry((verdict.rule, verdict.state)).or_default() += 1;
         }
+    }
+    for ((rule, state), count) in verdicts {
+        metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name()).increment(count);
     }
 }
 

@@ -8,6 +8,7 @@ pub mod history;
 pub mod limits;
 
 mod decide;
+mod decimal;
 mod reason;
 mod rules;
 

@@ -1,7 +1,8 @@
 //! Reasons in words that stand up in a review board: what was compared with what, on which dates, how certain.
 
-use std::fmt::{self, Display, Formatter};
+use std::fmt::{self, Display, Formatter, Write as _};
 
+use super::decimal::Decimal;
 use super::rules::Source;
 use super::{Coefficient, Rule, State, Verdict};
 use crate::core::time::UtcMicros;
@@ -92,7 +93,10 @@ pub enum Finding {
 impl Verdict {
     /// Why the verdict is what it is, in one or two sentences.
     pub fn reason(&self) -> String {
-        self.to_string()
+        // Room for nearly all of them: growing piece by piece costs more than the words.
+        let mut words = String::with_capacity(256);
+        write!(words, "{self}").expect("writing to a string cannot fail");
+        words
     }
 }
 
@@ -102,7 +106,7 @@ impl Display for Verdict {
         if matches!(self.finding, Finding::TooFew { .. }) {
             return f.write_str(".");
         }
-        write!(f, "; the limit is {:.*} {}.", digits(self.limit), self.limit, self.unit())?;
+        write!(f, "; the limit is {:.*} {}.", digits(self.limit), Decimal(self.limit), self.unit())?;
         self.write_certainty(f)?;
         if self.confirmed {
             f.write_str(match self.rule {
@@ -135,29 +139,31 @@ impl Verdict {
 
     fn write_finding(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (name, p) = (self.coefficient.name(), digits(self.limit));
-        let value = self.value.unwrap_or(0.0);
+        let value = Decimal(self.value.unwrap_or(0.0));
         match self.finding {
             Finding::TooFew { have, need } => {
                 let what = if self.rule == Rule::Agreement { "results" } else { "records" };
                 write!(f, "{name}: the rule {} needs {need} {what}, {have} are there", self.rule.name())
             }
             Finding::Step { since, before, now, confirms } => {
-                let (step, date) = (now - before, since.date());
-                write!(f, "{name} changed by {step:+.p$} from {before:.p$} on {date} to {now:.p$}")?;
+                let (step, before, date) = (Decimal(now - before), Decimal(before), since.date());
+                let shown = Decimal(now);
+                write!(f, "{name} changed by {step:+.p$} from {before:.p$} on {date} to {shown:.p$}")?;
                 let Some((at, level)) = confirms else { return Ok(()) };
-                write!(f, " and lies {:+.p$} from {level:.p$} on {}", now - level, at.date())
+                write!(f, " and lies {:+.p$} from {:.p$} on {}", Decimal(now - level), Decimal(level), at.date())
             }
             Finding::Range { records, days, lowest, highest } => {
                 write!(f, "{name} spans {value:.p$} over {records} records of {days} days, ")?;
-                write!(f, "from {:.p$} on {} ", lowest.1, lowest.0.date())?;
-                write!(f, "to {:.p$} on {}", highest.1, highest.0.date())
+                write!(f, "from {:.p$} on {} ", Decimal(lowest.1), lowest.0.date())?;
+                write!(f, "to {:.p$} on {}", Decimal(highest.1), highest.0.date())
             }
             Finding::Baseline { level, since, now } => {
-                write!(f, "{name} lies {:+.p$} from its baseline {level:.p$}", now - level)?;
+                write!(f, "{name} lies {:+.p$} from its baseline {:.p$}", Decimal(now - level), Decimal(level))?;
                 write_origin(f, since)
             }
             Finding::Closure { level, since, now, d_s } => {
-                write!(f, "The closure {name} moved by {:+.p$} from its baseline {level:.p$}", now - level)?;
+                let moved = Decimal(now - level);
+                write!(f, "The closure {name} moved by {moved:+.p$} from its baseline {:.p$}", Decimal(level))?;
                 write_origin(f, since)?;
                 write_turn(f, now - level, d_s)
             }
@@ -167,7 +173,8 @@ impl Verdict {
                 write!(f, " (a change of level on {} explains them better)", at.date())
             }
             Finding::Trend { records, since, per_day, deviation, horizon_days, reach } => {
-                let [low, slope, high] = per_day.map(|per_day| per_day * 365.25);
+                let deviation = Decimal(deviation);
+                let [low, slope, high] = per_day.map(|per_day| Decimal(per_day * 365.25));
                 write!(f, "{name} drifts by {slope:+.p$} a year ({low:+.p$} to {high:+.p$}) ")?;
                 write!(
                     f,
@@ -198,17 +205,17 @@ impl Verdict {
                     since.date()
                 )?;
                 let Some(explained) = explained else { return Ok(()) };
-                write!(f, ", of which the campaigns' standard deviations explain {explained:.p$}")
+                write!(f, ", of which the campaigns' standard deviations explain {:.p$}", Decimal(explained))
             }
             Finding::Agreement { results, lowest, highest } => {
-                let of = |(source, at, value): (Source, UtcMicros, f64)| {
-                    format!("{value:.p$} ({} on {})", source.name(), at.date())
+                let of = |(source, at, result): (Source, UtcMicros, f64)| {
+                    format!("{:.p$} ({} on {})", Decimal(result), source.name(), at.date())
                 };
                 write!(f, "{name} spans {value:.p$} over {results} results, from {} to {}", of(lowest), of(highest))
             }
             Finding::Requirement { figure, low, high, others_outside } => {
-                let where_it_lies = if (low..=high).contains(&value) { "lies within" } else { "lies outside" };
-                write!(f, "{figure} = {value:.p$} {where_it_lies} {low:.p$} to {high:.p$}")?;
+                let where_it_lies = if (low..=high).contains(&value.0) { "lies within" } else { "lies outside" };
+                write!(f, "{figure} = {value:.p$} {where_it_lies} {:.p$} to {:.p$}", Decimal(low), Decimal(high))?;
                 match others_outside {
                     0 => Ok(()),
                     n => write!(f, ", and so do {n} more figures of {name}"),
@@ -222,7 +229,8 @@ impl Verdict {
         match (self.sd, self.probability) {
             (Some(sd), Some(probability)) => {
                 let p = digits(self.limit);
-                write!(f, " With a standard deviation of {sd:.p$} the true value exceeds it with a probability of ")?;
+                write!(f, " With a standard deviation of {:.p$} the true value ", Decimal(sd))?;
+                f.write_str("exceeds it with a probability of ")?;
                 write_percent(f, probability)?;
                 f.write_str(if self.state == State::Indeterminate {
                     ": the uncertainty straddles the limit."

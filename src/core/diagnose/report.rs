@@ -13,7 +13,7 @@ use super::identify;
 use super::impact;
 use super::located;
 use super::next;
-use super::remaining::{self, Left};
+use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
 use super::settle::Settled;
 use crate::core::effects::suspects::SUSPECTS;
@@ -27,6 +27,12 @@ const REMAINS_BESIDE_A_NAME: f64 = 0.03;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
 const UNSEEN: f64 = 10.0;
+
+/// ln of evidence by which two named courses in time must beat a single wandering one to stand without a doubt.
+const LEAD_OVER_WANDERING: f64 = 10.0;
+
+/// A gap that needs more names than this has been approximated, not explained.
+const MOST_NAMED: usize = 2;
 
 /// One adopted contract entry with all that belongs to it.
 struct Named {
@@ -100,8 +106,9 @@ fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
             });
             continue;
         }
-        let twice = named.iter().any(|n| n.part.effect == effect && shared(&n.part.members, &members));
-        if twice {
+        let shape = search.bank.hypotheses[choice.hypothesis].shape;
+        let again = |n: &Named| n.part.effect == effect && (n.part.shape != shape || shared(&n.part.members, &members));
+        if named.iter().any(again) {
             crowded.push(Sign {
                 kind: "one_shape_is_not_enough",
                 slots: slots(search.frame, &members),
@@ -110,13 +117,35 @@ fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
             continue;
         }
         named.push(Named {
-            part: Part { effect, shape: search.bank.hypotheses[choice.hypothesis].shape, members },
+            part: Part { effect, shape, members },
             class: class::class(search, found, i),
             evidence: choice.evidence,
             rival: choice.rival,
         });
     }
+    crowded.extend(wandering(search, found));
+    if named.len() > MOST_NAMED {
+        let p_value = search.p_value(named.iter().map(|n| n.evidence).fold(f64::INFINITY, f64::min));
+        crowded.push(Sign { kind: "many_causes_at_once", slots: all_slots(search.frame), p_value });
+    }
     (named, crowded)
+}
+
+/// Two courses in time in one gyro that a single wandering one would replace without much loss: each may be there, or
+/// neither.
+fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
+    let course = |choice: &Choice| matches!(choice.kind, Kind::Effect(effect) if effect.is_course_in_time());
+    let mut signs = Vec::new();
+    for (i, first) in found.iter().enumerate().filter(|(_, choice)| course(choice)) {
+        for (j, second) in found.iter().enumerate().skip(i + 1).filter(|(_, choice)| course(choice)) {
+            let both: Vec<bool> = first.members.iter().zip(&second.members).map(|(a, b)| *a && *b).collect();
+            if both.contains(&true) && search.lead_over_wandering(found, i, j) < LEAD_OVER_WANDERING {
+                let p_value = search.p_value(first.evidence.min(second.evidence));
+                signs.push(Sign { kind: "wandering_in_time", slots: slots(search.frame, &both), p_value });
+            }
+        }
+    }
+    signs
 }
 
 fn level(named: &[Named]) -> f64 {
@@ -129,6 +158,10 @@ fn shared(a: &[bool], b: &[bool]) -> bool {
 
 fn slots(frame: &Frame, members: &[bool]) -> Vec<Slot> {
     (0..members.len()).filter(|&j| members[j]).map(|j| frame.setting.gyros[j].slot).collect()
+}
+
+fn all_slots(frame: &Frame) -> Vec<Slot> {
+    frame.setting.gyros.iter().map(|gyro| gyro.slot).collect()
 }
 
 /// Where something remains the residual is no measure of noise: repeats and stated errors are.
@@ -182,9 +215,11 @@ fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded
             basis.split_off(model)
         })
         .collect();
-    let tests = Left { frame, extras: &extras, residuals: &fit.residuals }.tests();
-    let all_slots: Vec<Slot> = frame.setting.gyros.iter().map(|g| g.slot).collect();
-    let p_value = remaining::combined(tests.iter().map(|t| t.p_value));
+    let left = Left { frame, extras: &extras, residuals: &fit.residuals };
+    let mut tests = left.tests();
+    tests.extend(harmonics(&left, named));
+    let all_slots = all_slots(frame);
+    let p_value = remaining::combined(&tests);
     if list.is_empty() && p_value < level(named) {
         list = remaining::signs(&tests, &all_slots, 10.0 * level(named));
         if list.is_empty() {
@@ -194,6 +229,20 @@ fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded
     }
     let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
     Signs { list, p_value: strongest }
+}
+
+/// The second and third harmonic of each named sinusoid: a cycle of another form has them.
+fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
+    let mut tests = Vec::new();
+    for part in named.iter().map(|n| &n.part) {
+        let Shape::Period(period) = part.shape else { continue };
+        for j in (0..part.members.len()).filter(|&j| part.members[j]) {
+            let overtones = [2.0, 3.0].map(|n| Part { shape: Shape::Period(period / n), ..part.clone() });
+            let columns = overtones.iter().flat_map(|overtone| overtone.columns(left.frame, j));
+            tests.extend(left.of_form("harmonics", j, columns.map(|c| left.frame.gyros[j].whiten(c)).collect()));
+        }
+    }
+    tests
 }
 
 fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {

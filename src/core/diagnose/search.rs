@@ -5,6 +5,7 @@ use super::basis::Basis;
 use super::evidence::{Score, State, scores, state};
 use super::frame::Frame;
 use super::null::Null;
+use crate::core::effects::suspects::{SUSPECTS, WANDERING};
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
 const MOST: usize = 4;
@@ -233,6 +234,22 @@ impl Search<'_> {
         let mut others = choices.to_vec();
         let kind = others.remove(i).kind;
         self.scores(&others).iter().find(|s| s.kind == kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence)
+    }
+
+    /// By how much (ln) choices `i` and `j` together explain more than the best single course in time in their place
+    /// would: little where two named courses are an approximation to a wandering one.
+    pub fn lead_over_wandering(&self, choices: &[Choice], i: usize, j: usize) -> f64 {
+        let others: Vec<Choice> =
+            (0..choices.len()).filter(|k| ![i, j].contains(k)).map(|k| choices[k].clone()).collect();
+        let wandering = self.scores(&others).into_iter().filter(|score| match score.kind {
+            Kind::Suspect(suspect) => WANDERING.contains(&SUSPECTS[suspect].id),
+            Kind::Effect(_) => false,
+        });
+        let best = wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+        let with = |more: &[usize]| others.iter().cloned().chain(more.iter().map(|&k| choices[k].clone())).collect();
+        let (one, both): (Vec<Choice>, Vec<Choice>) = (with(&[i]), with(&[i, j]));
+        let pair = self.given_others(&one, others.len()) + self.given_others(&both, others.len() + 1);
+        pair - PER_CAUSE - best
     }
 
     /// Drops, weakest first, what the others make superfluous.

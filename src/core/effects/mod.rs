@@ -175,6 +175,11 @@ impl Effect {
         }
     }
 
+    /// Whether it is a course of the bias in time alone.
+    pub fn is_course_in_time(self) -> bool {
+        matches!(self, Self::Warmup | Self::TimeRamp | Self::BiasStep | Self::Periodic)
+    }
+
     pub fn from_id(id: &str) -> Option<Self> {
         CATALOGUE.iter().find(|entry| entry.id == id).map(|entry| entry.effect)
     }

@@ -30,6 +30,9 @@ pub struct Suspect {
     pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
 }
 
+/// The suspects that follow any course of the bias in time, from smooth to a random walk.
+pub const WANDERING: [&str; 3] = ["curve_in_time", "wander_in_time", "correlated_in_time"];
+
 pub const SUSPECTS: &[Suspect] = &[
     Suspect {
         id: "curve_in_time",

@@ -100,14 +100,15 @@ pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
 /// Scores one kind of hypothesis.
 pub(super) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
     let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
-    let mut top = f64::NEG_INFINITY;
+    let mut total = LogSum::default();
     for i in range {
         let (log, gyro_log) = log_bayes(&bank.hypotheses[i], seen);
-        score.log_evidence = log_add(score.log_evidence, log);
-        if log > top {
-            (top, score.best, score.gyro_log) = (log, i, gyro_log);
+        if log > total.top {
+            (score.best, score.gyro_log) = (i, gyro_log);
         }
+        total.add(log);
     }
+    score.log_evidence = total.log();
     score
 }
 
@@ -141,7 +142,7 @@ impl Seen<'_> {
 
     /// -nu/2 ln(1 - explained/R), safe where rounding explains a little more than there is.
     fn gain(&self, explained: f64) -> f64 {
-        -0.5 * self.nu * (-(explained / self.rss).clamp(0.0, 1.0 - 1e-12)).ln_1p()
+        -0.5 * self.nu * (1.0 - (explained / self.rss).clamp(0.0, 1.0 - 1e-12)).ln()
     }
 }
 
@@ -154,11 +155,11 @@ fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [f64; MAX_GYROS]) 
         return (hypothesis.log_weight + log, gyro_log);
     }
     for (j, seen) in seen.iter().enumerate() {
-        let powers = hypothesis.powers.iter().enumerate();
-        let sum = powers
-            .map(|(p, &power)| log_bayes_gyro(&hypothesis.blocks[j], power, p, seen))
-            .fold(f64::NEG_INFINITY, log_add);
-        gyro_log[j] = sum - (hypothesis.powers.len() as f64).ln();
+        let mut sum = LogSum::default();
+        for (p, &power) in hypothesis.powers.iter().enumerate() {
+            sum.add(log_bayes_gyro(&hypothesis.blocks[j], power, p, seen));
+        }
+        gyro_log[j] = sum.log_mean(hypothesis.powers.len());
     }
     (hypothesis.log_weight + log_membership(&gyro_log[..seen.len()]), gyro_log)
 }
@@ -255,11 +256,12 @@ pub(super) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen
 }
 
 fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
-    let each = hypothesis.powers.iter().map(|&power| {
+    let mut sum = LogSum::default();
+    for &power in hypothesis.powers {
         let (gain, penalty) = common_fit(hypothesis, seen, power);
-        gain - penalty
-    });
-    each.fold(f64::NEG_INFINITY, log_add) - (hypothesis.powers.len() as f64).ln()
+        sum.add(gain - penalty);
+    }
+    sum.log_mean(hypothesis.powers.len())
 }
 
 /// Common coefficients: log-likelihood gain, and half of ln det plus the prior's own term. Each gyro weighs with its
@@ -300,7 +302,36 @@ fn log_det(cholesky: &Cholesky<f64, Dyn>) -> f64 {
     cholesky.l_dirty().diagonal().iter().map(|x| 2.0 * x.ln()).sum()
 }
 
-fn log_add(a: f64, b: f64) -> f64 {
-    let (low, high) = if a < b { (a, b) } else { (b, a) };
-    if low == f64::NEG_INFINITY { high } else { high + (low - high).exp().ln_1p() }
+/// ln of a sum of exponentials, kept in units of its largest term: one exponential a term, one logarithm in the end.
+struct LogSum {
+    top: f64,
+    sum: f64,
+}
+
+impl Default for LogSum {
+    fn default() -> Self {
+        Self { top: f64::NEG_INFINITY, sum: 0.0 }
+    }
+}
+
+impl LogSum {
+    /// Terms below this, in logarithms, do not change a sum of 1.
+    const NOTHING: f64 = -37.0;
+
+    fn add(&mut self, log: f64) {
+        if log > self.top {
+            self.sum = 1.0 + self.sum * (self.top - log).exp();
+            self.top = log;
+        } else if log - self.top > Self::NOTHING {
+            self.sum += (log - self.top).exp();
+        }
+    }
+
+    fn log(&self) -> f64 {
+        self.top + self.sum.ln()
+    }
+
+    fn log_mean(&self, count: usize) -> f64 {
+        self.top + (self.sum / count as f64).ln()
+    }
 }

@@ -77,10 +77,11 @@ impl Desk<'_> {
         if let Some((id, hash)) = self.record_at(imu, at, group).await? {
             return Ok(Accepted::There { id, same_bytes: hash == sent.body_sha256 });
         }
-        for (index, gyro) in sent.gyros.iter().enumerate() {
+        for gyro in &sent.gyros {
             let known = self.number(Table::Gyros, gyro.serial.as_str(), group);
             if let Some(existing) = self.row_at(known, at, group).await? {
-                return Err(Refused::GyroElsewhere { existing, index, serial: gyro.serial.to_string() });
+                let (index, serial) = (gyro.place, gyro.serial.to_string());
+                return Err(Refused::GyroElsewhere { existing, index, serial });
             }
         }
         let id = self.writer.next_id(self.now);

@@ -87,8 +87,8 @@ impl Pipeline {
     ) -> Calibration {
         let gyros = match outcome {
             Outcome::Imu { calibration, separations } => {
-                let pairs = calibration.gyros.iter().zip(&campaign.gyros).zip(separations);
-                let separated = pairs.filter_map(|((fitted, gyro), separation)| {
+                let pairs = calibration.gyros.iter().zip(&campaign.gyros).zip(separations).enumerate();
+                let separated = pairs.filter_map(|(place, ((fitted, gyro), separation))| {
                     let separation = separation.as_ref().ok()?;
                     let (e, g) = (fitted.e()?, fitted.g()?);
                     let sd = fitted.covariance_eg().map(|c| c.diagonal().map(|v| v.max(0.0).sqrt()));
@@ -96,6 +96,7 @@ impl Pipeline {
                     let requirements =
                         self.requirements(&campaign.geometry, gyro.slot, (&e, &g), (e_sd.as_ref(), g_sd.as_ref()));
                     Some(CalibratedGyro {
+                        place,
                         slot: gyro.slot,
                         serial: gyro.serial.clone(),
                         separation: separation.clone(),

@@ -43,6 +43,8 @@ pub struct Calibration {
 
 #[derive(Debug, Clone)]
 pub struct CalibratedGyro {
+    /// Its place among the gyros that were sent: a campaign's gyro that cannot be separated is not among these.
+    pub place: usize,
     pub slot: Slot,
     pub serial: Name,
     pub separation: Separation,
@@ -87,7 +89,7 @@ impl Pipeline {
     fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
         let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
             let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
-            self.calibrated(&record.geometry, gyro, covariance.as_ref())
+            self.calibrated(&record.geometry, (i, gyro), covariance.as_ref())
                 .map_err(|detail| Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), detail }.into())
         });
         let gyros = gyros.collect::<Result<_, Faults>>()?;
@@ -113,14 +115,14 @@ impl Pipeline {
     pub fn calibrated(
         &self,
         geometry: &Geometry,
-        gyro: &GyroParameters,
+        (place, gyro): (usize, &GyroParameters),
         covariance: Option<&CovarianceEg>,
     ) -> Result<CalibratedGyro, String> {
         let separation =
             separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance).map_err(|error| error.to_string())?;
         let sds = (gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
         let requirements = self.requirements(geometry, gyro.slot, (&gyro.e, &gyro.g), sds);
-        Ok(CalibratedGyro { slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
+        Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
     }
 
     /// E and G, with their standard deviations, against what Tables 3 and 4 require of the skewed geometry.

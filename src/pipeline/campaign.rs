@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::models::InForce;
 use super::answer::verdict_bodies;
+use super::models::InForce;
 use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
 use super::{Judged, Pipeline};
 use crate::config::JudgedMethod;

@@ -57,7 +57,7 @@ impl Judging {
             confidence: self.confidence,
             range_days: self.range_days,
             range_min_records: self.range_min_records,
-            interval_days: (self.interval_days > 0.0).then_some(self.interval_days),
+            interval_days: self.fleet_interval_days(),
             ..Limits::from_budget(self.budget)
         };
         self.rules.apply(None, &mut limits);
@@ -79,6 +79,11 @@ impl Judging {
             }
         }
         limits
+    }
+
+    /// Where no override says otherwise.
+    pub fn fleet_interval_days(&self) -> Option<f64> {
+        (self.interval_days > 0.0).then_some(self.interval_days)
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {

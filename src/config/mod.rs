@@ -1,5 +1,6 @@
 //! The configuration: defaults, files, environment, in that order; checked whole before anything starts.
 
+mod alerts;
 mod hooks;
 mod judging;
 mod rules;
@@ -15,6 +16,7 @@ use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
 use crate::store::Options;
 
+pub use alerts::Alerts;
 pub use hooks::Hooks;
 pub use judging::{JudgedMethod, Judging, Override};
 pub use rules::{FixedBaseline, RuleKeys};
@@ -27,6 +29,7 @@ pub struct Config {
     pub server: Server,
     pub database: Database,
     pub judging: Judging,
+    pub alerts: Alerts,
     pub hooks: Hooks,
     pub plausibility: PlausibilityKeys,
     pub log: Log,
@@ -176,6 +179,7 @@ impl Config {
                 return Err(ConfigError::Key { key: key.into(), detail: format!("must be positive, is {value}") });
             }
         }
+        self.alerts.check()?;
         self.hooks.check()?;
         self.judging.check()
     }

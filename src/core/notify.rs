@@ -4,7 +4,7 @@
 //! that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the telling;
 //! nothing here knows a clock, a person or a hook.
 
-use super::judge::{Finding, Severity, State, Verdict};
+use super::judge::{Finding, Rule, Severity, State, Verdict};
 use super::time::UtcMicros;
 
 /// How an alert behaves between verdicts.
@@ -43,6 +43,34 @@ impl Status {
     }
 }
 
+/// How an alert stands for whoever looks at it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Standing {
+    Firing,
+    /// Firing, and somebody knows.
+    Acknowledged,
+    /// Firing, and nobody is told before a time.
+    Silenced,
+    Resolved,
+}
+
+impl Standing {
+    pub const ALL: [Standing; 4] = [Standing::Firing, Standing::Acknowledged, Standing::Silenced, Standing::Resolved];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Standing::Firing => "firing",
+            Standing::Acknowledged => "acknowledged",
+            Standing::Silenced => "silenced",
+            Standing::Resolved => "resolved",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|standing| standing.name() == name)
+    }
+}
+
 /// What is kept of an alert. Who acknowledged or silenced it, and why, is kept beside it by the caller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alert {
@@ -59,6 +87,17 @@ pub struct Alert {
     pub silenced_until: Option<UtcMicros>,
     /// What the world believes: that it fires, as it was last told; none where it believes that all is well.
     pub told: Option<Told>,
+}
+
+impl Alert {
+    pub fn standing(&self, now: UtcMicros) -> Standing {
+        match self.status {
+            Status::Resolved => Standing::Resolved,
+            Status::Firing if is_silenced(self, now) => Standing::Silenced,
+            Status::Firing if self.acknowledged => Standing::Acknowledged,
+            Status::Firing => Standing::Firing,
+        }
+    }
 }
 
 /// The last that was told of a firing alert.
@@ -181,14 +220,19 @@ fn begin(earlier: Option<&Alert>, severity: Severity, record_at: UtcMicros, now:
 
 fn go_on(alert: &Alert, verdict: &Verdict, record_at: UtcMicros, now: UtcMicros, policy: &Policy) -> Alert {
     let another_campaign = alert.record_at != record_at || alert.within == 0;
+    // A requirement is judged without a history: that a second campaign says the same shows only here.
+    let of_requirement = verdict.rule == Rule::Requirement;
+    let confirmed = verdict.confirmed || of_requirement && alert.record_at != record_at;
     let alert = Alert { record_at, ..*alert };
     match verdict.state {
-        State::Exceeded => escalate(Alert { within: 0, ..alert }, verdict.severity()),
+        State::Exceeded => escalate(Alert { within: 0, ..alert }, Verdict { confirmed, ..*verdict }.severity()),
         State::Within if verdict.confirmed => escalate(alert, Some(Severity::Critical)),
         State::Within => {
             let within = alert.within + u32::from(another_campaign);
             let alert = Alert { within, ..alert };
-            let far_within = verdict.value.is_some_and(|value| value <= policy.resolve_below * verdict.limit);
+            // The limit of a requirement is a bound of an interval: a fraction of it means nothing.
+            let far_within =
+                !of_requirement && verdict.value.is_some_and(|value| value <= policy.resolve_below * verdict.limit);
             if far_within || within >= policy.resolve_after { end(alert, now) } else { alert }
         }
         State::Indeterminate if matches!(verdict.finding, Finding::TooFew { .. }) => end(alert, now),

@@ -8,6 +8,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
+use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
 use crate::core::judge::State as Judgement;
@@ -113,16 +114,6 @@ struct GyroDetail {
     bench_results: usize,
 }
 
-#[derive(Serialize, ToSchema)]
-struct EventBody {
-    id: String,
-    at: String,
-    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware` or `note`.
-    event: &'static str,
-    reason: String,
-    author: Option<String>,
-}
-
 /// One gyro: its newest figures, how they are judged, and what was done to it.
 #[utoipa::path(get, path = "/v1/gyros/{serial}", tag = "gyros",
     params(("serial" = String, Path, description = "serial number of the gyro")),
@@ -138,17 +129,11 @@ async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<
         None => None,
     };
     let verdicts = verdicts.into_iter().flatten().filter(|verdict| verdict.serial == serial).collect();
-    let events = store.events(number).await?.into_iter().map(|event| EventBody {
-        id: event.id.to_string(),
-        at: time::format(event.at),
-        event: event.event.name(),
-        reason: event.reason,
-        author: event.author,
-    });
+    let events = store.events(number).await?.iter().map(EventBody::of).collect();
     let calibrations = store.count_history(number).await?;
     let bench_results = store.bench_results(number, Span::EVER).await?.len();
     let gyro = Gyro::of(serial, newest.as_ref(), app.config.judging.method, &store.names().read());
-    Ok(Json(GyroDetail { gyro, verdicts, events: events.collect(), calibrations, bench_results }))
+    Ok(Json(GyroDetail { gyro, verdicts, events, calibrations, bench_results }))
 }
 
 impl Gyro {

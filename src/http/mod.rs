@@ -5,12 +5,14 @@
 //! ([`problem::as_problem`]).
 
 mod agreement;
+mod alerts;
 mod answer;
 mod baseline;
 mod bench_results;
 mod campaigns;
 mod docs;
 mod document;
+mod events;
 mod gyro_diagnosis;
 mod gyros;
 mod health;
@@ -68,6 +70,8 @@ pub fn router(app: App, pages: Router) -> Router {
         .merge(baseline::routes())
         .merge(models::routes())
         .merge(hooks::routes())
+        .merge(events::routes())
+        .merge(alerts::routes())
         .layer(TimeoutLayer::with_status_code(
             StatusCode::SERVICE_UNAVAILABLE,
             Duration::from_secs_f64(server.request_timeout_s),

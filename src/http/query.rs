@@ -1,6 +1,7 @@
 //! What several queries have in common: checked parameters, opaque cursors.
 
 use axum::extract::{FromRequestParts, Query};
+use axum::http::Uri;
 use axum::http::request::Parts;
 use base64::Engine;
 use base64::prelude::BASE64_URL_SAFE_NO_PAD;
@@ -68,6 +69,13 @@ pub fn position(cursor: &str) -> Result<i64, Problem> {
         _ => None,
     });
     position.ok_or_else(|| bad("cursor is none that this service has given out"))
+}
+
+/// The same address with another cursor (RFC 8288).
+pub fn link_to(uri: &Uri, next: &str) -> String {
+    let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
+    let query: Vec<String> = kept.map(str::to_owned).chain([format!("cursor={next}")]).collect();
+    format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&"))
 }
 
 /// The number of a gyro by its serial.

@@ -31,6 +31,8 @@ impl From<Refused> for Problem {
                 let place = Place { pointer: "/secret".into(), detail: detail.clone() };
                 Self::new(422, "Cannot be stored as it is", detail).with_place(place)
             }
+            Refused::UnknownAlert { .. } => Self::new(404, "Unknown alert", detail),
+            Refused::AlertResolved { .. } => Self::new(409, "Alert is resolved", detail),
             Refused::Busy | Refused::Stopping => Self::new(503, "Try again", detail),
             Refused::Store(error) => Self::from(&*error),
         }

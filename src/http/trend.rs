@@ -13,6 +13,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
+use super::events::EventBody;
 use super::query::{self, Parameters, bad};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
@@ -60,6 +61,8 @@ struct Trend<'a> {
     /// `deg/(h*g0)`.
     unit: &'static str,
     points: Vec<Point<'a>>,
+    /// What was done to the gyro in the stretch that was asked for, oldest first.
+    events: &'a [EventBody],
     /// Cursor of the next page; null on the last.
     next: Option<String>,
 }
@@ -110,27 +113,37 @@ async fn get_trend(
 ) -> Result<Response, Problem> {
     let gyro = query::gyro(&app, &serial)?;
     let request = Request::read(&app, &asked, &headers)?;
+    let mut events = app.pipeline.store().events(gyro).await?;
+    events.retain(|event| (request.span.from..=request.span.to).contains(&event.at));
+    let done: Vec<EventBody> = events.iter().map(EventBody::of).collect();
+    let seen = |rows: &mut dyn Iterator<Item = Seen>| {
+        rows.chain(events.iter().map(|event| (event.id.0, None))).collect::<Vec<_>>()
+    };
     let tag;
     let body = match request.method {
         Method::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
-            tag = etag(&request, rows.iter().map(|f| (f.record.0, f.states.worst().map(Judgement::name))), &next);
+            tag = etag(
+                &request,
+                &seen(&mut rows.iter().map(|f| (f.record.0, f.states.worst().map(Judgement::name)))),
+                &next,
+            );
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let names = app.pipeline.store().names();
-            request.written(&serial, names, next, |tables| {
+            request.written(&serial, names, &done, next, |tables| {
                 rows.iter().map(|f| separated_point(f, request.coefficient, method, tables)).collect()
             })?
         }
         Method::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
-            tag = etag(&request, rows.iter().map(|row| (row.id.0, None)), &next);
+            tag = etag(&request, &seen(&mut rows.iter().map(|row| (row.id.0, None))), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let names = app.pipeline.store().names();
-            request.written(&serial, names, next, |tables| {
+            request.written(&serial, names, &done, next, |tables| {
                 rows.iter().filter_map(|row| bench_point(row, request.coefficient, tables)).collect()
             })?
         }
@@ -219,6 +232,7 @@ impl Request {
         &self,
         serial: &str,
         names: &Names,
+        events: &[EventBody],
         next: Option<String>,
         points: impl for<'t> FnOnce(&'t Tables) -> Vec<Point<'t>>,
     ) -> Result<Written, Problem> {
@@ -228,6 +242,7 @@ impl Request {
             coefficient: self.coefficient.name(),
             unit: "deg/(h*g0)",
             points: points(&tables),
+            events,
             next: next.clone(),
         };
         let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
@@ -316,14 +331,13 @@ fn csv(trend: &Trend<'_>) -> Option<Vec<u8>> {
 }
 
 /// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
-fn etag<'a>(
-    request: &Request,
-    rows: impl Iterator<Item = (i64, Option<&'a str>)>,
-    next: &Option<String>,
-) -> HeaderValue {
+/// A record or an event that an answer holds, and how the record is judged.
+type Seen = (i64, Option<&'static str>);
+
+fn etag(request: &Request, seen: &[Seen], next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
     (request.coefficient, request.csv, next, format!("{:?}", request.method)).hash(&mut hasher);
-    rows.for_each(|row| row.hash(&mut hasher));
+    seen.hash(&mut hasher);
     let mut tag = String::new();
     write!(tag, "\"{:016x}\"", hasher.finish()).expect("writing to a string cannot fail");
     HeaderValue::from_str(&tag).expect("hexadecimal digits in quotes are a valid header")
@@ -342,18 +356,11 @@ fn not_modified(tag: &HeaderValue) -> Response {
 
 fn answer(body: Written, tag: &HeaderValue, uri: &Uri) -> Response {
     let media_type = if body.csv { "text/csv; charset=utf-8" } else { "application/json" };
-    let link = body.next.and_then(|next| HeaderValue::from_str(&link_to(uri, &next)).ok());
+    let link = body.next.and_then(|next| HeaderValue::from_str(&query::link_to(uri, &next)).ok());
     let mut response = ([(CONTENT_TYPE, media_type), (VARY, "accept")], body.text).into_response();
     response.headers_mut().insert(ETAG, tag.clone());
     if let Some(link) = link {
         response.headers_mut().insert(LINK, link);
     }
     response
-}
-
-/// The same address with another cursor (RFC 8288).
-fn link_to(uri: &Uri, next: &str) -> String {
-    let kept = uri.query().unwrap_or_default().split('&').filter(|p| !p.is_empty() && !p.starts_with("cursor="));
-    let query: Vec<String> = kept.map(str::to_owned).chain([format!("cursor={next}")]).collect();
-    format!("<{}?{}>; rel=\"next\"", uri.path(), query.join("&"))
 }

@@ -26,27 +26,36 @@ pub(super) struct Group {
     keys: HashMap<String, (Id, [u8; 32])>,
 }
 
-/// The newest record of each IMU and of each gyro: what is newer still is new, without asking the database.
+/// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
 #[derive(Debug, Default)]
 pub(super) struct Newest {
     imus: HashMap<u32, UtcMicros>,
-    gyros: HashMap<u32, UtcMicros>,
+    gyros: HashMap<u32, (UtcMicros, u32)>,
 }
 
 impl Newest {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
         let imus = store.newest_of_imus().await?.into_iter().collect();
         let gyros = store.newest_of_gyros(0, u32::MAX).await?.into_iter();
-        Ok(Self { imus, gyros: gyros.filter_map(|(gyro, figures)| Some((gyro, figures?.at))).collect() })
+        Ok(Self { imus, gyros: gyros.filter_map(|(gyro, figures)| figures.map(|f| (gyro, (f.at, f.imu)))).collect() })
     }
 
     /// Takes note of what has been committed.
     pub fn learn(&mut self, changes: &Changes) {
-        let later = |map: &mut HashMap<u32, UtcMicros>, key: u32, at: UtcMicros| {
-            map.entry(key).and_modify(|newest| *newest = at.max(*newest)).or_insert(at);
-        };
-        changes.records.iter().for_each(|record| later(&mut self.imus, record.imu, record.calibrated_at));
-        changes.history.iter().for_each(|row| later(&mut self.gyros, row.gyro, row.figures.at));
+        for record in &changes.records {
+            let newest = self.imus.entry(record.imu).or_insert(record.calibrated_at);
+            *newest = record.calibrated_at.max(*newest);
+        }
+        for row in &changes.history {
+            let seen = (row.figures.at, row.figures.imu);
+            let newest = self.gyros.entry(row.gyro).or_insert(seen);
+            *newest = seen.max(*newest);
+        }
+    }
+
+    /// Each gyro with its newest record's instant and IMU.
+    pub fn gyros(&self) -> impl Iterator<Item = (u32, UtcMicros, u32)> {
+        self.gyros.iter().map(|(&gyro, &(at, imu))| (gyro, at, imu))
     }
 }
 
@@ -207,7 +216,7 @@ impl Desk<'_> {
         if let Some(id) = group.rows.get(&(gyro, at)) {
             return Ok(Some(*id));
         }
-        if self.newest.gyros.get(&gyro).is_none_or(|newest| *newest < at) {
+        if self.newest.gyros.get(&gyro).is_none_or(|(newest, _)| *newest < at) {
             return Ok(None);
         }
         let row = self.store.history(gyro, Span { from: at, to: at }, 1).await?;

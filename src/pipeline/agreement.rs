@@ -1,14 +1,15 @@
 //! Which results of a gyro are put side by side, and how far they are apart.
 
 use super::Pipeline;
+use super::alerting::{Naming, Origin};
 use super::line::{load_marks, sample_of};
-use crate::config::JudgedMethod;
+use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Mark, Measured};
 use crate::core::judge::{Coefficient, Event, Source, SourcedResult, Verdict, agreement};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{BenchRow, Figures, Id, Span, Store, StoreError, Tables};
+use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,54 +44,104 @@ impl Pipeline {
             Some(span) => {
                 (self.store.bench_results(gyro, span).await?, self.store.history(gyro, span, usize::MAX).await?)
             }
-            None => self.made_to_be_compared(gyro).await?,
+            None => made_to_be_compared(&self.store, gyro, &Changes::default()).await?,
         };
-        let judged = self.config.judging.method;
-        let tables = self.store.names().read();
-        let mut results: Vec<Compared> = benches.iter().map(|bench| of_bench(bench, &tables)).collect();
-        for figures in &separations {
-            results.push(of_separation(figures, JudgedMethod::Rigid, judged, &tables));
-            if figures.published.is_some() {
-                results.push(of_separation(figures, JudgedMethod::Published, judged, &tables));
-            }
-        }
-        let imu = separations.last().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
-        let serial = tables.gyros.name(gyro).map_or("", |name| &**name);
-        let limits = self.config.judging.limits(imu, serial);
-        results.sort_by_key(|result| (result.at, result.id, result.method));
-        let range = [0, 1].map(|column| range(&results, column));
-        let newest = results.iter().map(|result| result.at).max();
-        let recent: Vec<&Compared> = results
-            .iter()
-            .filter(|r| r.counts && newest.is_some_and(|newest| newest.days_since(r.at) <= limits.agreement_days))
-            .collect();
-        let drifts = [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)];
-        let verdicts = drifts.into_iter().enumerate().filter_map(|(column, (coefficient, drift))| {
-            let of = |r: &&Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
-            let sourced: Vec<SourcedResult> = recent.iter().map(of).collect();
-            drift.agreement.map(|limit| agreement(coefficient, &sourced, limit, limits.confidence))
-        });
-        Ok(Comparison { range, verdicts: verdicts.collect(), results })
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        Ok(compare(gyro, &benches, &separations, &self.config.judging, &naming))
     }
+}
 
-    async fn made_to_be_compared(&self, gyro: u32) -> Result<(Vec<BenchRow>, Vec<Figures>), StoreError> {
-        let benches = self.store.bench_results(gyro, Span::EVER).await?;
-        let newest_bench = benches.last().map(|bench| bench.measured_at);
-        let separation = match newest_bench {
-            Some(at) => nearest(&self.store, gyro, at).await?,
-            None => self.store.newest_history(gyro, Span::EVER, 1).await?.pop(),
-        };
-        let marks = load_marks(&self.store, gyro).await?;
-        let since = last_repair(&marks, newest_bench.max(separation.as_ref().map(|figures| figures.at)));
-        let separation = separation.filter(|figures| figures.at >= since);
-        let benches: Vec<BenchRow> = benches.into_iter().filter(|bench| bench.measured_at >= since).collect();
-        let around = separation.as_ref().map(|figures| figures.at);
-        let benches = BenchMethod::ALL.into_iter().flat_map(|method| {
-            let of_method = benches.iter().filter(|bench| bench.method == method).cloned().collect();
-            around_it(of_method, around)
-        });
-        Ok((benches.collect(), separation.into_iter().collect()))
+/// How the methods agree on a gyro, and which result is the newest of them.
+#[derive(Debug)]
+pub(super) struct Agreement {
+    pub gyro: u32,
+    pub origin: Origin,
+    pub verdicts: Vec<Verdict>,
+}
+
+/// How the methods agree on a gyro once `changes` are stored; none where nothing is there to compare.
+pub(super) async fn agreement_after(
+    store: &Store,
+    judging: &Judging,
+    gyro: u32,
+    changes: &Changes,
+) -> Result<Option<Agreement>, StoreError> {
+    let (benches, separations) = made_to_be_compared(store, gyro, changes).await?;
+    let naming = Naming { tables: &store.names().read(), new: Some(changes) };
+    let compared = compare(gyro, &benches, &separations, judging, &naming);
+    let seat = separations.last().map(Origin::from);
+    let of_bench = benches.iter().max_by_key(|bench| bench.measured_at).map(|bench| Origin {
+        at: bench.measured_at,
+        item: Some(bench.id),
+        imu: seat.and_then(|seat| seat.imu),
+        slot: seat.and_then(|seat| seat.slot),
+        station: Some(bench.station),
+    });
+    let newest = seat.into_iter().chain(of_bench).max_by_key(|origin| origin.at);
+    Ok(newest.map(|origin| Agreement { gyro, origin, verdicts: compared.verdicts }))
+}
+
+fn compare(
+    gyro: u32,
+    benches: &[BenchRow],
+    separations: &[Figures],
+    judging: &Judging,
+    naming: &Naming<'_>,
+) -> Comparison {
+    let mut results: Vec<Compared> = benches.iter().map(|bench| of_bench(bench, naming.tables)).collect();
+    for figures in separations {
+        results.push(of_separation(figures, JudgedMethod::Rigid, judging.method, naming.tables));
+        if figures.published.is_some() {
+            results.push(of_separation(figures, JudgedMethod::Published, judging.method, naming.tables));
+        }
     }
+    let imu = separations.last().map(|figures| naming.imu(figures.imu)).unwrap_or_default();
+    let limits = judging.limits(&imu, &naming.gyro(gyro));
+    results.sort_by_key(|result| (result.at, result.id, result.method));
+    let range = [0, 1].map(|column| range(&results, column));
+    let newest = results.iter().map(|result| result.at).max();
+    let recent: Vec<&Compared> = results
+        .iter()
+        .filter(|r| r.counts && newest.is_some_and(|newest| newest.days_since(r.at) <= limits.agreement_days))
+        .collect();
+    let drifts = [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)];
+    let verdicts = drifts.into_iter().enumerate().filter_map(|(column, (coefficient, drift))| {
+        let of = |r: &&Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
+        let sourced: Vec<SourcedResult> = recent.iter().map(of).collect();
+        drift.agreement.map(|limit| agreement(coefficient, &sourced, limit, limits.confidence))
+    });
+    Comparison { range, verdicts: verdicts.collect(), results }
+}
+
+/// What is stored, with what `changes` add.
+async fn made_to_be_compared(
+    store: &Store,
+    gyro: u32,
+    changes: &Changes,
+) -> Result<(Vec<BenchRow>, Vec<Figures>), StoreError> {
+    let mut benches = store.bench_results(gyro, Span::EVER).await?;
+    benches.extend(changes.benches.iter().filter(|bench| bench.gyro == gyro).cloned());
+    benches.sort_by_key(|bench| (bench.measured_at, bench.method.name()));
+    let newest_bench = benches.last().map(|bench| bench.measured_at);
+    let stored = match newest_bench {
+        Some(at) => nearest(store, gyro, at).await?,
+        None => store.newest_history(gyro, Span::EVER, 1).await?.pop(),
+    };
+    let new_rows = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
+    let distance = |figures: &Figures| newest_bench.map_or(0, |at| (figures.at.0 - at.0).abs());
+    let separation = new_rows.chain(stored).min_by_key(|figures| (distance(figures), -figures.at.0));
+    let mut marks = load_marks(store, gyro).await?;
+    let new_marks = changes.events.iter().filter(|event| event.gyro == gyro);
+    marks.extend(new_marks.map(|event| Mark { at: event.at, event: event.event }));
+    let since = last_repair(&marks, newest_bench.max(separation.as_ref().map(|figures| figures.at)));
+    let separation = separation.filter(|figures| figures.at >= since);
+    let benches: Vec<BenchRow> = benches.into_iter().filter(|bench| bench.measured_at >= since).collect();
+    let around = separation.as_ref().map(|figures| figures.at);
+    let benches = BenchMethod::ALL.into_iter().flat_map(|method| {
+        let of_method = benches.iter().filter(|bench| bench.method == method).cloned().collect();
+        around_it(of_method, around)
+    });
+    Ok((benches.collect(), separation.into_iter().collect()))
 }
 
 /// The last repair up to `at`: what was before belongs, in effect, to another gyro.

@@ -2,12 +2,13 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
+use super::alerting::Naming;
 use super::line::{Line, baseline_of, load_marks, sample_of};
 use crate::config::Judging;
 use crate::core::judge::history::{History, Mark, Need, Sample, baseline_since};
 use crate::core::judge::{Coefficient, Finding, Limits, Rule, Verdict, judge};
 use crate::core::time::UtcMicros;
-use crate::store::{Changes, HistoryRow, Id, Span, States, Store, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{Changes, Figures, HistoryRow, Id, Span, States, Store, StoreError, StoredVerdict, VerdictSheet};
 
 /// Most records that are kept in memory, over all gyros (about 60 bytes each).
 const MAX_SAMPLES: usize = 400_000;
@@ -20,8 +21,24 @@ pub(super) struct Judge {
     lines: HashMap<u32, Line>,
 }
 
-/// The verdicts on new records, by record and gyro number.
+/// Verdicts by record and gyro number.
 pub(super) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
+
+/// What judging a group has found.
+#[derive(Debug, Default)]
+pub(super) struct Judged {
+    /// On every new record, and on the newest of a gyro where that was judged again.
+    pub verdicts: Verdicts,
+    /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest after all.
+    pub newest: Vec<Newest>,
+}
+
+/// A gyro's newest calibration.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Newest {
+    pub gyro: u32,
+    pub figures: Figures,
+}
 
 impl Judge {
     pub fn new(store: Store, judging: Judging) -> Self {
@@ -29,8 +46,8 @@ impl Judge {
     }
 
     /// Judges the new rows of `changes` and what they alter, and enters states and verdict sheets.
-    pub async fn judge(&mut self, changes: &mut Changes) -> Result<Verdicts, StoreError> {
-        let mut verdicts = Verdicts::new();
+    pub async fn judge(&mut self, changes: &mut Changes) -> Result<Judged, StoreError> {
+        let mut judged = Judged::default();
         let mut sheets = HashMap::new();
         let mut rows: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (i, row) in changes.history.iter().enumerate() {
@@ -46,14 +63,14 @@ impl Judge {
             self.load(gyro, changes).await?;
             let newest = self.lines.get(&gyro).and_then(Line::newest);
             if !has_events && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
-                self.append(gyro, &indices, changes, &mut verdicts);
+                self.append(gyro, &indices, changes, &mut judged);
             } else {
-                self.insert(gyro, &indices, changes, &mut verdicts, &mut sheets).await?;
+                self.insert(gyro, &indices, changes, &mut judged, &mut sheets).await?;
             }
         }
         changes.rejudged.sheets = sheets.into_iter().collect();
-        enter(&verdicts, changes);
-        Ok(verdicts)
+        enter(&judged.verdicts, changes);
+        Ok(judged)
     }
 
     /// Forgets everything: what was remembered is not what was committed.
@@ -84,7 +101,7 @@ impl Judge {
     }
 
     /// Records newer than all: the usual case, without a look at the database.
-    fn append(&mut self, gyro: u32, indices: &[usize], changes: &mut Changes, verdicts: &mut Verdicts) {
+    fn append(&mut self, gyro: u32, indices: &[usize], changes: &mut Changes, found: &mut Judged) {
         for &i in indices {
             let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
             let line = self.lines.entry(gyro).or_default();
@@ -92,7 +109,8 @@ impl Judge {
             line.append(sample_of(figures, self.judging.method));
             let judged = line.judge_newest(&limits);
             figures.states = states(&judged);
-            verdicts.insert((figures.record, gyro), judged);
+            found.newest.push(Newest { gyro, figures: *figures });
+            found.verdicts.insert((figures.record, gyro), judged);
             line.trim(Need::of(&limits));
         }
     }
@@ -103,7 +121,7 @@ impl Judge {
         gyro: u32,
         indices: &[usize],
         changes: &mut Changes,
-        verdicts: &mut Verdicts,
+        found: &mut Judged,
         sheets: &mut HashMap<Id, VerdictSheet>,
     ) -> Result<(), StoreError> {
         let method = self.judging.method;
@@ -129,7 +147,7 @@ impl Judge {
                 judge(&history, k, &limits, &mut judged);
                 let figures = &mut changes.history[i].figures;
                 figures.states = states(&judged);
-                verdicts.insert((figures.record, gyro), judged);
+                found.verdicts.insert((figures.record, gyro), judged);
             } else if let Ok(i) = stored.binary_search_by_key(&at, |figures| figures.at) {
                 let mut figures = stored[i];
                 judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
@@ -138,8 +156,14 @@ impl Judge {
                 if figures.states != stored[i].states {
                     changes.rejudged.history.push(HistoryRow { gyro, figures });
                 }
+                if k + 1 == samples.len() {
+                    found.verdicts.insert((figures.record, gyro), judged);
+                }
             }
         }
+        let new_rows = indices.iter().map(|&i| changes.history[i].figures);
+        let newest = stored.iter().copied().chain(new_rows).max_by_key(|figures| figures.at);
+        found.newest.extend(newest.map(|figures| Newest { gyro, figures }));
         let mut line = Line::of_all(samples, marks);
         line.trim(need);
         self.lines.insert(gyro, line);
@@ -169,18 +193,33 @@ impl Judge {
         Ok(())
     }
 
+    /// Whether an event after `at` parts the record of that time from what comes, as far as a rule goes. Of a gyro that has just
+    /// been judged.
+    pub fn is_reset_since(&self, gyro: u32, at: UtcMicros, rule: Rule) -> bool {
+        self.lines.get(&gyro).is_some_and(|line| line.marks().iter().any(|m| m.at > at && m.event.resets(rule)))
+    }
+
+    /// After how many days without a calibration a gyro is overdue.
+    pub fn interval_days(&self, gyro: u32, imu: u32, naming: &Naming<'_>) -> Option<f64> {
+        if self.judging.overrides.is_empty() {
+            return self.judging.fleet_interval_days();
+        }
+        self.judging.limits(&naming.imu(imu), &naming.gyro(gyro)).interval_days
+    }
+
+    /// Whether any gyro may become overdue.
+    pub fn has_intervals(&self) -> bool {
+        let of_overrides = self.judging.overrides.iter().any(|change| change.interval_days.is_some());
+        of_overrides || self.judging.fleet_interval_days().is_some()
+    }
+
     /// The limits of a gyro in its IMU, or of the fleet.
     fn limits(&self, of: Option<(u32, u32, &Changes)>) -> Limits {
         let Some((gyro, imu, changes)) = of.filter(|_| !self.judging.overrides.is_empty()) else {
             return self.judging.limits("", "");
         };
-        let tables = self.store.names().read();
-        let new = |names: &[(u32, String)], number: u32| {
-            names.iter().find(|(n, _)| *n == number).map(|(_, name)| name.clone()).unwrap_or_default()
-        };
-        let imu = tables.imus.name(imu).map_or_else(|| new(&changes.imus, imu), |name| name.to_string());
-        let serial = tables.gyros.name(gyro).map_or_else(|| new(&changes.gyros, gyro), |name| name.to_string());
-        self.judging.limits(&imu, &serial)
+        let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
+        self.judging.limits(&naming.imu(imu), &naming.gyro(gyro))
     }
 }
 

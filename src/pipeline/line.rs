@@ -59,6 +59,10 @@ impl Line {
         self.samples.last().map(|sample| sample.at)
     }
 
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
     pub fn len(&self) -> usize {
         self.samples.len()
     }

@@ -5,6 +5,7 @@
 //! submit    a bounded queue to the one writer          full: 503 with Retry-After
 //! admit     new, the same again, or in conflict        ┐
 //! judge     each gyro touched, late arrivals in place  │ one group at a time, by the writer
+//! alert     follow the newest verdicts of each gyro    │
 //! commit    one transaction, on disk                   ┘
 //! answer    the verdicts, or what stands in the way
 //! outbox    what hooks are to be told, from the database to their targets
@@ -15,6 +16,7 @@
 
 mod admit;
 mod agreement;
+mod alerting;
 mod answer;
 mod campaign;
 mod compare;
@@ -41,8 +43,10 @@ use crate::config::Config;
 use crate::core::judge::Verdict;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
+use crate::wire::alert::AlertBody;
 
 pub use agreement::{Compared, Comparison};
+pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep};
 pub use answer::StoredRecord;
 pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
@@ -51,13 +55,14 @@ pub use diagnosing::{Asked, Diagnosed};
 pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
-pub use hooks::{DeliveryPage, HookBook, HookPatch, NewHook, Order};
+pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
 pub use line::sample_of;
 pub use models::{Adoption, InForce};
 pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
-    BenchRow, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names, RecordHead, Span, StoreError, Tables,
+    AlertFilter, BenchRow, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names, RecordHead, Span, StoreError,
+    Tables,
 };
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
 pub use stations::StationEffect;
@@ -89,6 +94,8 @@ enum Job {
     Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
     /// A model is to be in force for an IMU.
     Model { adoption: Box<Adoption>, reply: oneshot::Sender<Result<Accepted, Refused>> },
+    /// What somebody says of an alert.
+    Alert { order: AlertOrder, reply: oneshot::Sender<Result<AlertBody, Refused>> },
     /// Whether it could.
     Probe(oneshot::Sender<Result<(), StoreError>>),
 }
@@ -137,6 +144,10 @@ pub enum Refused {
     SecretNeeded,
     #[error("there are {most} hooks already, and no more can be")]
     TooManyHooks { most: usize },
+    #[error("there is no alert {id}")]
+    UnknownAlert { id: Id },
+    #[error("alert {id} is resolved: there is nothing to acknowledge")]
+    AlertResolved { id: Id },
     #[error("too many writes are waiting")]
     Busy,
     #[error("the service is stopping")]

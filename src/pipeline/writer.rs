@@ -1,12 +1,15 @@
 //! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
 
-use std::collections::BTreeMap;
+mod following;
+
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 use std::time::Instant;
 
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::admit::{Desk, Group, Newest};
+use super::alerting::AlertBook;
 use super::hooks::{Attempted, HookBook, HookDesk, Order};
 use super::judging::{Judge, Verdicts};
 use super::models::{ModelBook, adopt};
@@ -28,6 +31,9 @@ pub(super) struct Task {
     config: Arc<Config>,
     newest: Newest,
     judge: Judge,
+    alerts: AlertBook,
+    /// Gyros whose methods are to agree.
+    benched: HashSet<u32>,
     hooks: HookBook,
     after: After,
 }
@@ -55,14 +61,21 @@ impl Task {
         let newest = Newest::load(&store).await?;
         let hooks = HookBook::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone());
-        Ok(Self { store, writer, clock, config, newest, judge, hooks, after })
+        let alerts = AlertBook::load(&store, config.alerts.policy()).await?;
+        let benched = store.gyros_on_benches().await?.into_iter().collect();
+        Ok(Self { store, writer, clock, config, newest, judge, alerts, benched, hooks, after })
     }
 
     /// Works until every sender is gone and the queue is empty, then closes the database.
     pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) {
         let max_group = self.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
-        while queue.recv_many(&mut jobs, max_group).await > 0 {
+        let mut ticks = self.ticks();
+        loop {
+            tokio::select! {
+                received = queue.recv_many(&mut jobs, max_group) => if received == 0 { break },
+                _ = ticks.tick() => self.tick().await,
+            }
             let (mut group, mut items) = (Vec::new(), 0);
             let (mut orders, mut attempts) = (Orders::new(), Attempts::new());
             for job in jobs.drain(..) {
@@ -79,6 +92,10 @@ impl Task {
                     Job::Model { adoption, reply } => {
                         let (store, models) = (&self.store, &self.after.models);
                         let _gone = reply.send(adopt(store, &mut self.writer, &self.clock, models, &adoption).await);
+                        continue;
+                    }
+                    Job::Alert { order, reply } => {
+                        let _gone = reply.send(self.obey(&order).await);
                         continue;
                     }
                     Job::Probe(reply) => {
@@ -170,7 +187,10 @@ impl Task {
         match &stored {
             Ok(_) => self.judge.tidy(),
             // What was remembered of the gyros is ahead of what is stored.
-            Err(_) => self.judge.forget(),
+            Err(_) => {
+                self.judge.forget();
+                self.alerts.forget();
+            }
         }
         stored
     }
@@ -184,18 +204,22 @@ impl Task {
             replies.push(desk.admit(item, &mut group).await);
         }
         let judging = Instant::now();
-        let verdicts = self.judge.judge(&mut group.changes).await?;
+        let found = self.judge.judge(&mut group.changes).await?;
+        let agreements = self.agreements(&group.changes).await?;
+        self.alerts.refresh(&self.store).await?;
+        self.follow(&sent(items, &replies), &mut group.changes, &found, &agreements, now)?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         if !group.changes.is_empty() {
             let committing = Instant::now();
-            self.writer.commit(&group.changes).await?;
+            self.commit(&group.changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
             metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
             self.newest.learn(&group.changes);
+            self.benched.extend(group.changes.benches.iter().map(|bench| bench.gyro));
         }
         for (item, reply) in items.iter().zip(&mut replies) {
             if let (Submission::Calibration(sent), Ok(Accepted::Stored { id, judged })) = (item, reply) {
-                *judged = self.judged(sent, *id, &verdicts);
+                *judged = self.judged(sent, *id, &found.verdicts);
                 if sent.kind == Kind::Campaign {
                     // Where the queue is full, the campaign is diagnosed when somebody asks.
                     let _full = self.after.to_diagnose.try_send(*id);
@@ -215,6 +239,15 @@ impl Task {
         };
         sent.gyros.iter().map(of).collect()
     }
+}
+
+/// The calibrations that are new, by the identifiers that they were given.
+fn sent<'a>(items: &[&'a Submission], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
+    let new = |(item, reply): (&&'a Submission, &Reply)| match (*item, reply) {
+        (Submission::Calibration(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, &**sent)),
+        _ => None,
+    };
+    items.iter().zip(replies).filter_map(new).collect()
 }
 
 /// Counts what has become of each item.

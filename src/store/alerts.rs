@@ -7,7 +7,7 @@ use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::notify::{Alert, Status, Told};
+use crate::core::notify::{Alert, Standing, Status, Told};
 use crate::core::time::UtcMicros;
 
 /// Who said so, why and when.
@@ -154,7 +154,52 @@ fn alert(row: &SqliteRow) -> Result<AlertRow, StoreError> {
     })
 }
 
+/// Which alerts are asked for; what is left out does not matter.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AlertFilter {
+    pub standing: Option<Standing>,
+    pub gyro: Option<u32>,
+    pub coefficient: Option<Coefficient>,
+    pub rule: Option<Rule>,
+    pub severity: Option<Severity>,
+    /// The IMU of the record that was judged last.
+    pub imu: Option<String>,
+}
+
 impl Store {
+    /// Alerts that a filter lets through at `now`, with identifiers below `before`, newest first.
+    pub async fn find_alerts(
+        &self,
+        filter: &AlertFilter,
+        now: UtcMicros,
+        before: Option<Id>,
+        limit: u32,
+    ) -> Result<Vec<AlertRow>, StoreError> {
+        let sql = sqlx::AssertSqlSafe(format!(
+            "{COLUMNS} WHERE id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
+                 AND ($4 IS NULL OR rule = $4) AND ($5 IS NULL OR severity = $5)
+                 AND ($6 IS NULL OR finding->>'imu' = $6)
+                 AND ($7 IS NULL OR $7 = CASE WHEN status = 'resolved' THEN 'resolved'
+                                              WHEN silenced_until > $8 THEN 'silenced'
+                                              WHEN acknowledged_at IS NOT NULL THEN 'acknowledged'
+                                              ELSE 'firing' END)
+             ORDER BY id DESC LIMIT $9"
+        ));
+        let rows = sqlx::query(sql)
+            .bind(before.map_or(i64::MAX, |id| id.0))
+            .bind(filter.gyro)
+            .bind(filter.coefficient.map(Coefficient::name))
+            .bind(filter.rule.map(Rule::name))
+            .bind(filter.severity.map(Severity::name))
+            .bind(filter.imu.as_deref())
+            .bind(filter.standing.map(Standing::name))
+            .bind(now.0)
+            .bind(limit)
+            .fetch_all(&self.readers)
+            .await?;
+        rows.iter().map(alert).collect()
+    }
+
     /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
     pub async fn alerts(&self) -> Result<Vec<AlertRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));

@@ -82,6 +82,11 @@ impl Store {
         found.map(row).transpose()
     }
 
+    /// Gyros that a bench has measured.
+    pub async fn gyros_on_benches(&self) -> Result<Vec<u32>, StoreError> {
+        Ok(sqlx::query_scalar("SELECT DISTINCT gyro FROM bench_result").fetch_all(&self.readers).await?)
+    }
+
     /// Bench results of a gyro within `span`, oldest first.
     pub async fn bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
         let sql =

@@ -26,7 +26,7 @@ mod outbox;
 mod record;
 mod verdicts;
 
-pub use alerts::{AlertRow, Remark, StepRow};
+pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};

@@ -5,6 +5,7 @@
 //! type then collects every fault of content. Both name places by JSON pointers with the names on the wire.
 
 pub mod alert;
+pub mod alert_csv;
 pub mod answer;
 pub mod bench;
 pub mod calibration;

@@ -45,6 +45,24 @@ pub fn note(pointer: &str, text: &Option<String>, faults: &mut Faults) -> Option
     optional(pointer, text, MAX_NOTE_CHARS, |c| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), faults)
 }
 
+/// Text of one line that must say something: who did it, say.
+pub fn required_short(pointer: &str, text: String, faults: &mut Faults) -> String {
+    required(pointer, &text, faults);
+    short(pointer, &Some(text), faults).unwrap_or_default()
+}
+
+/// Text of several lines that must say something: why, say.
+pub fn required_note(pointer: &str, text: String, faults: &mut Faults) -> String {
+    required(pointer, &text, faults);
+    note(pointer, &Some(text), faults).unwrap_or_default()
+}
+
+fn required(pointer: &str, text: &str, faults: &mut Faults) {
+    if text.trim().is_empty() {
+        faults.push(pointer, "must not be empty");
+    }
+}
+
 fn optional(
     pointer: &str,
     text: &Option<String>,

@@ -105,6 +105,31 @@ fn a_step_that_the_next_campaign_confirms_goes_on_firing_and_escalates() {
 }
 
 #[test]
+fn a_requirement_missed_by_a_second_campaign_escalates_and_two_that_keep_it_resolve() {
+    let requirement = |state| verdict(Rule::Requirement, state, -0.6, false);
+    let mut story = Story::default();
+    assert_eq!(story.record(0.0, &requirement(State::Exceeded)), Action::Fire);
+    assert_eq!(story.record(0.0, &requirement(State::Exceeded)), Action::Silent, "the same campaign again");
+    assert_eq!(story.record(14.0, &requirement(State::Exceeded)), Action::Escalate);
+    assert_eq!(story.record(28.0, &requirement(State::Within)), Action::Silent);
+    assert_eq!(story.record(42.0, &requirement(State::Within)), Action::Resolve);
+}
+
+#[test]
+fn how_an_alert_stands_is_told_by_what_people_said_and_by_the_time() {
+    let mut story = Story::default();
+    story.record(0.0, &exceeded());
+    let alert = story.alert.unwrap();
+    let known = acknowledge(&alert);
+    assert_eq!(alert.standing(day(1.0)), Standing::Firing);
+    assert_eq!(known.standing(day(1.0)), Standing::Acknowledged);
+    let silenced = silence(&known, Some(day(5.0)));
+    assert_eq!(silenced.standing(day(4.9)), Standing::Silenced);
+    assert_eq!(silenced.standing(day(5.0)), Standing::Acknowledged);
+    assert_eq!(reset(&silenced, day(2.0)).alert.unwrap().standing(day(2.0)), Standing::Resolved);
+}
+
+#[test]
 fn near_the_limit_it_takes_two_campaigns_to_resolve() {
     let mut story = Story::default();
     story.record(0.0, &exceeded());

@@ -7,7 +7,7 @@ use crate::wire::hook::FilterBody;
 
 /// The enabled hooks and what each wants to hear.
 #[derive(Debug, Default)]
-pub struct HookBook(Vec<(Id, FilterBody)>);
+pub(in crate::pipeline) struct HookBook(Vec<(Id, FilterBody)>);
 
 impl HookBook {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {

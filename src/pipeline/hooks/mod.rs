@@ -7,7 +7,7 @@ mod desk;
 mod read;
 mod show;
 
-pub use book::HookBook;
+pub(super) use book::HookBook;
 pub use desk::Order;
 pub(super) use desk::{Attempted, HookDesk};
 pub use read::{HookPatch, NewHook};

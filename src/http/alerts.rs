@@ -1,0 +1,286 @@
+//! `/v1/alerts`: what fires, what has fired, and what people say of it.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK};
+use axum::http::{HeaderMap, HeaderValue, Uri};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::Document;
+use super::query::{self, Parameters, bad};
+use crate::core::fault::Faults;
+use crate::core::judge::{Coefficient, Rule, Severity};
+use crate::core::notify::Standing;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, AlertStep, Id};
+use crate::wire::alert::AlertBody;
+use crate::wire::problem::Problem;
+use crate::wire::{alert_csv, json, text, time};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(get_alerts))
+        .routes(routes!(get_alert))
+        .routes(routes!(post_acknowledge))
+        .routes(routes!(post_silence))
+}
+
+const DEFAULT_ALERTS: usize = 100;
+const MOST_ALERTS: usize = 10_000;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct AlertsQuery {
+    /// `firing`, `acknowledged`, `silenced` or `resolved`.
+    state: Option<String>,
+    /// Of one gyro.
+    serial: Option<String>,
+    /// Of one rule: `step`, `range`, `baseline`, ….
+    rule: Option<String>,
+    /// `D_I`, `D_S`, `D_O`, `E`, `G` or `all`.
+    coefficient: Option<String>,
+    /// `warning` or `critical`.
+    severity: Option<String>,
+    /// Where the gyro was when it was last judged.
+    imu: Option<String>,
+    /// At most so many; 100 unless it is given, all that there are in CSV.
+    limit: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+    /// `json` or `csv`; without it, `Accept` decides.
+    format: Option<String>,
+}
+
+/// Alerts, newest first.
+#[derive(Serialize, ToSchema)]
+struct Alerts {
+    alerts: Vec<AlertBody>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// Alerts, the newest first. An alert lasts: when it fires again it is the same alert.
+#[utoipa::path(get, path = "/v1/alerts", tag = "alerts", params(AlertsQuery), responses(
+    (status = 200, description = "the alerts", content((Alerts = "application/json"), (String = "text/csv")),
+        headers(("Link" = String, description = "the next page"))),
+    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
+    (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+async fn get_alerts(
+    State(app): State<App>,
+    Parameters(asked): Parameters<AlertsQuery>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let csv = wants_csv(asked.format.as_deref(), &headers)?;
+    let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
+    let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
+    let filter = filter(&app, &asked)?;
+    let mut found = app.pipeline.alerts(&filter, before, limit as u32 + 1).await?;
+    let more = found.len() > limit;
+    found.truncate(limit);
+    let next = found.last().filter(|_| more).map(|(id, _)| query::cursor(id.0));
+    let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
+    let link = next.as_deref().and_then(|next| HeaderValue::from_str(&query::link_to(&uri, next)).ok());
+    let mut response = if csv {
+        ([(CONTENT_TYPE, "text/csv; charset=utf-8")], alert_csv::to_csv(&alerts)).into_response()
+    } else {
+        Json(Alerts { alerts, next }).into_response()
+    };
+    if let Some(link) = link {
+        response.headers_mut().insert(LINK, link);
+    }
+    Ok(response)
+}
+
+fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem> {
+    match format {
+        Some("csv") => Ok(true),
+        Some("json") => Ok(false),
+        Some(other) => Err(bad(&format!("format must be json or csv, is {other}"))),
+        None => Ok(headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv"))),
+    }
+}
+
+fn filter(app: &App, asked: &AlertsQuery) -> Result<AlertFilter, Problem> {
+    Ok(AlertFilter {
+        standing: one_of("state", asked.state.as_deref(), Standing::from_name, Standing::ALL.map(Standing::name))?,
+        gyro: asked.serial.as_deref().map(|serial| query::gyro(app, serial)).transpose()?,
+        coefficient: one_of(
+            "coefficient",
+            asked.coefficient.as_deref(),
+            Coefficient::from_name,
+            Coefficient::ALL.map(Coefficient::name),
+        )?,
+        rule: one_of("rule", asked.rule.as_deref(), Rule::from_name, Rule::ALL.map(Rule::name))?,
+        severity: one_of(
+            "severity",
+            asked.severity.as_deref(),
+            Severity::from_name,
+            Severity::ALL.map(Severity::name),
+        )?,
+        imu: asked.imu.clone(),
+    })
+}
+
+fn one_of<T, const N: usize>(
+    parameter: &str,
+    asked: Option<&str>,
+    from_name: impl FnOnce(&str) -> Option<T>,
+    names: [&str; N],
+) -> Result<Option<T>, Problem> {
+    let Some(asked) = asked else { return Ok(None) };
+    let unknown = || bad(&format!("{parameter} must be one of {}; is {asked}", names.join(", ")));
+    from_name(asked).map(Some).ok_or_else(unknown)
+}
+
+/// One alert and what became of it.
+#[derive(Serialize, ToSchema)]
+struct AlertDetail {
+    #[serde(flatten)]
+    alert: AlertBody,
+    /// Its newest thousand steps, oldest first.
+    history: Vec<StepBody>,
+}
+
+/// One step of an alert.
+#[derive(Serialize, ToSchema)]
+struct StepBody {
+    id: String,
+    at: String,
+    /// `fire`, `escalate`, `repeat`, `resolve`; or what somebody did: `acknowledge`, `silence`.
+    action: String,
+    /// Whether hooks were told.
+    told: bool,
+    by: Option<String>,
+    reason: Option<String>,
+    /// The alert as it then was.
+    alert: AlertBody,
+}
+
+impl From<AlertStep> for StepBody {
+    fn from(step: AlertStep) -> Self {
+        let AlertStep { id, at, action, told, author, reason, alert } = step;
+        Self { id: id.to_string(), at: time::format(at), action, told, by: author, reason, alert }
+    }
+}
+
+/// One alert with its history.
+#[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
+    params(("id" = String, Path, description = "identifier of the alert")),
+    responses(
+        (status = 200, description = "the alert", body = AlertDetail),
+        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json")))]
+async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
+    let found = app.pipeline.alert(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
+    Ok(Json(AlertDetail { alert: found.alert, history: found.steps.into_iter().map(StepBody::from).collect() }))
+}
+
+fn read_id(id: &str) -> Result<Id, Problem> {
+    id.parse().map_err(|_| unknown(id))
+}
+
+fn unknown(id: &str) -> Problem {
+    Problem::new(404, "Unknown alert", format!("there is no alert {id}"))
+}
+
+/// Who knows, and why it may go on firing.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct AcknowledgeBody {
+    #[schema(min_length = 1, max_length = 128)]
+    by: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+/// Who wants nobody to be told, until when, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct SilenceOrder {
+    /// RFC 3339; in the future.
+    until: String,
+    #[schema(min_length = 1, max_length = 128)]
+    by: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+/// Somebody knows: no more repeats until it resolves or grows more severe. Both are still told.
+#[utoipa::path(post, path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
+    params(("id" = String, Path, description = "identifier of the alert")),
+    responses(
+        (status = 200, description = "the alert, acknowledged", body = AlertBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it is resolved", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_acknowledge(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<AlertBody>, Problem> {
+    let read = |bytes: &[u8]| {
+        let AcknowledgeBody { by, reason } = json::parse(bytes)?;
+        order(&id, AlertChange::Acknowledge, by, reason, Faults::default())
+    };
+    let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(&id))?).await?))
+}
+
+/// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
+#[utoipa::path(post, path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
+    params(("id" = String, Path, description = "identifier of the alert")),
+    responses(
+        (status = 200, description = "the alert, silenced", body = AlertBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_silence(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<AlertBody>, Problem> {
+    let read = |bytes: &[u8]| {
+        let SilenceOrder { until, by, reason } = json::parse(bytes)?;
+        let mut faults = Faults::default();
+        let until = future("/until", &until, app.clock.now(), &mut faults);
+        order(&id, AlertChange::Silence { until }, by, reason, faults)
+    };
+    let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(&id))?).await?))
+}
+
+fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {
+    let at = time::parse(text).unwrap_or_else(|detail| {
+        faults.push(pointer, detail);
+        UtcMicros(i64::MAX)
+    });
+    if at <= now {
+        faults.push(pointer, "must lie in the future");
+    }
+    at
+}
+
+/// The order, checked; none where the identifier cannot be one.
+fn order(
+    id: &str,
+    change: AlertChange,
+    by: String,
+    reason: String,
+    mut faults: Faults,
+) -> Result<Option<AlertOrder>, Faults> {
+    let by = text::required_short("/by", by, &mut faults);
+    let reason = text::required_note("/reason", reason, &mut faults);
+    let alert = id.parse().ok();
+    faults.or(alert.map(|alert| AlertOrder { alert, change, by, reason }))
+}

@@ -1,0 +1,141 @@
+//! `/v1/gyros/{serial}/events`: what was done to a gyro, so that the rules know what not to compare.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::Document;
+use super::query;
+use crate::core::fault::Faults;
+use crate::core::judge::{Event, Rule};
+use crate::core::record::Name;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Accepted, EventRow, GyroEvent, Submission};
+use crate::wire::problem::Problem;
+use crate::wire::{json, text, time};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_events, post_event))
+}
+
+/// What was done to a gyro.
+#[derive(Serialize, ToSchema)]
+pub struct EventBody {
+    id: String,
+    at: String,
+    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware` or `note`.
+    event: &'static str,
+    reason: String,
+    author: Option<String>,
+    /// Rules that do not compare what was before with what comes after.
+    resets: Vec<&'static str>,
+}
+
+impl EventBody {
+    pub fn of(event: &EventRow) -> Self {
+        Self::new(event.id.to_string(), event.at, event.event, event.reason.clone(), event.author.clone())
+    }
+
+    fn new(id: String, at: UtcMicros, event: Event, reason: String, author: Option<String>) -> Self {
+        let resets = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Overdue && event.resets(*rule));
+        Self { id, at: time::format(at), event: event.name(), reason, author, resets: resets.map(Rule::name).collect() }
+    }
+}
+
+/// Events, oldest first.
+#[derive(Serialize, ToSchema)]
+struct Events {
+    serial: String,
+    events: Vec<EventBody>,
+}
+
+/// What was done to a gyro, oldest first.
+#[utoipa::path(get, path = "/v1/gyros/{serial}/events", tag = "gyros",
+    params(("serial" = String, Path, description = "serial number of the gyro")),
+    responses(
+        (status = 200, description = "the events", body = Events),
+        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
+    let events = app.pipeline.store().events(query::gyro(&app, &serial)?).await?;
+    Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
+}
+
+/// What was done, when and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct NewEvent {
+    /// `repair`, `reinstallation`, `transport`, `firmware`, `note` or `baseline`.
+    event: String,
+    /// In words.
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+    /// When, RFC 3339; now, where it is left out.
+    #[serde(default)]
+    at: Option<String>,
+    #[serde(default)]
+    author: Option<String>,
+}
+
+/// Says what was done to a gyro. What the event resets is judged again.
+#[utoipa::path(post, path = "/v1/gyros/{serial}/events", tag = "gyros", request_body = NewEvent,
+    params(("serial" = String, Path, description = "serial number of the gyro")),
+    responses(
+        (status = 201, description = "the event is stored", body = EventBody),
+        (status = 200, description = "was stored before, with the same words", body = EventBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "the same kind of event is stored at that very time, with other words", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_event(
+    State(app): State<App>,
+    Path(serial): Path<String>,
+    body: Document,
+) -> Result<(StatusCode, Json<EventBody>), Problem> {
+    let name = Name::parse(&serial)
+        .map_err(|_| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))?;
+    let event = read(&app, name, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let GyroEvent { at, event: kind, reason, author, .. } = event.clone();
+    let (status, id) = match app.pipeline.submit(Submission::Event(event)).await? {
+        Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
+        Accepted::There { id, same_bytes: true } => (StatusCode::OK, id),
+        Accepted::There { id, .. } => {
+            let detail = "the same kind of event is stored at that very time with other words";
+            return Err(Problem::new(409, "Already stored with other content", detail).with_existing(id));
+        }
+    };
+    Ok((status, Json(EventBody::new(id.to_string(), at, kind, reason, author))))
+}
+
+fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
+    let NewEvent { event, reason, at, author } = json::parse(bytes)?;
+    let mut faults = Faults::default();
+    let event = named(&event).unwrap_or_else(|| {
+        let names = Event::ALL.map(Event::name).join(", ");
+        faults.push("/event", format!("must be one of {names}; is {event:?}"));
+        Event::Note
+    });
+    let reason = text::required_note("/reason", reason, &mut faults);
+    let at = at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, &mut faults));
+    let author = text::short("/author", &author, &mut faults);
+    if faults.is_empty()
+        && let Err(future) = app.pipeline.check_time("/at", at)
+    {
+        faults.absorb("", future);
+    }
+    faults.or(GyroEvent { serial, at, event, reason, author })
+}
+
+/// People write re-installation in more than one way.
+fn named(name: &str) -> Option<Event> {
+    match name {
+        "re_installation" | "re-installation" => Some(Event::Reinstallation),
+        name => Event::from_name(name),
+    }
+}

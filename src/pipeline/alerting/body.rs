@@ -1,0 +1,112 @@
+//! Alerts and their verdicts in the words that clients and hooks read.
+
+use crate::core::judge::Verdict;
+use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
+use crate::store::{AlertRow, Changes, Figures, Id, StoreError, Tables};
+use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
+use crate::wire::time;
+
+/// Where the judged figures come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    pub at: UtcMicros,
+    /// Record or bench result; none where the clock alone decided.
+    pub item: Option<Id>,
+    pub imu: Option<u32>,
+    pub slot: Option<Slot>,
+    pub station: Option<u32>,
+}
+
+impl From<&Figures> for Origin {
+    fn from(figures: &Figures) -> Self {
+        Self {
+            at: figures.at,
+            item: Some(figures.record),
+            imu: Some(figures.imu),
+            slot: Some(figures.slot),
+            station: Some(figures.station),
+        }
+    }
+}
+
+/// The names of what is stored, and of what the group under construction adds.
+#[derive(Clone, Copy)]
+pub struct Naming<'a> {
+    pub tables: &'a Tables,
+    pub new: Option<&'a Changes>,
+}
+
+impl<'a> Naming<'a> {
+    pub fn gyro(&self, number: u32) -> String {
+        let stored = self.tables.gyros.name(number).map(|name| &**name);
+        stored.or_else(|| added(&self.new?.gyros, number)).unwrap_or_default().to_owned()
+    }
+
+    pub fn imu(&self, number: u32) -> String {
+        let stored = self.tables.imus.name(number).map(|name| &**name);
+        stored.or_else(|| added(&self.new?.imus, number)).unwrap_or_default().to_owned()
+    }
+
+    fn station(&self, number: u32) -> String {
+        let stored = self.tables.stations.name(number).map(|name| &**name);
+        stored.or_else(|| added(&self.new?.stations, number)).unwrap_or_default().to_owned()
+    }
+
+    pub fn finding(&self, verdict: &Verdict, origin: &Origin) -> FindingBody {
+        FindingBody {
+            value: verdict.value,
+            limit: verdict.limit,
+            unit: verdict.unit().into(),
+            sd: verdict.sd,
+            probability: verdict.probability,
+            reason: verdict.reason(),
+            record: origin.item.map(|id| id.to_string()),
+            calibrated_at: Some(time::format(origin.at)),
+            imu: origin.imu.map(|number| self.imu(number)),
+            slot: origin.slot.map(|slot| slot.name().into()),
+            station: origin.station.map(|number| self.station(number)),
+        }
+    }
+
+    /// The alert as it stands at `now`.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] where the stored finding cannot be read.
+    pub fn alert(&self, row: &AlertRow, now: UtcMicros) -> Result<AlertBody, StoreError> {
+        let finding = serde_json::from_str(&row.finding)
+            .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))?;
+        let until = row.alert.silenced_until.filter(|until| now < *until);
+        Ok(AlertBody {
+            id: row.id.to_string(),
+            serial: self.gyro(row.gyro),
+            coefficient: row.coefficient.name().into(),
+            rule: row.rule.name().into(),
+            state: row.alert.standing(now).name().into(),
+            severity: row.alert.severity.name().into(),
+            fired_at: time::format(row.alert.fired_at),
+            resolved_at: row.alert.resolved_at.map(time::format),
+            finding,
+            acknowledged: row.acknowledged.as_ref().map(|remark| AcknowledgementBody {
+                by: remark.by.clone(),
+                reason: remark.reason.clone(),
+                at: time::format(remark.at),
+            }),
+            silenced: row.silenced.as_ref().zip(until).map(|(remark, until)| SilenceBody {
+                by: remark.by.clone(),
+                reason: remark.reason.clone(),
+                at: time::format(remark.at),
+                until: time::format(until),
+            }),
+        })
+    }
+}
+
+fn added(names: &[(u32, String)], number: u32) -> Option<&str> {
+    names.iter().find(|(added, _)| *added == number).map(|(_, name)| name.as_str())
+}
+
+/// As it is stored.
+pub fn text(body: &impl serde::Serialize) -> String {
+    serde_json::to_string(body).expect("names, numbers and times can always be written as JSON")
+}

@@ -1,0 +1,91 @@
+//! Which verdicts of a group the alerts follow: those on the newest figures of each gyro that it touches.
+
+use std::collections::HashMap;
+
+use super::body::Origin;
+use super::book::{AlertBook, Pen};
+use crate::core::judge::{Rule, Verdict, overdue};
+use crate::core::time::UtcMicros;
+use crate::pipeline::agreement::Agreement;
+use crate::pipeline::judging::{Judge, Judged, Newest};
+use crate::pipeline::read::{CalibratedGyro, Calibration};
+use crate::store::{AlertRow, Id};
+
+/// Lets the alerts follow what a group's judging has found.
+///
+/// `sent` are the calibrations of the group by their identifiers: verdicts that need no history are with them.
+pub(in crate::pipeline) fn follow_group(
+    book: &mut AlertBook,
+    judge: &Judge,
+    judged: &Judged,
+    sent: &HashMap<Id, &Calibration>,
+    agreements: &[Agreement],
+    pen: &mut Pen<'_>,
+) {
+    for newest in &judged.newest {
+        follow_newest(book, judge, judged, newest, sent, pen);
+    }
+    for agreement in agreements {
+        for verdict in &agreement.verdicts {
+            book.follow(agreement.gyro, verdict, &agreement.origin, pen);
+        }
+    }
+}
+
+fn follow_newest(
+    book: &mut AlertBook,
+    judge: &Judge,
+    judged: &Judged,
+    newest: &Newest,
+    sent: &HashMap<Id, &Calibration>,
+    pen: &mut Pen<'_>,
+) {
+    let Newest { gyro, figures } = newest;
+    let by_history = judged.verdicts.get(&(figures.record, *gyro)).map(Vec::as_slice);
+    let calibrated = sent.get(&figures.record).and_then(|sent| sent.gyros.iter().find(|g| g.slot == figures.slot));
+    let verdicts = || by_history.into_iter().flatten().chain(calibrated.into_iter().flat_map(requirements));
+    if !book.knows(*gyro) && verdicts().all(|verdict| verdict.severity().is_none()) {
+        return;
+    }
+    let origin = Origin::from(figures);
+    // An event since the newest record has cut it off from what comes: its verdict is of the past.
+    let is_past = |rule: Rule| rule != Rule::Overdue && judge.is_reset_since(*gyro, figures.at, rule);
+    for verdict in verdicts().filter(|verdict| !is_past(verdict.rule)) {
+        book.follow(*gyro, verdict, &origin, pen);
+    }
+    let is_switched_off = |row: &AlertRow| {
+        let was_asked = match row.rule {
+            Rule::Agreement | Rule::Overdue => false,
+            Rule::Requirement => calibrated.is_some(),
+            _ => by_history.is_some(),
+        };
+        was_asked && !verdicts().any(|verdict| (verdict.coefficient, verdict.rule) == (row.coefficient, row.rule))
+    };
+    book.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), pen);
+    follow_clock(book, judge, *gyro, figures.at, figures.imu, pen);
+}
+
+fn requirements(gyro: &CalibratedGyro) -> impl Iterator<Item = &Verdict> {
+    gyro.requirements.iter().flatten()
+}
+
+/// Judges by the clock whether a gyro, calibrated last at `last` in `imu`, is overdue.
+pub(in crate::pipeline) fn follow_clock(
+    book: &mut AlertBook,
+    judge: &Judge,
+    gyro: u32,
+    last: UtcMicros,
+    imu: u32,
+    pen: &mut Pen<'_>,
+) {
+    let fires = book.firing(gyro).any(|row| row.rule == Rule::Overdue);
+    let interval = judge.interval_days(gyro, imu, &pen.naming);
+    match interval {
+        Some(days) if fires || pen.now.days_since(last) > days => {
+            let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None };
+            book.follow(gyro, &overdue(last, pen.now, days), &origin, pen);
+        }
+        None if fires => book.reset(gyro, |row| row.rule == Rule::Overdue, pen),
+        _ => {}
+    }
+}

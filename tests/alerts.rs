@@ -1,0 +1,352 @@
+//! What an engineer sees when a gyro goes out of its limits, and what becomes of it.
+
+mod lab;
+
+use gyrowatch::core::time::UtcMicros;
+use gyrowatch::wire::time;
+use serde_json::{Value, json};
+
+use lab::{Lab, bench, day, record};
+
+/// D_I of a gyro `A` on given days, posted in the order given.
+async fn lab_with(history: &[(i64, f64)]) -> Lab {
+    let lab = Lab::open().await;
+    station_posts(&lab, history).await;
+    lab
+}
+
+async fn station_posts(lab: &Lab, history: &[(i64, f64)]) {
+    for (at, d_i) in history {
+        lab.posts(&record("IMU-1", &day(*at), &[("G1", "A", *d_i, 2.0)])).await;
+    }
+}
+
+/// The alerts that a query finds, as `coefficient rule state severity`, in the order of these words.
+async fn engineer_sees(lab: &Lab, query: &str) -> Vec<String> {
+    let alerts = lab.get(&format!("/v1/alerts?{query}")).await.ok()["alerts"].clone();
+    let text = |alert: &Value, member: &str| alert[member].as_str().unwrap().to_owned();
+    let mut seen: Vec<String> = alerts
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|a| ["coefficient", "rule", "state", "severity"].map(|member| text(a, member)).join(" "))
+        .collect();
+    seen.sort();
+    seen
+}
+
+/// The alert of a rule on D_I of gyro `A`.
+async fn alert_of(lab: &Lab, rule: &str) -> Value {
+    let found = lab.get(&format!("/v1/alerts?serial=A&coefficient=D_I&rule={rule}")).await.ok();
+    assert_eq!(found["alerts"].as_array().unwrap().len(), 1, "one alert per gyro, coefficient and rule: {found}");
+    found["alerts"][0].clone()
+}
+
+/// What became of an alert, step by step.
+async fn story_of(lab: &Lab, rule: &str) -> Vec<String> {
+    let id = alert_of(lab, rule).await["id"].as_str().unwrap().to_owned();
+    let history = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].clone();
+    let steps = history.as_array().unwrap().iter();
+    steps
+        .map(|step| {
+            format!("{}{}", step["action"].as_str().unwrap(), if step["told"] == true { "" } else { " (untold)" })
+        })
+        .collect()
+}
+
+const LEVEL: [(i64, f64); 3] = [(0, 1.0), (40, 1.0), (80, 1.0)];
+
+#[tokio::test]
+async fn a_gyro_within_its_limits_raises_nothing() {
+    let lab = lab_with(&LEVEL).await;
+    assert_eq!(engineer_sees(&lab, "").await, [] as [&str; 0]);
+}
+
+#[tokio::test]
+async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firing() {
+    let lab = lab_with(&LEVEL).await;
+    station_posts(&lab, &[(120, 1.02)]).await;
+    assert_eq!(engineer_sees(&lab, "").await, ["D_I baseline firing warning", "D_I step firing warning"]);
+    let step = alert_of(&lab, "step").await;
+    assert_eq!((&step["imu"], &step["slot"], &step["station"]), (&json!("IMU-1"), &json!("G1"), &json!("ST-1")));
+    assert_eq!(
+        (&step["calibrated_at"], &step["limit"], &step["unit"]),
+        (&json!(day(120)), &json!(0.01), &json!("deg/(h g0)"))
+    );
+    assert!(step["reason"].as_str().unwrap().contains("+0.02"), "{step}");
+    assert_eq!(
+        (&step["resolved_at"], &step["acknowledged"], &step["silenced"]),
+        (&Value::Null, &Value::Null, &Value::Null)
+    );
+    let answer = lab.get(&format!("/v1/records/{}", step["record"].as_str().unwrap())).await.ok();
+    assert_eq!(answer["record"]["calibrated_at"], day(120));
+
+    station_posts(&lab, &[(160, 1.02)]).await;
+    assert_eq!(engineer_sees(&lab, "").await, ["D_I baseline firing critical", "D_I step firing critical"]);
+    station_posts(&lab, &[(200, 1.02)]).await;
+    assert_eq!(engineer_sees(&lab, "state=firing").await, ["D_I baseline firing critical"]);
+    assert_eq!(engineer_sees(&lab, "state=resolved").await, ["D_I step resolved critical"]);
+    assert_eq!(story_of(&lab, "step").await, ["fire", "escalate", "resolve"]);
+
+    let id = alert_of(&lab, "step").await["id"].clone();
+    station_posts(&lab, &[(240, 1.05)]).await;
+    let again = alert_of(&lab, "step").await;
+    assert_eq!((&again["id"], &again["state"], &again["severity"]), (&id, &json!("firing"), &json!("warning")));
+}
+
+#[tokio::test]
+async fn many_records_in_one_import_leave_the_alerts_that_posting_one_by_one_leaves() {
+    let history = [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.02), (200, 1.001), (240, 1.0), (280, 1.0)];
+    let one_by_one = lab_with(&history).await;
+    let at_once = Lab::open().await;
+    let records: Vec<Value> =
+        history.iter().map(|(at, d_i)| record("IMU-1", &day(*at), &[("G1", "A", *d_i, 2.0)])).collect();
+    at_once.imports(&records).await;
+    assert_eq!(engineer_sees(&at_once, "").await, engineer_sees(&one_by_one, "").await);
+    for rule in ["step", "baseline"] {
+        assert_eq!(story_of(&at_once, rule).await, story_of(&one_by_one, rule).await, "{rule}");
+    }
+}
+
+#[tokio::test]
+async fn a_late_record_that_explains_a_step_resolves_it_and_one_that_changes_nothing_is_silent() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.0145)]).await;
+    assert_eq!(story_of(&lab, "step").await, ["fire"]);
+    station_posts(&lab, &[(60, 1.0)]).await;
+    assert_eq!(story_of(&lab, "step").await, ["fire"], "late, and no news");
+    station_posts(&lab, &[(120, 1.0075)]).await;
+    assert_eq!(story_of(&lab, "step").await, ["fire", "resolve"], "the step is now of 0.007");
+    assert_eq!(story_of(&lab, "baseline").await, ["fire"]);
+    station_posts(&lab, &[(100, 1.05)]).await;
+    assert_eq!(
+        alert_of(&lab, "step").await["state"],
+        "resolved",
+        "a late outlier is history: the newest record is well"
+    );
+}
+
+#[tokio::test]
+async fn an_engineer_acknowledges_and_the_alert_says_who_and_why() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();
+    lab.clock_shows("2026-11-22T08:00:00Z");
+    let known = json!({"by": "Li Wei", "reason": "re-test on Monday"});
+    let alert = lab.post(&format!("/v1/alerts/{id}/acknowledge"), &known).await.ok();
+    assert_eq!(alert["state"], "acknowledged");
+    assert_eq!(
+        alert["acknowledged"],
+        json!({"by": "Li Wei", "reason": "re-test on Monday", "at": "2026-11-22T08:00:00Z"})
+    );
+    assert_eq!(engineer_sees(&lab, "state=acknowledged").await, ["D_I baseline acknowledged warning"]);
+    assert_eq!(engineer_sees(&lab, "state=firing").await, ["D_I step firing warning"]);
+
+    station_posts(&lab, &[(160, 1.02)]).await;
+    let alert = alert_of(&lab, "baseline").await;
+    assert_eq!(
+        (&alert["state"], &alert["severity"]),
+        (&json!("firing"), &json!("critical")),
+        "worse than was acknowledged"
+    );
+    assert_eq!(alert["acknowledged"], Value::Null);
+    let history = lab.get(&format!("/v1/alerts/{id}")).await.ok()["history"].clone();
+    assert_eq!((&history[1]["action"], &history[1]["by"]), (&json!("acknowledge"), &json!("Li Wei")));
+    assert_eq!(
+        (&history[1]["at"], &history[1]["alert"]["state"]),
+        (&json!("2026-11-22T08:00:00Z"), &json!("acknowledged"))
+    );
+}
+
+#[tokio::test]
+async fn a_silenced_alert_is_followed_without_telling_and_tells_at_its_end_what_still_fires() {
+    let mut lab = Lab::with(|config| config.alerts.tick_s = 0.02).await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();
+    let order = json!({"until": "2026-11-23T00:00:00+01:00", "by": "Li Wei", "reason": "turntable under repair"});
+    let alert = lab.post(&format!("/v1/alerts/{id}/silence"), &order).await.ok();
+    assert_eq!((&alert["state"], &alert["silenced"]["until"]), (&json!("silenced"), &json!("2026-11-22T23:00:00Z")));
+    assert_eq!(engineer_sees(&lab, "state=silenced").await, ["D_I baseline silenced warning"]);
+    station_posts(&lab, &[(160, 1.02)]).await;
+    lab.restart().await;
+    assert_eq!(story_of(&lab, "baseline").await, ["fire", "silence (untold)", "escalate (untold)"]);
+
+    lab.clock_shows("2026-11-22T23:00:00Z");
+    let mut story = Vec::new();
+    for _ in 0..200 {
+        story = story_of(&lab, "baseline").await;
+        if story.len() > 3 {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+    assert_eq!(story[3..], ["escalate"], "told once the silence has ended");
+    assert_eq!(alert_of(&lab, "baseline").await["state"], "firing");
+}
+
+#[tokio::test]
+async fn a_gyro_that_is_not_calibrated_in_time_is_overdue_until_it_is() {
+    let lab = Lab::with(|config| {
+        config.judging.interval_days = 30.0;
+        config.alerts.tick_s = 0.02;
+    })
+    .await;
+    let last = time::parse("2026-11-01T12:00:00Z").unwrap();
+    let at = |days: i64| time::format(UtcMicros(last.0 + days * UtcMicros::DAY));
+    lab.posts(&record("IMU-1", &at(0), &[("G1", "A", 1.0, 2.0), ("G2", "B", 1.0, 2.0)])).await;
+    lab.clock_shows("2026-12-01T11:59:59Z");
+    tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    assert_eq!(engineer_sees(&lab, "").await, [] as [&str; 0]);
+    lab.clock_shows("2026-12-01T13:00:00Z");
+    let seen = sees_at_last(&lab, "rule=overdue", 2).await;
+    assert_eq!(seen, ["all overdue firing warning", "all overdue firing warning"]);
+    let alert = lab.get("/v1/alerts?serial=A").await.ok()["alerts"][0].clone();
+    assert!(alert["reason"].as_str().unwrap().contains("2026-11-01"), "{alert}");
+    lab.posts(&record("IMU-1", &at(30), &[("G1", "A", 1.0, 2.0)])).await;
+    assert_eq!(engineer_sees(&lab, "serial=A").await, ["all overdue resolved warning"]);
+    assert_eq!(engineer_sees(&lab, "serial=B").await, ["all overdue firing warning"]);
+}
+
+/// What a query finds once there are so many.
+async fn sees_at_last(lab: &Lab, query: &str, count: usize) -> Vec<String> {
+    for _ in 0..200 {
+        let seen = engineer_sees(lab, query).await;
+        if seen.len() == count {
+            return seen;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+    engineer_sees(lab, query).await
+}
+
+#[tokio::test]
+async fn a_new_baseline_or_a_repair_ends_what_it_resets() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    lab.post("/v1/gyros/A/baseline", &json!({"reason": "accepted", "at": day(130)})).await.created();
+    assert_eq!(engineer_sees(&lab, "state=firing").await, ["D_I step firing warning"], "a jump remains to be seen");
+    assert_eq!(story_of(&lab, "baseline").await, ["fire", "resolve"]);
+    let repair = json!({"event": "repair", "reason": "float suspension", "at": day(131), "author": "Li"});
+    let event = lab.post("/v1/gyros/A/events", &repair).await.created();
+    assert_eq!((&event["event"], &event["at"]), (&json!("repair"), &json!(day(131))));
+    assert_eq!(engineer_sees(&lab, "state=firing").await, [] as [&str; 0]);
+    station_posts(&lab, &[(110, 1.0)]).await;
+    assert_eq!(
+        engineer_sees(&lab, "state=firing").await,
+        [] as [&str; 0],
+        "a late record before the repair is history"
+    );
+    let trend = lab.get("/v1/gyros/A/trend").await.ok();
+    let events: Vec<&Value> = trend["events"].as_array().unwrap().iter().map(|event| &event["event"]).collect();
+    assert_eq!(events, ["baseline", "repair"]);
+    let of_gyro = lab.get("/v1/gyros/A/events").await.ok();
+    assert_eq!(of_gyro["events"], trend["events"]);
+    assert_eq!(lab.post("/v1/gyros/A/events", &repair).await.ok()["id"], event["id"], "sent twice, stored once");
+}
+
+#[tokio::test]
+async fn methods_that_disagree_raise_an_alert_and_a_bench_that_agrees_again_ends_it() {
+    let lab = lab_with(&[(0, 1.0)]).await;
+    lab.post("/v1/bench-results", &bench("A", &day(5), 1.03, 2.0)).await.created();
+    assert_eq!(engineer_sees(&lab, "").await, ["D_I agreement firing warning"]);
+    let alert = alert_of(&lab, "agreement").await;
+    assert_eq!((&alert["station"], &alert["imu"]), (&json!("BENCH-1"), &json!("IMU-1")));
+    lab.post("/v1/gyros/A/events", &json!({"event": "repair", "reason": "bearing", "at": day(6)})).await.created();
+    lab.post("/v1/bench-results", &bench("A", &day(7), 1.0, 2.0)).await.created();
+    station_posts(&lab, &[(8, 1.0)]).await;
+    assert_eq!(engineer_sees(&lab, "").await, ["D_I agreement resolved warning"]);
+}
+
+#[tokio::test]
+async fn a_requirement_that_a_second_campaign_misses_is_critical() {
+    let lab = Lab::open().await;
+    let mut out = lab::record("IMU-1", &day(0), &[("G1", "A", 1.0, 2.0)]);
+    out["gyros"][0]["g_pulse_per_s_g0"] = json!([20.0, 1.0, 1.0]);
+    lab.posts(&out).await;
+    assert_eq!(engineer_sees(&lab, "rule=requirement&coefficient=G").await, ["G requirement firing warning"]);
+    out["calibrated_at"] = json!(day(40));
+    lab.posts(&out).await;
+    assert_eq!(engineer_sees(&lab, "rule=requirement&coefficient=G").await, ["G requirement firing critical"]);
+}
+
+#[tokio::test]
+async fn alerts_are_filtered_paged_and_exported() {
+    let lab = Lab::open().await;
+    for (imu, serial) in [("IMU-1", "A"), ("IMU-2", "B"), ("IMU-3", "C, \"old\"")] {
+        for (at, d_i) in LEVEL.into_iter().chain([(120, 1.02)]) {
+            lab.posts(&record(imu, &day(at), &[("G1", serial, d_i, 2.0)])).await;
+        }
+    }
+    assert_eq!(engineer_sees(&lab, "").await.len(), 6);
+    assert_eq!(engineer_sees(&lab, "imu=IMU-2&rule=step").await, ["D_I step firing warning"]);
+    assert_eq!(engineer_sees(&lab, "severity=critical").await, [] as [&str; 0]);
+    let (mut cursor, mut serials) = (String::new(), Vec::new());
+    for _ in 0..3 {
+        let page = lab.get(&format!("/v1/alerts?limit=2{cursor}")).await;
+        let body = page.ok();
+        serials.extend(body["alerts"].as_array().unwrap().iter().map(|a| a["serial"].as_str().unwrap().to_owned()));
+        if let Some(next) = body["next"].as_str() {
+            assert!(page.header("link").contains(next));
+            cursor = format!("&cursor={next}");
+        }
+    }
+    assert_eq!(serials, ["C, \"old\"", "C, \"old\"", "B", "B", "A", "A"]);
+    let csv = lab.get("/v1/alerts?format=csv&rule=step").await;
+    assert_eq!((csv.status, csv.header("content-type")), (200, "text/csv; charset=utf-8"));
+    let lines: Vec<&str> = csv.text.lines().collect();
+    assert!(lines[0].starts_with("id,serial,coefficient,rule,state,severity,fired_at"), "{}", lines[0]);
+    assert_eq!(lines.len(), 4);
+    assert!(lines[1].contains(",\"C, \"\"old\"\"\",D_I,step,firing,warning,"), "{}", lines[1]);
+}
+
+#[tokio::test]
+async fn what_cannot_be_asked_or_said_is_refused_with_the_place() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.0)]).await;
+    for query in [
+        "state=on",
+        "rule=steps",
+        "severity=bad",
+        "coefficient=D",
+        "limit=0",
+        "limit=x",
+        "cursor=x",
+        "format=xml",
+        "who=me",
+    ] {
+        lab.get(&format!("/v1/alerts?{query}")).await.refused(400);
+    }
+    lab.get("/v1/alerts?serial=none").await.refused(404);
+    let resolved = alert_of(&lab, "baseline").await;
+    assert_eq!(resolved["state"], "resolved");
+    let at = |what: &str| format!("/v1/alerts/{}/{what}", resolved["id"].as_str().unwrap());
+    let said = json!({"by": "Li", "reason": "known"});
+    lab.post(&at("acknowledge"), &said).await.refused(409);
+    for id in ["x", "0123456789ABC", "0000000000000"] {
+        lab.get(&format!("/v1/alerts/{id}")).await.refused(404);
+        lab.post(&format!("/v1/alerts/{id}/acknowledge"), &said).await.refused(404);
+    }
+    for (body, places) in [
+        (json!({"by": " ", "reason": ""}), vec!["/by", "/reason"]),
+        (json!({"by": "Li"}), vec!["/reason"]),
+        (json!({"by": "a\u{1}b", "reason": "x".repeat(5000)}), vec!["/by", "/reason"]),
+    ] {
+        assert_eq!(lab.post(&at("acknowledge"), &body).await.refused(422), places, "{body}");
+    }
+    for until in ["2026-11-21T12:00:00Z", "tomorrow", "2027-01-01T00:00:00"] {
+        let order = json!({"until": until, "by": "Li", "reason": "x"});
+        assert_eq!(lab.post(&at("silence"), &order).await.refused(422), ["/until"], "{until}");
+    }
+    lab.post_text(&at("silence"), lab::JSON, "{").await.refused(400);
+    lab.post_text(&at("silence"), "text/plain", "{}").await.refused(415);
+
+    lab.post("/v1/gyros/none/events", &json!({"event": "note", "reason": "x"})).await.refused(404);
+    lab.get("/v1/gyros/none/events").await.refused(404);
+    for (body, places) in [
+        (json!({"event": "explosion", "reason": "x"}), vec!["/event"]),
+        (json!({"event": "note", "reason": " "}), vec!["/reason"]),
+        (json!({"event": "note", "reason": "x", "at": "2030-01-01T00:00:00Z"}), vec!["/at"]),
+        (json!({"event": "note", "reason": "x", "when": "now"}), vec!["/when"]),
+    ] {
+        assert_eq!(lab.post("/v1/gyros/A/events", &body).await.refused(422), places, "{body}");
+    }
+    let note = |reason: &str| json!({"event": "note", "reason": reason, "at": day(10)});
+    lab.post("/v1/gyros/A/events", &note("seen")).await.created();
+    lab.post("/v1/gyros/A/events", &note("heard")).await.refused(409);
+}

@@ -62,6 +62,7 @@ struct Trend<'a> {
     unit: &'static str,
     points: Vec<Point<'a>>,
     /// What was done to the gyro in the stretch that was asked for, oldest first.
+    #[schema(value_type = Vec<EventBody>)]
     events: &'a [EventBody],
     /// Cursor of the next page; null on the last.
     next: Option<String>,

@@ -32,7 +32,7 @@ impl Queue {
             for step in 0..self.steps {
                 let id = self.step_id(alert, step);
                 let action = if step == 0 { "fire" } else { "repeat" };
-                add_step(&mut batch, id, alert + 1, action, &body(alert, "firing", json!(null)), now).await;
+                add_step(&mut batch, id, alert + 1, action, &body(alert), now).await;
                 let state = if step == 0 { "waiting" } else { "behind" };
                 for hook in hooks {
                     add_delivery(&mut batch, delivery, hook, (id, alert + 1), state, now).await;
@@ -52,20 +52,6 @@ impl Queue {
     }
 }
 
-/// Resolves the first alert of the queue and has the hook told.
-pub async fn resolve_first(dir: &Path, hook: &Value) {
-    let mut database = open(dir).await;
-    let now = Clock::System.now().0;
-    let id = 1 << 30;
-    let at = gyrowatch::wire::time::format(gyrowatch::core::time::UtcMicros(now));
-    add_step(&mut database, id, 1, "resolve", &body(0, "resolved", json!(at)), now).await;
-    let sql =
-        "UPDATE alert SET status = 'resolved', resolved_at = $1, told_at = NULL, told_severity = NULL WHERE id = 1";
-    sqlx::query(sql).bind(now).execute(&mut database).await.unwrap();
-    add_delivery(&mut database, id, hook, (id, 1), "waiting", now).await;
-    database.close().await.unwrap();
-}
-
 async fn open(dir: &Path) -> SqliteConnection {
     SqliteConnectOptions::new().filename(dir.join("gyrowatch.db")).connect().await.unwrap()
 }
@@ -78,10 +64,10 @@ fn finding() -> Value {
     })
 }
 
-fn body(alert: i64, state: &str, resolved_at: Value) -> Value {
+fn body(alert: i64) -> Value {
     let mut body = json!({
         "id": format!("a{alert}"), "serial": format!("LFG-{alert:04}"), "coefficient": "D_I", "rule": "step",
-        "state": state, "severity": "warning", "fired_at": "2026-03-01T08:00:00Z", "resolved_at": resolved_at,
+        "state": "firing", "severity": "warning", "fired_at": "2026-03-01T08:00:00Z", "resolved_at": null,
         "acknowledged": null, "silenced": null,
     });
     body.as_object_mut().unwrap().extend(finding().as_object().unwrap().clone());

@@ -1,0 +1,135 @@
+//! From a record that a station posts to what a hook is told: nothing but HTTP.
+
+mod lab;
+mod receiver;
+mod support;
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use lab::{day, record};
+use receiver::{Receiver, Told};
+use serde_json::{Value, json};
+use support::Server;
+
+/// D_I of the gyro on given days, posted in the order given.
+async fn station_posts(server: &Server, serial: &str, history: &[(i64, f64)]) {
+    for (at, d_i) in history {
+        let imu = format!("IMU-{serial}");
+        let answer = server.post_json("/v1/records", &record(&imu, &day(*at), &[("G1", serial, *d_i, 2.0)])).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+    }
+}
+
+async fn sets_up(server: &Server, hook: Value) -> Value {
+    let answer = server.post_json("/v1/hooks", &hook).await;
+    assert_eq!(answer.status, 201, "{}", answer.text());
+    answer.json()
+}
+
+async fn all_told(server: &Server, hook: &Value) {
+    let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
+    let patience = Instant::now() + Duration::from_secs(20);
+    while server.get(&path).await.json()["queue"]["open"] != 0 {
+        assert!(Instant::now() < patience, "{}", server.log());
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+}
+
+/// The events that were told, by alert, in the order in which they came.
+fn stories(told: &[Told]) -> BTreeMap<String, Vec<String>> {
+    let mut stories: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for body in told.iter().map(Told::json) {
+        let alert = body["data"]["id"].as_str().unwrap().to_owned();
+        stories.entry(alert).or_default().push(body["type"].as_str().unwrap().to_owned());
+    }
+    stories
+}
+
+/// What the history of each alert says was told.
+async fn histories(server: &Server) -> BTreeMap<String, Vec<String>> {
+    let mut histories = BTreeMap::new();
+    for alert in server.get("/v1/alerts").await.json()["alerts"].as_array().unwrap() {
+        let id = alert["id"].as_str().unwrap().to_owned();
+        let detail = server.get(&format!("/v1/alerts/{id}")).await.json();
+        let steps = detail["history"].as_array().unwrap().iter().filter(|step| step["told"] == true);
+        let event = |step: &Value| match step["action"].as_str().unwrap() {
+            "fire" => "alert.fired",
+            "escalate" => "alert.escalated",
+            "repeat" => "alert.repeated",
+            "resolve" => "alert.resolved",
+            other => panic!("{other} was told"),
+        };
+        histories.insert(id, steps.map(|step| event(step).to_owned()).collect());
+    }
+    histories
+}
+
+/// A level, a jump that a second campaign confirms, and the new level.
+const JUMP: [(i64, f64); 6] = [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.03), (160, 1.03), (200, 1.03)];
+
+#[tokio::test]
+async fn the_life_of_every_alert_is_told_to_a_signed_hook_as_its_history_has_it() {
+    let (server, target) = (Server::start().await, Receiver::start().await);
+    let hook = sets_up(&server, json!({ "kind": "standard-webhooks", "url": target.url() })).await;
+    station_posts(&server, "A", &JUMP).await;
+    all_told(&server, &hook).await;
+    let told = target.told();
+    let stories = stories(&told);
+    assert_eq!(stories, histories(&server).await);
+    let is_step = |body: &Value| body["data"]["rule"] == "step" && body["data"]["coefficient"] == "D_I";
+    let steps: Vec<Value> = told.iter().map(Told::json).filter(is_step).collect();
+    let story: Vec<&str> = steps.iter().map(|body| body["type"].as_str().unwrap()).collect();
+    assert_eq!(story, ["alert.fired", "alert.escalated", "alert.resolved"]);
+    let first = &steps[0]["data"];
+    assert_eq!(
+        (&first["serial"], &first["severity"], &first["imu"]),
+        (&json!("A"), &json!("warning"), &json!("IMU-A"))
+    );
+    assert!(first["reason"].as_str().unwrap().contains("0.03"), "{first}");
+    let verifier = standardwebhooks::Webhook::new(hook["secret"].as_str().unwrap()).unwrap();
+    assert!(told.iter().all(|told| verifier.verify(&told.body, &told.headers).is_ok()));
+}
+
+#[tokio::test]
+async fn a_hook_hears_only_of_what_its_filter_lets_through() {
+    let (server, target) = (Server::start().await, Receiver::start().await);
+    let mut hooks = Vec::new();
+    for (path, filter) in [
+        ("/all", json!({})),
+        ("/step", json!({ "rules": ["step"] })),
+        ("/b", json!({ "gyros": ["B"] })),
+        ("/critical", json!({ "min_severity": "critical", "rules": ["step"] })),
+    ] {
+        let url = format!("http://{}{path}", target.address);
+        hooks.push(sets_up(&server, json!({ "kind": "standard-webhooks", "url": url, "filter": filter })).await);
+    }
+    let off = json!({ "kind": "standard-webhooks", "url": format!("http://{}/off", target.address), "enabled": false });
+    sets_up(&server, off).await;
+    station_posts(&server, "A", &JUMP).await;
+    station_posts(&server, "B", &JUMP).await;
+    for hook in &hooks {
+        all_told(&server, hook).await;
+    }
+    let heard = |path: &str| -> Vec<Value> {
+        let of_path = target.told().into_iter().filter(|told| told.path == path);
+        of_path.map(|told| told.json()).collect()
+    };
+    let all = heard("/all");
+    let among = |wanted: &dyn Fn(&Value) -> bool| -> Vec<Value> {
+        all.iter().filter(|body| wanted(&body["data"])).cloned().collect()
+    };
+    let same = |mut a: Vec<Value>, mut b: Vec<Value>| {
+        a.sort_by_key(Value::to_string);
+        b.sort_by_key(Value::to_string);
+        assert_eq!(a, b);
+    };
+    assert!(!heard("/step").is_empty() && heard("/step").len() < all.len());
+    same(heard("/step"), among(&|data| data["rule"] == "step"));
+    same(heard("/b"), among(&|data| data["serial"] == "B"));
+    let critical: Vec<Value> = heard("/critical").iter().map(|body| body["type"].clone()).collect();
+    assert_eq!(critical.iter().filter(|name| *name == "alert.escalated").count(), 2, "{critical:?}");
+    assert_eq!(critical.iter().filter(|name| *name == "alert.resolved").count(), 2, "who heard of it hears of its end");
+    assert_eq!(critical.len(), 4);
+    assert!(heard("/off").is_empty());
+}

@@ -2,22 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
-use super::model;
+use super::{diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, diagnose};
 use crate::report::{self, Subject};
-use crate::wire::campaign::parse;
+use crate::wire::campaign::{is_csv, parse};
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::document::DocumentKind;
 use crate::wire::{self, time};
 
 /// Diagnose the gap between a campaign and the error model
 #[derive(Debug, clap::Args)]
 pub struct Diagnose {
-    /// The campaign, in JSON or CSV; `-` is standard input
+    /// The campaign, in JSON or CSV, or a calibration record, whose closure is then diagnosed; `-` is standard input
     campaign: PathBuf,
 
     /// The error model in use: terms of bias, g_linear, g_squared, scale, parted by commas, or a model file
@@ -40,7 +41,14 @@ pub struct Diagnose {
 impl Diagnose {
     pub fn run(self) -> anyhow::Result<()> {
         let file = || document::name(&self.campaign);
-        let campaign = parse(&document::read(&self.campaign)?).with_context(file)?;
+        let bytes = document::read(&self.campaign)?;
+        if is_record(&bytes) {
+            if self.model.is_some() || self.adopt.is_some() || self.report.is_some() {
+                bail!("{}: a record has no dwells; --model, --adopt and --report go with a campaign", file());
+            }
+            return diagnose_record::run(&bytes, self.format).with_context(file);
+        }
+        let campaign = parse(&bytes).with_context(file)?;
         let in_use = model::chosen(self.model.as_ref())?;
         let diagnosed = diagnose(&campaign, &in_use.options(&campaign)).with_context(file)?;
         let diagnosis = DiagnosisBody::from(&diagnosed);
@@ -56,6 +64,11 @@ impl Diagnose {
             Format::Json => document::print_json(&diagnosis),
         }
     }
+}
+
+/// A document that has `calibrated_at` and no dwells; whatever else is no campaign is refused as one.
+fn is_record(bytes: &[u8]) -> bool {
+    !is_csv(bytes) && DocumentKind::is_record(bytes)
 }
 
 /// Writes the model in use with what was named, and says on standard error what it holds.

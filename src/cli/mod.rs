@@ -10,6 +10,7 @@ mod calibrate;
 mod client;
 mod demo;
 mod diagnose;
+mod diagnose_record;
 mod document;
 mod experiment;
 mod import;

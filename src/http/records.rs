@@ -16,12 +16,13 @@ use super::answer::Answer;
 use super::document::{Document, idempotency_key};
 use crate::pipeline::{Accepted, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
+use crate::wire::closure::ClosureBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::time;
 
 pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_record)).routes(routes!(get_record))
+    OpenApiRouter::new().routes(routes!(post_record)).routes(routes!(get_record)).routes(routes!(get_record_diagnosis))
 }
 
 /// Separates, stores and judges a calibration record.
@@ -83,6 +84,19 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Js
     let record = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
     Ok(Json(StoredRecordBody { answer, received_at: time::format(row.received_at), record }))
+}
+
+/// What the closure of the record says: D_O, which D_I and D_S cannot explain, and what would tell its causes apart.
+#[utoipa::path(get, path = "/v1/records/{id}/diagnosis", tag = "records",
+    params(("id" = String, Path, description = "identifier of the record, or of a campaign")),
+    responses(
+        (status = 200, description = "the diagnosis of the closure", body = ClosureBody),
+        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
+async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<ClosureBody>, Problem> {
+    let no_such = || Problem::new(404, "No such record", format!("there is no record {id}"));
+    let number: Id = id.parse().map_err(|_| no_such())?;
+    let closures = app.pipeline.closures(number).await?.ok_or_else(no_such)?;
+    Ok(Json(ClosureBody::from(&closures)))
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {

@@ -6,6 +6,7 @@ use super::line::Line;
 use super::models::InForce;
 use super::read::{CalibratedGyro, Calibration};
 use super::{Judged, Pipeline};
+use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::Verdict;
 use crate::core::judge::history::Need;
@@ -49,6 +50,18 @@ impl Pipeline {
         let separations = self.separations(&calibration.gyros);
         let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
         Ok(Some(StoredRecord { row, answer, seen }))
+    }
+
+    /// The closures of a stored record's gyros; none where there is no such record.
+    ///
+    /// # Errors
+    /// As [`Pipeline::stored_record`].
+    pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StoreError> {
+        let Some(row) = self.store.record(id).await? else { return Ok(None) };
+        let calibration = self
+            .read_again(row.kind, &row.body, &self.fitted_with(id).await?)
+            .map_err(|faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}")))?;
+        Ok(Some(closures(calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))))
     }
 
     fn read_again(&self, kind: Kind, body: &str, fitted_with: &InForce) -> Result<Calibration, Faults> {

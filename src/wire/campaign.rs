@@ -115,7 +115,8 @@ pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
     if is_csv(bytes) { super::campaign_csv::parse_csv(bytes) } else { parse_json(bytes) }
 }
 
-fn is_csv(bytes: &[u8]) -> bool {
+/// Whether a document is taken for CSV.
+pub fn is_csv(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     !matches!(text.iter().find(|b| !b.is_ascii_whitespace()), Some(b'{' | b'[') | None)
 }

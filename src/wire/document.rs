@@ -14,6 +14,7 @@ pub enum DocumentKind {
 /// The members that tell the kinds apart.
 #[derive(Deserialize)]
 struct Marks {
+    calibrated_at: Option<IgnoredAny>,
     method: Option<IgnoredAny>,
     measured_at: Option<IgnoredAny>,
     gyros: Option<IgnoredAny>,
@@ -21,6 +22,11 @@ struct Marks {
 }
 
 impl DocumentKind {
+    /// Whether a document says of itself that it is a calibration record.
+    pub fn is_record(bytes: &[u8]) -> bool {
+        matches!(serde_json::from_slice(bytes), Ok(Marks { calibrated_at: Some(_), dwells: None, .. }))
+    }
+
     /// A document that is none of them is read as a record, and refused as one.
     pub fn of(bytes: &[u8]) -> Self {
         // Nearly all documents are records; the name alone, wherever it stands, is a hint that is cheap to look for.

@@ -11,6 +11,7 @@ pub mod bench;
 pub mod calibration;
 pub mod campaign;
 pub mod campaign_csv;
+pub mod closure;
 pub mod diagnosis;
 pub mod document;
 pub mod geometry;

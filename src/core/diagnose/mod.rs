@@ -8,6 +8,7 @@ mod answer;
 mod bank;
 mod basis;
 mod class;
+mod closure;
 mod evidence;
 mod fit;
 mod floor;
@@ -26,6 +27,7 @@ mod search;
 mod settle;
 
 pub use answer::*;
+pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
 
 use frame::Frame;
 pub(crate) use frame::setting;

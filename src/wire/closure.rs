@@ -1,0 +1,202 @@
+//! What a calibration record shows by itself, as `diagnose RECORD` and `GET /v1/records/{id}/diagnosis` answer it.
+//!
+//! The members of a campaign's diagnosis, as far as a record has them. Nothing was held out: there are no dwells.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::core::diagnose::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure};
+use crate::core::mounting::Slot;
+
+const D_O_UNIT: &str = "deg/(h*g0)";
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureBody {
+    /// `no_gap`, or `partly_explained`: what it is called is one of a class that a record cannot take apart.
+    pub verdict: String,
+    pub gap: ClosureGapBody,
+    #[serde(rename = "where")]
+    pub located: ClosureWhereBody,
+    pub effects: Vec<ClosureEffectBody>,
+    pub impact: Vec<ClosureImpactBody>,
+    pub next_measurements: Vec<MeasurementBody>,
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureGapBody {
+    /// Root mean square of D_O over the gyros: a drift in deg/h where 1 g0 acts along O.
+    pub rms_deg_per_h_g0: f64,
+    pub budget_deg_per_h_g0: f64,
+    /// Smallest probability of a gyro's D_O by noise alone; null where no standard deviations are stated.
+    pub p_value: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureWhereBody {
+    pub gyros: Vec<ClosureShareBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureShareBody {
+    pub slot: String,
+    pub share: f64,
+    pub d_o: f64,
+    pub sd: Option<f64>,
+    pub of_budget: f64,
+    pub p_value: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureEffectBody {
+    pub effect: String,
+    /// Every entry that no single record can tell from it, itself included.
+    pub class: Vec<String>,
+    pub gyros: Vec<String>,
+    /// D_O, and the clocking that would take its place.
+    pub estimates: Vec<ClosureEstimateBody>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureEstimateBody {
+    /// The member of the class that the estimate is for.
+    pub effect: String,
+    pub slot: String,
+    pub name: String,
+    pub value: f64,
+    pub sd: Option<f64>,
+    pub unit: String,
+}
+
+/// What D_S would be if the closure is clocking; if it is D_O, D_S stays.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ClosureImpactBody {
+    pub slot: String,
+    pub coefficient: String,
+    /// The member of the class under which the coefficient shifts.
+    pub under: String,
+    pub plain: f64,
+    pub augmented: f64,
+    pub shift: f64,
+    pub of_budget: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MeasurementBody {
+    pub measurement: String,
+    pub separates: Vec<String>,
+}
+
+impl From<&ClosureDiagnosis> for ClosureBody {
+    fn from(d: &ClosureDiagnosis) -> Self {
+        let total: f64 = d.gyros.iter().map(|g| g.d_o * g.d_o).sum();
+        let out: Vec<&GyroClosure> = d.gyros.iter().filter(|g| g.stands_out).collect();
+        let p_values = d.gyros.iter().filter_map(|g| g.p_value);
+        let mut notes = Vec::new();
+        if d.gyros.iter().any(|g| g.sd.is_none()) {
+            notes.push(
+                "the record states no standard deviations of E and G: a closure counts where it exceeds the budget"
+                    .to_owned(),
+            );
+        }
+        if !out.is_empty() {
+            notes.push("one number a gyro closes itself: nothing can be held out, and neither reading is tested by this record".to_owned());
+        }
+        Self {
+            verdict: d.verdict.name().to_owned(),
+            gap: ClosureGapBody {
+                rms_deg_per_h_g0: d.rms,
+                budget_deg_per_h_g0: crate::core::diagnose::BUDGET_DEG_PER_H_G0,
+                p_value: p_values.reduce(f64::min),
+            },
+            located: ClosureWhereBody { gyros: d.gyros.iter().map(|g| ClosureShareBody::of(g, total)).collect() },
+            effects: if out.is_empty() { Vec::new() } else { vec![ClosureEffectBody::of(&out)] },
+            impact: out.iter().map(|g| ClosureImpactBody::of(g)).collect(),
+            next_measurements: if out.is_empty() { Vec::new() } else { measurements(&out) },
+            notes,
+        }
+    }
+}
+
+impl ClosureShareBody {
+    fn of(g: &GyroClosure, total: f64) -> Self {
+        Self {
+            slot: g.slot.name().to_owned(),
+            share: if total > 0.0 { g.d_o * g.d_o / total } else { 0.0 },
+            d_o: g.d_o,
+            sd: g.sd,
+            of_budget: g.of_budget,
+            p_value: g.p_value,
+        }
+    }
+}
+
+impl ClosureEffectBody {
+    fn of(out: &[&GyroClosure]) -> Self {
+        let [d_o, clocking] = CLOSURE_CLASS.map(|effect| effect.id());
+        let estimate = |effect: &str, slot: Slot, name: &str, value, sd, unit: &str| ClosureEstimateBody {
+            effect: effect.to_owned(),
+            slot: slot.name().to_owned(),
+            name: name.to_owned(),
+            value,
+            sd,
+            unit: unit.to_owned(),
+        };
+        let both = |g: &&GyroClosure| {
+            let clocking_sd = g.sd.map(|sd| sd * g.d_s.abs() / (g.d_s * g.d_s + g.d_o * g.d_o));
+            [
+                estimate(d_o, g.slot, "D_O", g.d_o, g.sd, D_O_UNIT),
+                estimate(clocking, g.slot, "phi", g.clocking, clocking_sd, "rad"),
+            ]
+        };
+        Self {
+            effect: d_o.to_owned(),
+            class: class(),
+            gyros: out.iter().map(|g| g.slot.name().to_owned()).collect(),
+            estimates: out.iter().flat_map(both).collect(),
+        }
+    }
+}
+
+impl ClosureImpactBody {
+    fn of(g: &GyroClosure) -> Self {
+        Self {
+            slot: g.slot.name().to_owned(),
+            coefficient: "D_S".to_owned(),
+            under: CLOSURE_CLASS[1].id().to_owned(),
+            plain: g.d_s,
+            augmented: g.d_s + g.d_s_shift,
+            shift: g.d_s_shift,
+            of_budget: g.d_s_shift.abs() / crate::core::diagnose::BUDGET_DEG_PER_H_G0,
+        }
+    }
+}
+
+fn class() -> Vec<String> {
+    CLOSURE_CLASS.iter().map(|effect| effect.id().to_owned()).collect()
+}
+
+/// What would take the class apart, the cheapest first.
+fn measurements(out: &[&GyroClosure]) -> Vec<MeasurementBody> {
+    let by = |g: &&GyroClosure| g.telling_change.map(|change| format!("{} by {change:.2}", g.slot.name()));
+    let changes: Vec<String> = out.iter().filter_map(by).collect();
+    let mut list = Vec::new();
+    if !changes.is_empty() {
+        list.push(format!(
+            "another calibration after D_S has changed ({} deg/(h*g0)): a clocked D_O moves in proportion to D_S, a true one stays; \
+             the gyro's own diagnosis asks its history for this",
+            changes.join(", ")
+        ));
+    }
+    list.push(
+        "the gyro taken out, seated again and the IMU calibrated anew: a clocking of the seat changes with the seating, a \
+         true D_O comes back as it was"
+            .to_owned(),
+    );
+    list.push(
+        "a single-gyro bench test on a fixture that takes S from the case's own reference face: it gives D_S and D_O in \
+         the gyro's own axes"
+            .to_owned(),
+    );
+    list.into_iter().map(|measurement| MeasurementBody { measurement, separates: class() }).collect()
+}

@@ -152,6 +152,9 @@ pub struct CandidateBody {
 pub struct NotIdentifiableBody {
     pub effect: String,
     pub visible_fraction: f64,
+    /// What it is hard to tell from in this campaign.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub confounded_with: Vec<String>,
     pub reason: String,
     pub needs: String,
 }
@@ -323,6 +326,7 @@ impl From<&core::NotIdentifiable> for NotIdentifiableBody {
         Self {
             effect: n.effect.id().to_owned(),
             visible_fraction: n.visible_fraction,
+            confounded_with: ids(&n.confounded_with),
             reason: n.reason.clone(),
             needs: n.needs.clone(),
         }

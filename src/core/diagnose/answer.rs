@@ -174,6 +174,8 @@ pub struct NotIdentifiable {
     pub effect: Effect,
     /// Share of the effect's whitened power that the model in use cannot absorb, best gyro.
     pub visible_fraction: f64,
+    /// What it is hard to tell from; empty where the campaign shows nothing of it at all.
+    pub confounded_with: Vec<Effect>,
     pub reason: String,
     pub needs: String,
 }

@@ -2,15 +2,132 @@
 
 use super::answer::NotIdentifiable;
 use super::bank::{Bank, Kind};
+use super::basis::{Basis, dot};
+use super::fit::Part;
 use super::frame::Frame;
-use crate::core::effects::{CATALOGUE, Effect, Entry};
+use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
+use crate::core::model::Term;
 
 /// Visible share of power below which an entry is listed: less than three per cent of its amplitude shows.
 const LITTLE: f64 = 1e-3;
 
-/// Entries that the campaign lacks a column for, or that the model in use absorbs.
-pub(super) fn not_identifiable(frame: &Frame, bank: &Bank) -> Vec<NotIdentifiable> {
-    CATALOGUE.iter().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry)).collect()
+/// Share of an entry's power in the span of g_linear from which on the two are called confounded: 45 deg.
+const SHARED: f64 = 0.5;
+
+/// Detectability below which an effect is more often missed than named.
+pub(super) const JUST_MISSED: f64 = 4.5;
+
+/// Entries that the campaign lacks a column for, that the model in use absorbs, or that hide in D_I and D_S.
+pub(super) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> Vec<NotIdentifiable> {
+    let unseen = CATALOGUE.iter().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry));
+    let mut list: Vec<NotIdentifiable> = unseen.collect();
+    let further: Vec<&Mimic> = mimics.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
+    list.extend(further.into_iter().map(Mimic::told));
+    list
+}
+
+/// An entry whose regressor nearly lies in the span of g_linear, in every shape and gyro: what is too small to be seen of it
+/// still moves G, hence D_I and D_S. Bias is taken out of both first: every campaign has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mimic {
+    pub effect: Effect,
+    pub shape: Shape,
+    pub gyro: usize,
+    /// Share of the regressor's power in the span of g_linear: the squared cosine of the principal angle.
+    pub shared: f64,
+    /// Share of it that the model in use, g_linear included, leaves over.
+    pub visible: f64,
+}
+
+/// The entries that this design confounds with g_linear, where that is in the model or was named.
+pub(super) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
+    let named = |effect: Effect| parts.iter().any(|part| part.effect == effect);
+    if !frame.terms.contains(Term::GLinear) && !named(Effect::GLinear) {
+        return Vec::new();
+    }
+    let open = |entry: &&&Entry| {
+        let closure_only = matches!(entry.effect, Effect::OutputAxisG | Effect::MountClocking);
+        !held(frame, entry) && !closure_only && !named(entry.effect) && (entry.missing)(&frame.setting).is_none()
+    };
+    // What is seen beside the bias and the model is not shared with g_linear.
+    let doubtful = |entry: &&&Entry| visible(bank, entry.effect) < 1.0 - SHARED;
+    let spans: Vec<Spans> = (0..frame.gyros.len()).map(|j| Spans::of(frame, j)).collect();
+    CATALOGUE.iter().filter(open).filter(doubtful).filter_map(|entry| Mimic::of(frame, &spans, entry)).collect()
+}
+
+/// What regressors of one gyro are held against.
+struct Spans {
+    bias: Basis,
+    /// g_linear beside the bias.
+    g: Basis,
+    /// The model in use, with g_linear.
+    model: Basis,
+}
+
+impl Spans {
+    fn of(frame: &Frame, j: usize) -> Self {
+        let (gyro, n) = (&frame.gyros[j], frame.dwells());
+        let constant = frame.terms.contains(Term::Bias).then(|| gyro.whiten(vec![1.0; n]));
+        let bias = Basis::of(constant);
+        let (mut g, mut model) = (bias.clone(), gyro.basis.clone());
+        for axis in 0..3 {
+            let column = gyro.whiten(frame.setting.column(|k| frame.setting.force[k][axis]));
+            g.push(column.clone());
+            model.push(column);
+        }
+        Self { g: g.split_off(bias.rank()), bias, model }
+    }
+
+    /// Shares of a whitened column, bias taken out, in g_linear and beside the model; none of a mere bias.
+    fn shares(&self, mut column: Vec<f64>) -> Option<(f64, f64)> {
+        let raw = dot(&column, &column);
+        self.bias.project_out(&mut column);
+        let whole = dot(&column, &column);
+        if whole.is_nan() || whole <= 1e-12 * raw {
+            return None;
+        }
+        let shared: f64 = self.g.vectors().iter().map(|q| dot(q, &column).powi(2)).sum();
+        self.model.project_out(&mut column);
+        Some((shared / whole, dot(&column, &column) / whole))
+    }
+}
+
+impl Mimic {
+    /// The shape and gyro in which the entry is least confounded, where even there it is.
+    fn of(frame: &Frame, spans: &[Spans], entry: &Entry) -> Option<Self> {
+        let shapes = (entry.shapes)(&frame.setting);
+        let all = shapes.iter().flat_map(|(shape, _)| spans.iter().enumerate().map(move |(j, s)| (*shape, j, s)));
+        let each = all.filter_map(|(shape, gyro, spans)| {
+            let columns = (entry.columns)(&frame.setting, gyro, shape).into_iter();
+            let shares: Vec<_> = columns.filter_map(|c| spans.shares(frame.gyros[gyro].whiten(c))).collect();
+            let mean = |pick: fn(&(f64, f64)) -> f64| shares.iter().map(pick).sum::<f64>() / shares.len() as f64;
+            let (shared, visible) = (mean(|s| s.0), mean(|s| s.1));
+            (!shares.is_empty()).then_some(Self { effect: entry.effect, shape, gyro, shared, visible })
+        });
+        each.min_by(|a, b| a.shared.total_cmp(&b.shared)).filter(|mimic| mimic.shared > SHARED)
+    }
+
+    /// By how many standard deviations what is just missed of it moves D_I and D_S at most.
+    fn hidden_shift(&self) -> f64 {
+        JUST_MISSED * (self.shared / self.visible.max(1e-6)).sqrt()
+    }
+
+    fn told(&self) -> NotIdentifiable {
+        let angle = self.shared.min(1.0).sqrt().acos().to_degrees();
+        NotIdentifiable {
+            effect: self.effect,
+            visible_fraction: self.visible,
+            confounded_with: vec![Effect::GLinear],
+            reason: format!(
+                "g_linear takes {:.0} % of its power in these dwells (principal angle {angle:.0} deg): the two are hard to \
+                 tell apart, and what is just too small to be seen of it shifts D_I and D_S by up to {:.0} of their \
+                 standard deviations",
+                100.0 * self.shared,
+                self.hidden_shift()
+            ),
+            needs: self.effect.entry().needs.to_owned(),
+        }
+    }
 }
 
 /// Terms and effects of the model in use are fitted, not sought.
@@ -21,7 +138,8 @@ fn held(frame: &Frame, entry: &Entry) -> bool {
 
 fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> {
     let listed = |visible_fraction: f64, reason: String| {
-        Some(NotIdentifiable { effect: entry.effect, visible_fraction, reason, needs: entry.needs.to_owned() })
+        let (effect, needs) = (entry.effect, entry.needs.to_owned());
+        Some(NotIdentifiable { effect, visible_fraction, confounded_with: Vec::new(), reason, needs })
     };
     if matches!(entry.effect, Effect::OutputAxisG | Effect::MountClocking) {
         return listed(0.0, "D_O a_O lies inside G; it shows in the closure of G only".to_owned());

@@ -7,7 +7,7 @@ use super::answer::NextDwell;
 use super::bank::Bank;
 use super::fit::{Fit, Part};
 use super::frame::Frame;
-use super::identify::visible;
+use super::identify::{JUST_MISSED, Mimic, visible};
 use crate::core::campaign::Phase;
 use crate::core::effects::{CATALOGUE, Effect, Scope, Setting, Shape};
 
@@ -36,11 +36,13 @@ pub(super) fn next_dwells(
     parts: &[Part],
     fit: &Fit,
     classes: &[Vec<Effect>],
+    mimics: &[Mimic],
 ) -> Vec<NextDwell> {
     let proposals = proposals(frame);
     let setting = extended(&frame.setting, &proposals);
     let mut questions = tied(frame, &setting, parts, fit, classes);
     questions.extend(hidden(frame, &setting, bank));
+    questions.extend(mimics.iter().map(|mimic| confounded(frame, &setting, mimic)));
     let n = frame.dwells();
     let mut taken: Vec<usize> = Vec::new();
     let mut chosen = Vec::new();
@@ -223,6 +225,29 @@ fn hidden(frame: &Frame, setting: &Setting, bank: &Bank) -> Vec<Question> {
         }
     }
     questions
+}
+
+/// An entry that hides in g_linear, as large as it may be without being seen.
+fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
+    let sd = deviations(frame, mimic.gyro, setting.dwells());
+    let mut columns = model(frame, setting, mimic.gyro, &sd);
+    columns.extend((0..3).map(|axis| whitened(setting.column(|k| setting.force[k][axis]), &sd, 1.0)));
+    let raw = (mimic.effect.entry().columns)(setting, mimic.gyro, mimic.shape);
+    let mut signal = vec![0.0; setting.dwells()];
+    for column in raw {
+        super::basis::axpy(1.0, &whitened(column, &sd, 1.0), &mut signal);
+    }
+    let old = &signal[..frame.dwells()];
+    let mut beside = frame.gyros[mimic.gyro].basis.clone();
+    for axis in 0..3 {
+        beside.push(frame.gyros[mimic.gyro].whiten(frame.setting.column(|k| frame.setting.force[k][axis])));
+    }
+    let mut seen = old.to_vec();
+    beside.project_out(&mut seen);
+    let seen = super::basis::dot(&seen, &seen).sqrt();
+    let size = if seen > 0.0 { JUST_MISSED / seen } else { 0.0 };
+    super::basis::scale(size, &mut signal);
+    Question { effects: vec![mimic.effect, Effect::GLinear], signal, columns }
 }
 
 impl Question {

@@ -55,6 +55,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
     let effects = effects(settled, &named, &parts, &fit, &variances, &noise_floor);
     let all: Vec<&Part> = parts.iter().collect();
     let classes: Vec<Vec<Effect>> = named.iter().map(|n| n.class.clone()).collect();
+    let mimics = identify::mimics(frame, &settled.bank, &parts);
     Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
@@ -82,9 +83,9 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
             signs: signs.list,
         },
         candidates: candidates(settled, &search, &named, &variances, frame),
-        not_identifiable: identify::not_identifiable(frame, &settled.bank),
+        not_identifiable: identify::not_identifiable(frame, &settled.bank, &mimics),
         impact: impact::impact(frame, &parts, &fit),
-        next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes),
+        next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
         residuals: located::residuals(frame, &fit.residuals, &variances),
         notes: frame.notes.clone(),
     }

@@ -16,7 +16,7 @@ const CAMPAIGNS: [(f64, &str, &[(&str, f64)]); 4] = [
     (52.0, "24-position", &[]),
     (38.0, "24-position", &[("temperature_bias", 14.0)]),
     (24.0, "60-position", &[("hysteresis", 16.0), ("scale_asymmetry", 18.0)]),
-    (10.0, "24-bare", &[("magnetic", 20.0)]),
+    (10.0, "24-bare", &[]),
 ];
 
 pub fn happenings(today: UtcMicros) -> anyhow::Result<Vec<Happening>> {

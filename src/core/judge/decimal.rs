@@ -62,8 +62,8 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_figure_is_rounded_to_within_half_a_unit(value in -1e6..1e6, decimals in 0_usize..=12) {
-            prop_assume!((value as f64).abs() * POWERS[decimals] < EXACT);
+        fn any_figure_is_rounded_to_within_half_a_unit(value in -1e6_f64..1e6, decimals in 0_usize..=12) {
+            prop_assume!(value.abs() * POWERS[decimals] < EXACT);
             let read: f64 = format!("{:+.decimals$}", Decimal(value)).parse().expect("a number");
             let half = 0.5 / POWERS[decimals];
             prop_assert!((read - value).abs() <= half * (1.0 + 1e-9) + 4.0 * f64::EPSILON * value.abs());

@@ -37,7 +37,7 @@ pub struct Naming<'a> {
     pub new: Option<&'a Changes>,
 }
 
-impl<'a> Naming<'a> {
+impl Naming<'_> {
     pub fn gyro(&self, number: u32) -> String {
         let stored = self.tables.gyros.name(number).map(|name| &**name);
         stored.or_else(|| added(&self.new?.gyros, number)).unwrap_or_default().to_owned()

@@ -275,6 +275,10 @@ fn scale_together(hypothesis: &mut Hypothesis, columns: &mut [DMatrix<f64>]) {
 
 /// Turns a block's columns to the principal axes of their Gram matrix and drops those without power.
 fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
+    // A block that the design hides altogether has no axes.
+    if block.len == 0 {
+        return;
+    }
     let view = columns.columns(block.start, block.len).into_owned();
     let axes = view.tr_mul(&view).symmetric_eigen();
     let mut order: Vec<usize> = (0..block.len).collect();

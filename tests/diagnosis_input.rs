@@ -1,0 +1,194 @@
+//! Campaigns that a diagnosis can do little with: each gets an answer or a clear refusal, never a number that is none, a
+//! panic, or a cause made up.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+mod support;
+
+use rstest::rstest;
+use serde_json::{Value, json};
+use support::{data_path, gyrowatch};
+
+/// Practice campaign 0: nothing is hidden in it.
+fn clean() -> Value {
+    serde_json::from_slice(&std::fs::read(data_path("practice/campaign-00.json")).unwrap()).unwrap()
+}
+
+/// What came of it: the answer, or what the refusal says.
+fn diagnosed(campaign: &Value) -> Result<Value, String> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("campaign.json");
+    std::fs::write(&path, campaign.to_string()).unwrap();
+    let output = gyrowatch().arg("diagnose").arg(&path).args(["--format", "json"]).output().unwrap();
+    let (out, error) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(!error.contains("panicked"), "{error}");
+    match output.status.code() {
+        Some(0) => Ok(serde_json::from_str(&out).unwrap()),
+        Some(1) => {
+            assert_eq!(out, "");
+            Err(error)
+        }
+        other => panic!("{other:?}: {error}"),
+    }
+}
+
+/// An answer: no number in it is missing but where the form allows null, and nothing is named in a clean campaign.
+fn no_made_up_cause(answer: &Value) {
+    assert_eq!(answer["effects"], json!([]), "{answer}");
+    assert_eq!(nulls(answer, ""), Vec::<String>::new());
+}
+
+/// Pointers to null (JSON's NaN and infinity), but for candidates that could not be tried.
+fn nulls(value: &Value, at: &str) -> Vec<String> {
+    match value {
+        Value::Null if at.starts_with("/candidates/") && at.ends_with("/closure") => Vec::new(),
+        Value::Null => vec![at.to_owned()],
+        Value::Array(list) => list.iter().enumerate().flat_map(|(i, v)| nulls(v, &format!("{at}/{i}"))).collect(),
+        Value::Object(map) => map.iter().flat_map(|(key, v)| nulls(v, &format!("{at}/{key}"))).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn dwells(campaign: &mut Value) -> &mut Vec<Value> {
+    campaign["dwells"].as_array_mut().unwrap()
+}
+
+fn without(campaign: &mut Value, member: &str) {
+    dwells(campaign).iter_mut().for_each(|dwell| {
+        dwell.as_object_mut().unwrap().remove(member);
+    });
+}
+
+fn outputs(campaign: &mut Value, change: impl Fn(usize, f64) -> f64) {
+    for dwell in dwells(campaign) {
+        for (j, y) in dwell["output_pulse_s"].as_array_mut().unwrap().iter_mut().enumerate() {
+            *y = change(j, y.as_f64().unwrap()).into();
+        }
+    }
+}
+
+/// What model (6) predicts with made-up parameters, to the last digit.
+fn noise_free(campaign: &mut Value) {
+    for dwell in dwells(campaign) {
+        let vector = |name: &str| [0, 1, 2].map(|i| dwell[name][i].as_f64().unwrap());
+        let (a, w) = (vector("specific_force_g0"), vector("rate_arcsec_s"));
+        let input = [
+            [0.577350269, -0.408248290, FRAC_1_SQRT_2],
+            [0.577350269, -0.408248290, -FRAC_1_SQRT_2],
+            [0.577350269, 0.816496581, 0.0],
+        ];
+        let output = input.map(|e| {
+            let drift: f64 = 0.3 + (0..3).map(|i| 2.0 * e[i] * a[i] + 0.01 * a[i] * a[i]).sum::<f64>();
+            1.4676 * (drift + (0..3).map(|i| e[i] * w[i]).sum::<f64>())
+        });
+        dwell["output_pulse_s"] = json!(output);
+    }
+}
+
+fn one_gyro(campaign: &mut Value) {
+    campaign["gyros"].as_array_mut().unwrap().truncate(1);
+    for dwell in dwells(campaign) {
+        for member in ["output_pulse_s", "output_sem_pulse_s"] {
+            dwell[member].as_array_mut().unwrap().truncate(1);
+        }
+    }
+}
+
+#[rstest]
+#[case::no_standard_errors(|c: &mut Value| without(c, "output_sem_pulse_s"))]
+#[case::no_temperature(|c: &mut Value| without(c, "temperature_c"))]
+#[case::a_constant_temperature(|c: &mut Value| dwells(c).iter_mut().for_each(|d| d["temperature_c"] = 20.0.into()))]
+#[case::no_attitude(|c: &mut Value| without(c, "attitude"))]
+#[case::nothing_but_what_must_be(|c: &mut Value| ["output_sem_pulse_s", "temperature_c", "attitude"].iter().for_each(|m| without(c, m)))]
+#[case::one_gyro(one_gyro)]
+#[case::no_site(|c: &mut Value| { c.as_object_mut().unwrap().remove("site"); })]
+#[case::perfect_data(noise_free)]
+#[case::static_dwells_alone(|c: &mut Value| dwells(c).retain(|d| d["phase"] == "static"))]
+fn a_clean_campaign_that_lacks_something_has_no_cause(#[case] spoil: fn(&mut Value)) {
+    let mut campaign = clean();
+    spoil(&mut campaign);
+    match diagnosed(&campaign) {
+        Ok(answer) => no_made_up_cause(&answer),
+        Err(refusal) => panic!("it can be diagnosed: {refusal}"),
+    }
+}
+
+#[test]
+fn a_campaign_without_repeats_says_so() {
+    let mut campaign = clean();
+    let mut seen = Vec::new();
+    dwells(&mut campaign).retain(|dwell| {
+        let position = (dwell["specific_force_g0"].to_string(), dwell["rate_arcsec_s"].to_string());
+        let new = !seen.contains(&position);
+        seen.push(position);
+        new
+    });
+    match diagnosed(&campaign) {
+        Ok(answer) => {
+            no_made_up_cause(&answer);
+            assert!(answer["noise_floor"]["source"].as_str().unwrap().contains("sem"), "{}", answer["noise_floor"]);
+        }
+        Err(refusal) => assert!(refusal.contains("nothing can be held against it"), "{refusal}"),
+    }
+}
+
+#[rstest]
+#[case::no_dwell_to_spare(9)]
+#[case::one_dwell_to_spare(10)]
+#[case::few_to_spare(14)]
+fn a_campaign_too_small_to_hold_anything_out_is_refused_or_names_nothing(#[case] count: usize) {
+    let mut campaign = clean();
+    dwells(&mut campaign).truncate(count);
+    match diagnosed(&campaign) {
+        Ok(answer) => no_made_up_cause(&answer),
+        Err(refusal) => assert!(refusal.contains("nothing can be held against it"), "{refusal}"),
+    }
+}
+
+#[test]
+fn one_face_over_and_over_names_nothing() {
+    let mut campaign = clean();
+    let face = dwells(&mut campaign)[0].clone();
+    let (force, rate, attitude) = (&face["specific_force_g0"], &face["rate_arcsec_s"], &face["attitude"]);
+    dwells(&mut campaign).retain(|dwell| dwell["phase"] == "static");
+    let first = face["output_pulse_s"].clone();
+    for (k, dwell) in dwells(&mut campaign).iter_mut().enumerate() {
+        dwell["specific_force_g0"] = force.clone();
+        dwell["rate_arcsec_s"] = rate.clone();
+        dwell["attitude"] = attitude.clone();
+        for j in 0..3 {
+            let sem = dwell["output_sem_pulse_s"][j].as_f64().unwrap();
+            // A fixed scatter of about one standard error that follows nothing.
+            let scatter = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0][(7 * k + 3 * j) % 11];
+            dwell["output_pulse_s"][j] = (first[j].as_f64().unwrap() + sem * scatter).into();
+        }
+    }
+    match diagnosed(&campaign) {
+        Ok(answer) => no_made_up_cause(&answer),
+        Err(refusal) => assert!(refusal.contains("nothing can be held against it"), "{refusal}"),
+    }
+}
+
+#[test]
+fn a_gyro_without_output_is_refused_by_its_slot() {
+    let mut campaign = clean();
+    outputs(&mut campaign, |j, y| if j == 1 { 0.0 } else { y });
+    let refusal = diagnosed(&campaign).expect_err("nothing can be said of it");
+    assert!(refusal.contains("the output of G2 is the same in every dwell"), "{refusal}");
+    outputs(&mut campaign, |_, _| 0.0);
+    let refusal = diagnosed(&campaign).expect_err("nothing can be said of it");
+    assert!(refusal.contains("the output of G1 is the same in every dwell"), "{refusal}");
+}
+
+#[test]
+fn several_huge_outliers_are_not_one_bad_dwell_and_no_drift() {
+    let mut campaign = clean();
+    for (k, j, off) in [(7, 0, 50.0), (21, 0, -80.0), (33, 1, 1e3), (52, 2, 300.0), (60, 2, -1e3)] {
+        let y = &mut dwells(&mut campaign)[k]["output_pulse_s"][j];
+        *y = (y.as_f64().unwrap() + off).into();
+    }
+    let answer = diagnosed(&campaign).expect("there are dwells enough");
+    assert_ne!(answer["verdict"], "no_gap");
+    assert_ne!(answer["verdict"], "explained", "{}", answer["effects"]);
+    assert_eq!(nulls(&answer, ""), Vec::<String>::new());
+}

@@ -1,0 +1,296 @@
+//! People at the pages, in a real browser: they find a gyro, zoom, switch the method, export, read a diagnosis, import a
+//! file with errors. Whatever they do, the console does not complain and no request leaves the service.
+
+mod chromium;
+mod support;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use chromium::Browser;
+use serde_json::Value;
+use support::{Server, data, gyrowatch};
+
+/// `gyrowatch demo`: two years of a fleet, the paper's tables, campaigns with something hidden in them.
+struct Demo {
+    child: Child,
+    base: String,
+    dir: tempfile::TempDir,
+}
+
+impl Demo {
+    fn start() -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let mut child = gyrowatch()
+            .args(["demo", "--listen", "127.0.0.1:0", "--database", "demo.db"])
+            .current_dir(dir.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+        let mut base = String::new();
+        for line in lines {
+            if let Some(address) = line.strip_prefix("gyrowatch listens on ") {
+                base = address.to_owned();
+            }
+            if line.contains("Ctrl-C") {
+                break;
+            }
+        }
+        assert!(!base.is_empty(), "the demo names its address");
+        Self { child, base, dir }
+    }
+}
+
+impl Drop for Demo {
+    fn drop(&mut self) {
+        let _already_gone = self.child.kill();
+        let _reaped = self.child.wait();
+    }
+}
+
+/// Waits until a download is whole, and reads it.
+async fn downloaded(dir: &Path, name: &str) -> Vec<u8> {
+    let file = dir.join(name);
+    for _ in 0..200 {
+        if file.exists() {
+            return std::fs::read(file).unwrap();
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    let there: Vec<_> = std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    panic!("{name} was never downloaded; there are {there:?}");
+}
+
+const RANGE: &str = "document.querySelector('[data-plot]').layout.xaxis.range.map((x) => +new Date(x))";
+
+async fn shown_days(browser: &Browser) -> f64 {
+    let range = browser.eval(RANGE).await;
+    (range[1].as_f64().unwrap() - range[0].as_f64().unwrap()) / 864e5
+}
+
+#[tokio::test]
+async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let demo = Demo::start();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    browser.look(1280, 1000, false).await;
+    browser.goto("/").await;
+    browser.type_into("input[type=search]", "lfg-0004\n").await;
+    browser.wait("location.search.includes('lfg-0004')").await;
+    browser.click("table.fleet tbody th a").await;
+    browser.wait("document.querySelector('[data-drawn]')").await;
+    browser.sees("D_I lies +0.0").await;
+    browser.sees("A second campaign confirms it.").await;
+
+    let whole = shown_days(&browser).await;
+    assert!(whole > 600.0, "two years are shown: {whole} days");
+    let place = browser.eval(
+        "(() => { const r = document.querySelector('.nsewdrag').getBoundingClientRect(); \
+        scrollTo(0, r.top + scrollY - 100); const s = document.querySelector('.nsewdrag').getBoundingClientRect(); \
+        return [s.left, s.top, s.width, s.height] })()",
+    );
+    let [left, top, width, height] = [0, 1, 2, 3].map({
+        let place = place.await;
+        move |i| place[i].as_f64().unwrap()
+    });
+    let at = |x: f64, y: f64| (left + x * width, top + y * height);
+    browser.drag(at(0.5, 0.2), at(0.75, 0.8)).await;
+    browser.wait(&format!("(() => {{ const [a, b] = {RANGE}; return b - a < {} }})()", 0.4 * whole * 864e5)).await;
+    browser.click("[data-zoom=all]").await;
+    browser.wait(&format!("(() => {{ const [a, b] = {RANGE}; return b - a > {} }})()", 0.9 * whole * 864e5)).await;
+
+    browser.click("[data-zoom=picture]").await;
+    let picture = downloaded(demo.dir.path(), "LFG-0004.png").await;
+    assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000);
+    browser.click("a[download$='D_I.csv']").await;
+    let csv = String::from_utf8(downloaded(demo.dir.path(), "LFG-0004-D_I.csv").await).unwrap();
+    assert!(csv.starts_with("serial,coefficient,unit,calibrated_at,value,sd,") && csv.lines().count() > 30, "{csv}");
+
+    let names = "[...document.querySelector('[data-plot]').data].map((trace) => trace.name).join()";
+    browser.click(".tabs a[href$=published]").await;
+    browser.wait("document.querySelector('[data-drawn]')").await;
+    assert!(browser.eval(names).await.as_str().unwrap().contains("published"));
+    browser.click(".tabs a[href$=bench]").await;
+    browser.wait("document.querySelector('[data-drawn]')").await;
+    let bench = browser.eval(names).await;
+    assert_eq!(bench, "torque feedback,turntable servo,torque feedback,turntable servo");
+    browser.has_behaved().await;
+}
+
+#[tokio::test]
+async fn a_metrologist_reads_what_was_hidden_in_a_campaign() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let server = Server::start().await;
+    let stored = server.post("/v1/campaigns", "application/json", data("practice/campaign-09.json")).await;
+    assert_eq!(stored.status, 201);
+    let browser = Browser::open(&server.url(""), server.dir()).await;
+    browser.look(1280, 1000, false).await;
+    browser.goto("/?q=IMU-9009").await;
+    browser.click("table.fleet a[href^='/imus/']").await;
+    browser.wait("location.pathname == '/imus/IMU-9009'").await;
+    browser.click("a[href$='/diagnosis']").await;
+    browser.wait("location.pathname.endsWith('/diagnosis')").await;
+    for there in
+        ["nothing significant remains", "warm-up after power-up", "unequal moments of inertia", "What else was tried"]
+    {
+        browser.sees(there).await;
+    }
+    // The key says that both causes are in G3 alone: there the map is darkest.
+    let darkest = browser.eval(
+        "[...document.querySelectorAll('.heat')].sort((a, b) => b.getAttribute('fill-opacity') - a.getAttribute('fill-opacity'))[0].textContent",
+    );
+    assert!(darkest.await.as_str().unwrap().starts_with("G3, dwell "));
+    browser.has_behaved().await;
+}
+
+#[tokio::test]
+async fn an_operator_sees_what_is_wrong_with_a_file_before_anything_is_stored() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let server = Server::start().await;
+    let good: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    let mut bad = good.clone();
+    bad["gyros"][1]["e_pulse_per_arcsec"] = serde_json::json!([0.0, 0.0, 0.0]);
+    bad["calibrated_at"] = "yesterday".into();
+    let file = server.dir().join("calibrations.ndjson");
+    std::fs::write(&file, format!("{good}\n{bad}\nnot a document\n")).unwrap();
+    let browser = Browser::open(&server.url(""), server.dir()).await;
+    browser.look(1280, 1000, false).await;
+    browser.goto("/import").await;
+    let before = server.holdings().await;
+    browser.type_into("input[type=file]", file.to_str().unwrap()).await;
+    browser.wait("document.querySelector('.preview')").await;
+    for there in [
+        "1 can be stored · 2 cannot",
+        "Line 2 · refused",
+        "/calibrated_at",
+        "/gyros/1/e_pulse_per_arcsec",
+        "Line 3 · refused",
+        "2.957643",
+    ] {
+        browser.sees(there).await;
+    }
+    assert_eq!(server.holdings().await, before, "a preview stores nothing");
+    browser.click("form.confirm button").await;
+    browser.wait("document.querySelector('.preview a')").await;
+    browser.sees("Line 1: stored:").await;
+    browser.click(".preview a").await;
+    browser.wait("location.pathname.startsWith('/records/')").await;
+    browser.sees("2.957643").await;
+
+    // A campaign's CSV, its fault named by line and column.
+    browser.goto("/import").await;
+    browser.type_into("textarea", "# imu: IMU-1\nphase,start_s\nstatic,0\n").await;
+    browser.click("form.import button").await;
+    browser.wait("document.querySelector('.fault')").await;
+    browser.has_behaved().await;
+}
+
+#[tokio::test]
+async fn times_stand_in_the_viewers_zone_with_utc_beside_them() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let server = Server::start().await;
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let browser = Browser::open(&server.url(""), server.dir()).await;
+    browser.cdp("Emulation.setTimezoneOverride", serde_json::json!({"timezoneId": "Asia/Shanghai"})).await;
+    browser.goto("/gyros/LFG-0101").await;
+    browser.wait("document.querySelector('[data-drawn]')").await;
+    let time = "document.querySelector('time[datetime=\"2026-03-01T08:00:00Z\"]')";
+    assert_eq!(browser.eval(&format!("{time}.textContent")).await, "2026-03-01 16:00");
+    assert_eq!(browser.eval(&format!("{time}.title")).await, "2026-03-01 08:00 UTC");
+    browser.has_behaved().await;
+}
+
+/// Names that a screen reader would miss, headings out of order, and text too faint to read (WCAG 2.2, 1.4.3: 4.5 to 1).
+const FAULTS: &str = r#"(() => {
+  const faults = [];
+  const named = (e) => (e.getAttribute("aria-label") || e.textContent || e.title || "").trim();
+  for (const e of document.querySelectorAll("a[href], button, svg[role=img]")) if (!named(e)) faults.push("no name: " + e.outerHTML.slice(0, 90));
+  for (const e of document.querySelectorAll("input:not([type=hidden]), textarea:not([hidden]), select"))
+    if (!e.labels.length && !e.getAttribute("aria-label")) faults.push("no label: " + e.outerHTML.slice(0, 90));
+  let level = 0;
+  for (const e of document.querySelectorAll("h1, h2, h3")) {
+    const own = Number(e.tagName[1]);
+    if (own > level + 1) faults.push("heading out of order: " + e.textContent);
+    level = own;
+  }
+  if (document.querySelectorAll("h1").length !== 1 || document.querySelectorAll("main").length !== 1) faults.push("not one h1 and one main");
+  const channels = (text) => (text.match(/[\d.]+/g) || []).map(Number);
+  const light = ([r, g, b]) => {
+    const f = (c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+    return 0.2126 * f(r) + 0.7152 * f(g) + 0.0722 * f(b);
+  };
+  const ground = (e) => {
+    for (; e; e = e.parentElement) {
+      const c = channels(getComputedStyle(e).backgroundColor);
+      if (c.length === 3 || c[3] > 0) return c;
+    }
+    return [255, 255, 255];
+  };
+  const walker = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const e = walker.currentNode.parentElement;
+    if (!walker.currentNode.textContent.trim() || !e.checkVisibility() || e.closest("svg, script")) continue;
+    const [a, b] = [light(channels(getComputedStyle(e).color)), light(ground(e))].sort((x, y) => y - x);
+    if ((a + 0.05) / (b + 0.05) < 4.5) faults.push("too faint: " + e.outerHTML.slice(0, 90));
+  }
+  if (document.documentElement.scrollWidth > innerWidth + 1) faults.push("wider than the view: " + document.documentElement.scrollWidth);
+  return [...new Set(faults)];
+})()"#;
+
+#[tokio::test]
+async fn every_page_is_fit_to_be_seen_in_both_languages_light_and_dark_wide_and_narrow() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let demo = Demo::start();
+    let pictures = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("../screenshots");
+    std::fs::create_dir_all(&pictures).unwrap();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    browser.goto("/imus/IMU-21").await;
+    let newest = "[...document.querySelectorAll(\"a[href$='/diagnosis']\")][1].pathname";
+    let diagnosis = browser.eval(newest).await.as_str().unwrap().to_owned();
+    let campaign = diagnosis.strip_suffix("/diagnosis").unwrap().to_owned();
+    browser.goto("/gyros/LFG-0004").await;
+    let record = browser.eval("document.querySelector(\"a[href^='/records/']\").pathname").await;
+    let pages = [
+        ("fleet", "/"),
+        ("gyro", "/gyros/LFG-0011"),
+        ("drifting", "/gyros/LFG-0004"),
+        ("bench", "/gyros/PAPER-T5-G1?method=bench"),
+        ("imu", "/imus/IMU-21"),
+        ("record", record.as_str().unwrap()),
+        ("campaign", &campaign),
+        ("diagnosis", &diagnosis),
+        ("stations", "/stations"),
+        ("import", "/import"),
+    ];
+    for (language, dark, width) in [("en", false, 1280), ("zh", true, 1280), ("en", true, 390), ("zh", false, 390)] {
+        browser.look(width, 900, dark).await;
+        browser.goto(&format!("/preference?language={language}")).await;
+        for (name, path) in pages {
+            browser.goto(path).await;
+            let plots = browser.eval("document.querySelectorAll('[data-plot]').length").await;
+            browser.wait(&format!("document.querySelectorAll('[data-drawn]').length == {plots}")).await;
+            let faults = browser.eval(FAULTS).await;
+            assert_eq!(faults, serde_json::json!([]), "{path} in {language}, dark {dark}, {width} pixels wide");
+            let theme = if dark { "dark" } else { "light" };
+            browser.picture(&pictures.join(format!("{name}-{language}-{theme}-{width}.png"))).await;
+        }
+        if width == 1280 {
+            assert_eq!(browser.eval("document.documentElement.lang").await, language);
+        }
+    }
+    browser.has_behaved().await;
+}

@@ -13,6 +13,7 @@ use super::id::Id;
 use super::lock::beside;
 use super::names::Names;
 use super::open::{MIGRATIONS, Options, Store, connect_options, load_names};
+use super::tail::{SharedTail, Tail};
 
 /// What a checked file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -87,16 +88,25 @@ async fn placed(
 /// database of this program.
 pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
     let readers = SqlitePoolOptions::new().max_connections(1).connect_with(reading(file)).await?;
-    let names = {
+    let (names, tail) = {
         let mut connection = readers.acquire().await?;
         structure(&mut connection).await?;
         schema(&mut connection, file).await?;
-        Names::new(load_names(&mut connection).await?)
+        (Names::new(load_names(&mut connection).await?), SharedTail::new(tail(&mut connection).await?))
     };
-    let store = Store { readers, names, file: file.to_owned() };
+    let store = Store { readers, names, tail, file: file.to_owned() };
     let holdings = contents(&store).await;
     store.close().await;
     holdings
+}
+
+/// Files of the first versions have no log.
+async fn tail(connection: &mut SqliteConnection) -> Result<Tail, StoreError> {
+    let there = "SELECT count(*) FROM sqlite_schema WHERE name = 'history_log'";
+    match sqlx::query_scalar::<_, i64>(there).fetch_one(&mut *connection).await? {
+        0 => Ok(Tail::default()),
+        _ => Tail::load(connection).await,
+    }
 }
 
 async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {

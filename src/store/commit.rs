@@ -9,7 +9,7 @@ use super::checkpoint::Checkpoints;
 use super::delivery::{self, OutboxChanges};
 use super::error::StoreError;
 use super::event::{self, EventRow};
-use super::history::{self, HistoryRow};
+use super::history::HistoryRow;
 use super::hook::{self, HookRow};
 use super::id::{Id, IdSource};
 use super::keys::{self, KeyRow};
@@ -17,6 +17,7 @@ use super::lock::Lock;
 use super::model::{self, ModelRow};
 use super::names::Names;
 use super::record::{self, RecordRow};
+use super::tail::SharedTail;
 use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
 
@@ -50,6 +51,11 @@ pub struct Rejudged {
 }
 
 impl Changes {
+    /// Rows of the history in the order in which they hold: the last of a gyro and instant.
+    fn history_rows(&self) -> impl Iterator<Item = &HistoryRow> {
+        self.history.iter().chain(&self.rejudged.history)
+    }
+
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
             && self.benches.is_empty()
@@ -69,6 +75,7 @@ impl Changes {
 pub struct Writer {
     connection: SqliteConnection,
     names: Names,
+    tail: SharedTail,
     ids: IdSource,
     checkpoints: Checkpoints,
     /// Set once a write could not be made durable: what the log then holds is not known.
@@ -82,11 +89,12 @@ impl Writer {
     pub(super) fn new(
         connection: SqliteConnection,
         names: Names,
+        tail: SharedTail,
         ids: IdSource,
         checkpoints: Checkpoints,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, ids, checkpoints, stopped: None, in_doubt: false, _lock: lock }
+        Self { connection, names, tail, ids, checkpoints, stopped: None, in_doubt: false, _lock: lock }
     }
 
     pub fn names(&self) -> &Names {
@@ -106,7 +114,13 @@ impl Writer {
             return Err(StoreError::NotDurable(why.clone()));
         }
         self.checkpoints.finish(&mut self.connection).await?;
-        let batch = batch_of(changes);
+        let mut batch = batch_of(changes);
+        let fold = {
+            let tail = self.tail.read();
+            let fold = tail.due(changes.history_rows().count());
+            tail.write(changes.history_rows(), &fold, &mut batch);
+            fold
+        };
         let pages = batch.pages();
         let committed = batch.commit(&mut self.connection).await;
         self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
@@ -121,6 +135,7 @@ impl Writer {
             tables.stations.extend(&changes.stations);
             tables.gyros.extend(&changes.gyros);
         });
+        self.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
         self.checkpoints.written(pages);
         Ok(())
     }
@@ -177,8 +192,6 @@ fn batch_of(changes: &Changes) -> Batch {
         batch.add(sql, rows);
     }
     record::insert(&changes.records, &mut batch);
-    history::insert(&changes.history, &mut batch);
-    history::update(&changes.rejudged.history, &mut batch);
     record::update_verdicts(&changes.rejudged.sheets, &mut batch);
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);

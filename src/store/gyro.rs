@@ -1,5 +1,7 @@
 //! Every gyro's newest row, for lists.
 
+use std::collections::HashMap;
+
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::open::Store;
@@ -8,12 +10,20 @@ impl Store {
     /// The newest row of each gyro whose number is greater than `after`, by number, at most `limit`; none for a gyro that only
     /// a bench has seen.
     pub async fn newest_of_gyros(&self, after: u32, limit: u32) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
+        // Before the database is asked: see `SharedTail::read`.
+        let waiting: HashMap<u32, Figures> = self.tail.read().newest().map(|(gyro, row)| (gyro, *row)).collect();
         let sql =
             "SELECT id, (SELECT figures FROM history WHERE history.gyro = gyro.id ORDER BY calibrated_at DESC LIMIT 1)
                    FROM gyro WHERE id > $1 ORDER BY id LIMIT $2";
         let rows: Vec<(u32, Option<Vec<u8>>)> =
             sqlx::query_as(sql).bind(after).bind(limit).fetch_all(&self.readers).await?;
-        rows.into_iter().map(|(gyro, packed)| Ok((gyro, packed.map(|bytes| one(gyro, &bytes)).transpose()?))).collect()
+        let newest = |(gyro, packed): (u32, Option<Vec<u8>>)| {
+            let folded = packed.map(|bytes| one(gyro, &bytes)).transpose()?;
+            let waiting = waiting.get(&gyro).copied();
+            // Of two with one instant the last is taken: the one that waits.
+            Ok((gyro, folded.into_iter().chain(waiting).max_by_key(|figures| figures.at)))
+        };
+        rows.into_iter().map(newest).collect()
     }
 }
 

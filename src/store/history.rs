@@ -26,26 +26,17 @@ impl Span {
     pub const EVER: Span = Span { from: UtcMicros(i64::MIN), to: UtcMicros(i64::MAX) };
 }
 
-pub(super) fn insert(history: &[HistoryRow], batch: &mut Batch) {
-    // In the order of the key: neighbours share their page, and each page is touched once.
-    let mut ordered: Vec<&HistoryRow> = history.iter().collect();
-    ordered.sort_unstable_by_key(|row| (row.gyro, row.figures.at));
+/// Puts rows into their gyros' places; one that is there already is replaced.
+pub(super) fn upsert(history: &[HistoryRow], batch: &mut Batch) {
     batch.add(
         "INSERT INTO history (gyro, calibrated_at, record, figures)
-         SELECT value->>0, value->>1, value->>2, substr($BYTES, value->>3, value->>4) FROM json_each($ROWS)",
-        rows(ordered.into_iter()),
+         SELECT value->>0, value->>1, value->>2, substr($BYTES, value->>3, value->>4) FROM json_each($ROWS) WHERE true
+         ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures",
+        rows(history),
     );
 }
 
-pub(super) fn update(history: &[HistoryRow], batch: &mut Batch) {
-    batch.add(
-        "UPDATE history SET record = j.value->>2, figures = substr($BYTES, j.value->>3, j.value->>4)
-         FROM json_each($ROWS) AS j WHERE history.gyro = j.value->>0 AND history.calibrated_at = j.value->>1",
-        rows(history.iter()),
-    );
-}
-
-fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
+fn rows(history: &[HistoryRow]) -> Rows {
     let mut rows = Rows::default();
     for HistoryRow { gyro, figures } in history {
         rows.row()
@@ -57,7 +48,7 @@ fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
     rows
 }
 
-/// Rows of `gyro` within `span`: the oldest `limit` of them, oldest first; or the newest, newest first.
+/// Folded rows of `gyro` within `span`: the oldest `limit` of them, oldest first; or the newest, newest first.
 async fn read(
     readers: &SqlitePool,
     gyro: u32,
@@ -91,31 +82,68 @@ fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
     rows.iter().map(|row| Figures::unpack(gyro, row)).collect()
 }
 
+/// Rows of one order in one: those that wait hold where both have the instant.
+fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
+    if waiting.is_empty() {
+        return folded;
+    }
+    let before = |a: &Figures, b: &Figures| if newest_first { a.at > b.at } else { a.at < b.at };
+    let mut all = Vec::with_capacity(limit.min(folded.len() + waiting.len()));
+    let (mut folded, mut waiting) = (folded.into_iter().peekable(), waiting.into_iter().peekable());
+    while all.len() < limit {
+        let next = match (folded.peek(), waiting.peek()) {
+            (Some(there), Some(waits)) if there.at == waits.at => {
+                folded.next();
+                waiting.next()
+            }
+            (Some(there), Some(waits)) if before(there, waits) => folded.next(),
+            (Some(_), None) => folded.next(),
+            _ => waiting.next(),
+        };
+        let Some(next) = next else { break };
+        all.push(next);
+    }
+    all
+}
+
 impl Store {
     /// The oldest `limit` rows of a gyro within `span`, oldest first.
     pub async fn history(&self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        read(&self.readers, gyro, span, limit, false).await
+        let waiting = self.tail.read().of(gyro, span).iter().take(limit).copied().collect();
+        let folded = read(&self.readers, gyro, span, limit, false).await?;
+        Ok(merged(folded, waiting, false, limit))
     }
 
     /// The newest `limit` rows of a gyro within `span`, oldest first.
     pub async fn newest_history(&self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        let mut rows = read(&self.readers, gyro, span, limit, true).await?;
+        let waiting = self.tail.read().of(gyro, span).iter().rev().take(limit).copied().collect();
+        let folded = read(&self.readers, gyro, span, limit, true).await?;
+        let mut rows = merged(folded, waiting, true, limit);
         rows.reverse();
         Ok(rows)
     }
 
     /// How many rows a gyro has.
     pub async fn count_history(&self, gyro: u32) -> Result<i64, StoreError> {
-        let sql = "SELECT count(*) FROM history WHERE gyro = $1";
-        Ok(sqlx::query_scalar(sql).bind(gyro).fetch_one(&self.readers).await?)
+        let waiting: Vec<i64> = self.tail.read().of(gyro, Span::EVER).iter().map(|row| row.at.0).collect();
+        // A row that was judged again waits although it is in its place.
+        let sql = "SELECT count(*) + json_array_length($2)
+                   - (SELECT count(*) FROM json_each($2) AS waiting JOIN history AS there
+                      ON there.gyro = $1 AND there.calibrated_at = waiting.value)
+                   FROM history WHERE gyro = $1";
+        let waiting = serde_json::Value::from(waiting).to_string();
+        Ok(sqlx::query_scalar(sql).bind(gyro).bind(waiting).fetch_one(&self.readers).await?)
     }
 
     /// The temperature of each of a gyro's records that states one; of a campaign that does not, the mean of its dwells.
     pub async fn temperatures(&self, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
+        let rows = self.history(gyro, Span::EVER, usize::MAX).await?;
+        let records: Vec<i64> = rows.iter().map(|row| row.record.0).collect();
         let sql = "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
                           (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
-                   FROM history JOIN record ON record.id = history.record WHERE gyro = $1 AND json_valid(body)";
-        let rows: Vec<(i64, Option<f64>)> = sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
+                   FROM json_each($1) AS j JOIN record ON record.id = j.value WHERE json_valid(body)";
+        let records = serde_json::Value::from(records).to_string();
+        let rows: Vec<(i64, Option<f64>)> = sqlx::query_as(sql).bind(records).fetch_all(&self.readers).await?;
         Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
     }
 }

@@ -24,6 +24,7 @@ mod names;
 mod open;
 mod outbox;
 mod record;
+mod tail;
 mod verdicts;
 
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
@@ -48,5 +49,7 @@ pub use verdicts::{StoredVerdict, VerdictSheet};
 
 #[cfg(test)]
 mod outbox_tests;
+#[cfg(test)]
+mod tail_tests;
 #[cfg(test)]
 mod tests;

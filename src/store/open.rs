@@ -14,6 +14,7 @@ use super::error::StoreError;
 use super::id::IdSource;
 use super::lock;
 use super::names::{Names, Table, Tables};
+use super::tail::{SharedTail, Tail};
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
@@ -35,14 +36,16 @@ pub struct Options {
 pub struct Store {
     pub(super) readers: SqlitePool,
     pub(super) names: Names,
+    pub(super) tail: SharedTail,
     pub(super) file: PathBuf,
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 3] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 4] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
+    (6, "history_log", include_str!("../../migrations/sqlite/0006_history_log.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -59,6 +62,7 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
         other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
     })?;
     let names = Names::new(load_names(&mut connection).await?);
+    let tail = SharedTail::new(Tail::load(&mut connection).await?);
     let last_id = last_id(&mut connection).await?;
     let checkpointer = connect.clone().connect().await?;
     // Never idle-closed: a reader's warm page cache is what makes reading fast.
@@ -69,9 +73,9 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let store = Store { readers, names: names.clone(), file };
+    let store = Store { readers, names: names.clone(), tail: tail.clone(), file };
     let checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages);
-    let writer = Writer::new(connection, names, IdSource::after(last_id), checkpoints, lock);
+    let writer = Writer::new(connection, names, tail, IdSource::after(last_id), checkpoints, lock);
     Ok((store, writer))
 }
 

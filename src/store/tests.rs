@@ -15,7 +15,7 @@ pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
         .unwrap()
 }
 
-fn record(id: Id, at: i64, note: &str) -> RecordRow {
+pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
     let verdict = StoredVerdict {
         coefficient: Coefficient::DI,
         rule: Rule::Step,
@@ -39,7 +39,7 @@ fn record(id: Id, at: i64, note: &str) -> RecordRow {
     }
 }
 
-fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
+pub(super) fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
     let figures = Figures {
         at: UtcMicros(at),
         record,

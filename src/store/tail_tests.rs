@@ -1,0 +1,114 @@
+//! What readers see does not depend on what has been folded, and nothing of it is lost when the service is killed.
+
+use std::collections::BTreeMap;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sqlx::SqlitePool;
+use tempfile::TempDir;
+
+use super::tests::{first_names, history, opened, record};
+use super::*;
+use crate::core::time::UtcMicros;
+
+const GYROS: u32 = 60;
+const COMMITS: usize = 30;
+const ROWS: usize = 1_500;
+
+/// What was committed, by gyro and instant.
+type Expected = BTreeMap<(u32, i64), Figures>;
+
+fn names() -> Changes {
+    Changes { gyros: (1..=GYROS).map(|k| (k, format!("LFG-{k}"))).collect(), ..first_names() }
+}
+
+/// New rows at any instants, some of which are there already and are judged again.
+fn some_rows(random: &mut ChaCha8Rng, record: Id, expected: &mut Expected) -> Changes {
+    let mut group: BTreeMap<(u32, i64), Figures> = BTreeMap::new();
+    for _ in 0..ROWS {
+        let (gyro, at) = (random.random_range(1..=GYROS), random.random_range(0..20_000));
+        group.insert((gyro, at), history(record, gyro, at, random.random()).figures);
+    }
+    let mut changes = Changes::default();
+    for (key, figures) in group {
+        let row = HistoryRow { gyro: key.0, figures };
+        match expected.insert(key, figures) {
+            None => changes.history.push(row),
+            Some(_) => changes.rejudged.history.push(row),
+        }
+    }
+    changes
+}
+
+async fn counts(dir: &TempDir) -> (i64, i64) {
+    let url = format!("sqlite://{}", dir.path().join("test.db").display());
+    let pool = SqlitePool::connect(&url).await.unwrap();
+    let sql = "SELECT (SELECT count(*) FROM history), (SELECT count(*) FROM history_log)";
+    sqlx::query_as(sql).fetch_one(&pool).await.unwrap()
+}
+
+async fn check(store: &Store, expected: &Expected, random: &mut ChaCha8Rng) {
+    let mut newest = Vec::new();
+    for gyro in 1..=GYROS {
+        let all: Vec<Figures> = expected.range((gyro, 0)..=(gyro, i64::MAX)).map(|(_, row)| *row).collect();
+        assert_eq!(store.history(gyro, Span::EVER, usize::MAX).await.unwrap(), all);
+        assert_eq!(store.count_history(gyro).await.unwrap(), all.len() as i64);
+        let (a, b) = (random.random_range(0..20_000), random.random_range(0..20_000));
+        let (from, to) = (a.min(b), a.max(b));
+        let limit = random.random_range(1..300);
+        let span = Span { from: UtcMicros(from), to: UtcMicros(to) };
+        let within: Vec<Figures> = all.iter().filter(|row| (from..=to).contains(&row.at.0)).copied().collect();
+        assert_eq!(store.history(gyro, span, limit).await.unwrap(), within[..limit.min(within.len())]);
+        let skipped = within.len().saturating_sub(limit);
+        assert_eq!(store.newest_history(gyro, span, limit).await.unwrap(), within[skipped..]);
+        newest.push((gyro, all.last().copied()));
+    }
+    assert_eq!(store.newest_of_gyros(0, 100).await.unwrap(), newest);
+}
+
+#[tokio::test]
+async fn readers_see_every_row_once_whether_it_is_folded_or_waits_and_after_a_kill() {
+    let dir = TempDir::new().unwrap();
+    let (mut random, mut expected) = (ChaCha8Rng::seed_from_u64(20), Expected::new());
+    let (mut store, mut writer) = opened(&dir).await;
+    let id = writer.next_id(UtcMicros(1));
+    writer.commit(&Changes { records: vec![record(id, 1, "")], ..names() }).await.unwrap();
+    for commit in 0..COMMITS {
+        writer.commit(&some_rows(&mut random, id, &mut expected)).await.unwrap();
+        if commit % 10 == 4 {
+            // Dropped as a kill would: nothing is written when it ends.
+            drop((store, writer));
+            (store, writer) = opened(&dir).await;
+        }
+        if commit % 5 == 4 {
+            check(&store, &expected, &mut random).await;
+        }
+    }
+    let (folded, entries) = counts(&dir).await;
+    assert!(folded > 5_000, "{folded} rows are in their places");
+    assert!(entries < COMMITS as i64, "{entries} entries of the log are left");
+}
+
+#[tokio::test]
+async fn a_row_of_the_log_that_was_altered_is_found_out_at_the_start() {
+    let dir = TempDir::new().unwrap();
+    let (_store, mut writer) = opened(&dir).await;
+    let id = writer.next_id(UtcMicros(1));
+    let (records, rows) = (vec![record(id, 1, "")], vec![history(id, 1, 7, 2.9)]);
+    writer.commit(&Changes { records, history: rows, ..names() }).await.unwrap();
+    drop((_store, writer));
+    let url = format!("sqlite://{}", dir.path().join("test.db").display());
+    let pool = SqlitePool::connect(&url).await.unwrap();
+    for damage in ["CAST(substr(rows, 1, 40) || x'ff' || substr(rows, 42) AS BLOB)", "substr(rows, 1, 100)"] {
+        let sql = format!("UPDATE history_log SET rows = {damage}");
+        sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&pool).await.unwrap();
+        let options = Options {
+            url: url.clone(),
+            readers: 1,
+            busy_timeout: std::time::Duration::from_secs(1),
+            cache_kib: 64,
+            checkpoint_pages: 100,
+        };
+        assert!(matches!(open(&options).await, Err(StoreError::Damaged(_))));
+    }
+}

@@ -2,8 +2,8 @@
 
 use sha2::{Digest, Sha256};
 
+use super::campaign::Fitted;
 use super::line::Line;
-use super::models::InForce;
 use super::read::{CalibratedGyro, Calibration};
 use super::{Judged, Pipeline};
 use crate::core::diagnose::{ClosureDiagnosis, closures};
@@ -22,6 +22,14 @@ pub struct StoredRecord {
     pub seen: Vec<Option<Verdict>>,
 }
 
+/// What a stored row says.
+pub(super) struct Reread {
+    pub row: RecordRow,
+    pub calibration: Calibration,
+    /// Of a campaign.
+    pub fitted: Option<Fitted>,
+}
+
 impl Pipeline {
     /// The answer to a calibration that has just been stored.
     pub fn answer(&self, id: Id, separations: Vec<SeparationBody>, judged: &[Judged]) -> RecordAnswer {
@@ -38,14 +46,7 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
     pub async fn stored_record(&self, id: Id) -> Result<Option<StoredRecord>, StoreError> {
-        let Some(row) = self.store.record(id).await? else { return Ok(None) };
-        let hash: [u8; 32] = Sha256::digest(row.body.as_bytes()).into();
-        if hash != row.body_sha256 {
-            return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
-        }
-        let calibration = self
-            .read_again(row.kind, &row.body, &self.fitted_with(id).await?)
-            .map_err(|faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}")))?;
+        let Some(Reread { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?.into_iter().unzip();
         let separations = self.separations(&calibration.gyros);
         let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
@@ -57,23 +58,35 @@ impl Pipeline {
     /// # Errors
     /// As [`Pipeline::stored_record`].
     pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StoreError> {
-        let Some(row) = self.store.record(id).await? else { return Ok(None) };
-        let calibration = self
-            .read_again(row.kind, &row.body, &self.fitted_with(id).await?)
-            .map_err(|faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}")))?;
-        Ok(Some(closures(calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))))
+        let reread = self.reread(id).await?;
+        Ok(reread.map(|it| closures(it.calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))))
     }
 
-    fn read_again(&self, kind: Kind, body: &str, fitted_with: &InForce) -> Result<Calibration, Faults> {
-        match kind {
-            Kind::Record => self.reread_record(body),
-            Kind::Campaign => self.reread_campaign(body, fitted_with),
+    /// A stored record or campaign, read and separated again; it was plausible once, whatever today's limits are.
+    ///
+    /// # Errors
+    /// As [`Pipeline::stored_record`].
+    pub(super) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
+        let Some(row) = self.store.record(id).await? else { return Ok(None) };
+        let hash: [u8; 32] = Sha256::digest(row.body.as_bytes()).into();
+        if hash != row.body_sha256 {
+            return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
         }
+        let unreadable =
+            |faults: Faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}"));
+        let (calibration, fitted) = match row.kind {
+            Kind::Record => (self.reread_record(&row.body).map_err(unreadable)?, None),
+            Kind::Campaign => {
+                let fitted = self.fitted_again(&row).await?.map_err(unreadable)?;
+                (self.calibration_again(&row, &fitted), Some(fitted))
+            }
+        };
+        Ok(Some(Reread { row, calibration, fitted }))
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
     /// (the limits have changed since), the figures stand and say so.
-    async fn verdicts_in_words(
+    pub(super) async fn verdicts_in_words(
         &self,
         row: &RecordRow,
         calibration: &Calibration,

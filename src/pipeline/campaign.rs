@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::answer::verdict_bodies;
+use super::answer::{Reread, verdict_bodies};
 use super::models::InForce;
 use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
 use super::{Judged, Pipeline};
@@ -34,6 +34,14 @@ pub struct StoredCampaign {
     pub answer: CampaignAnswer,
     /// As of [`super::StoredRecord`].
     pub seen: Vec<Option<Verdict>>,
+}
+
+/// A stored campaign as it was fitted when it came.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub campaign: Campaign,
+    pub outcome: Outcome,
+    pub model: Option<Id>,
 }
 
 impl Pipeline {
@@ -72,10 +80,19 @@ impl Pipeline {
         Ok(ReadCampaign { submission, answer, body })
     }
 
-    /// Reads a stored campaign: it was plausible once, whatever today's limits are.
-    pub(super) fn reread_campaign(&self, body: &str, fitted_with: &InForce) -> Result<Calibration, Faults> {
-        let (campaign, outcome) = evaluated(body, fitted_with)?;
-        Ok(self.calibration_of(&campaign, &outcome, fitted_with.id, kept(body.as_bytes())?))
+    /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
+    pub(super) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<Fitted, Faults>, StoreError> {
+        let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
+        let work = tokio::task::spawn_blocking(move || {
+            let (campaign, outcome) = evaluated(&body, &model)?;
+            Ok(Fitted { campaign, outcome, model: model.id })
+        });
+        work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
+    }
+
+    pub(super) fn calibration_again(&self, row: &RecordRow, fitted: &Fitted) -> Calibration {
+        let kept = (Arc::clone(&row.body), row.body_sha256);
+        self.calibration_of(&fitted.campaign, &fitted.outcome, fitted.model, kept)
     }
 
     fn calibration_of(
@@ -132,17 +149,13 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
     pub async fn stored_campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StoreError> {
-        let Some(stored) = self.stored_record(id).await? else { return Ok(None) };
-        if stored.row.kind != Kind::Campaign {
-            return Ok(None);
-        }
-        let fitted_with = self.fitted_with(id).await?;
-        let (campaign, outcome) = evaluated(&stored.row.body, &fitted_with).map_err(|faults| damaged(id, &faults))?;
-        let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
-        answer.id = stored.answer.id;
-        answer.imu_model = fitted_with.id.map(|id| id.to_string());
-        answer.verdicts = stored.answer.verdicts;
-        Ok(Some(StoredCampaign { row: stored.row, answer, seen: stored.seen }))
+        let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
+        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?.into_iter().unzip();
+        let mut answer = CampaignAnswer::of(&fitted.campaign, &fitted.outcome, self.method());
+        answer.id = Some(id.to_string());
+        answer.imu_model = fitted.model.map(|id| id.to_string());
+        answer.verdicts = verdicts;
+        Ok(Some(StoredCampaign { row, answer, seen }))
     }
 
     /// The bench result that was fitted to stored dwells.
@@ -160,7 +173,7 @@ impl Pipeline {
     }
 
     /// The model that a stored campaign was fitted with.
-    pub(super) async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
+    async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
         let row = self.store.model_of_campaign(id).await?;
         row.as_ref().map_or_else(|| Ok(InForce::default()), super::models::read)
     }

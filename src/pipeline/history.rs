@@ -46,7 +46,9 @@ impl Pipeline {
             let coefficients = diagnose_history(&history, &peers);
             ExplainedHistory { peers: peers.len(), coefficients }
         });
-        Ok(explained.await.expect("the diagnosis neither panics nor is cancelled"))
+        let failed =
+            |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));
+        explained.await.map_err(failed)
     }
 
     /// Other gyros, nearest number first.

@@ -33,8 +33,9 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
     type Rejection = Response;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
-        check_media_type(request.headers(), &["application/json", "text/csv"]).map_err(IntoResponse::into_response)?;
-        let form = if check_media_type(request.headers(), &["text/csv"]).is_ok() { Form::Csv } else { Form::Json };
+        let types = ["application/json", "text/csv"];
+        let sent = check_media_type(request.headers(), &types).map_err(IntoResponse::into_response)?;
+        let form = if sent == "text/csv" { Form::Csv } else { Form::Json };
         let bytes = Bytes::from_request(request, state).await.map_err(IntoResponse::into_response)?;
         Ok(Self(bytes, form))
     }

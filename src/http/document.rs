@@ -33,18 +33,18 @@ impl Document {
     }
 }
 
-/// Refuses bodies that are sent as something else than one of `accepted`, or compressed.
-pub fn check_media_type(headers: &HeaderMap, accepted: &[&str]) -> Result<(), Problem> {
+/// Which of `accepted` a body is sent as; one that is none of them, or compressed, is refused.
+pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Result<&'static str, Problem> {
     let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?").trim().to_owned());
     let media_type = text(CONTENT_TYPE);
     let essence = media_type.as_deref().map(|t| t.split(';').next().unwrap_or(t).trim().to_ascii_lowercase());
-    let wanted = accepted.join(" or ");
-    if !essence.as_deref().is_some_and(|essence| accepted.contains(&essence)) {
+    let Some(sent) = accepted.iter().find(|accepted| essence.as_deref() == Some(**accepted)) else {
+        let wanted = accepted.join(" or ");
         let found = media_type.map_or_else(|| "there is none".to_owned(), |t| format!("it is {t}"));
         return Err(Problem::new(415, "Unsupported media type", format!("Content-Type must be {wanted}, {found}")));
-    }
+    };
     match text(CONTENT_ENCODING).filter(|encoding| !encoding.eq_ignore_ascii_case("identity")) {
-        None => Ok(()),
+        None => Ok(sent),
         Some(encoding) => {
             let detail = format!("Content-Encoding {encoding} is not taken; send the body as it is");
             Err(Problem::new(415, "Unsupported media type", detail))

@@ -4,7 +4,7 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::header::LOCATION;
 use axum::http::{HeaderMap, StatusCode};
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse, Redirect, Response};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
@@ -73,17 +73,23 @@ struct StoredRecordBody {
 }
 
 /// A stored record: what was sent, what was separated from it, and how it is judged.
+///
+/// Points of a trend name a record or a campaign; a campaign's identifier is sent on to where campaigns are.
 #[utoipa::path(get, path = "/v1/records/{id}", tag = "records", params(("id" = String, Path, description = "identifier of the record")),
     responses(
         (status = 200, description = "the record", body = StoredRecordBody),
+        (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is"))),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
-async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredRecordBody>, Problem> {
+async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let no_such = || Problem::new(404, "No such record", format!("there is no record {id}"));
     let id: Id = id.parse().map_err(|_| no_such())?;
     let StoredRecord { row, answer, .. } = stored(&app, id).await?;
+    if row.kind == Kind::Campaign {
+        return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
+    }
     let record = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
-    Ok(Json(StoredRecordBody { answer, received_at: time::format(row.received_at), record }))
+    Ok(Json(StoredRecordBody { answer, received_at: time::format(row.received_at), record }).into_response())
 }
 
 /// What the closure of the record says: D_O, which D_I and D_S cannot explain, and what would tell its causes apart.

@@ -88,6 +88,15 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.sees("D_I lies +0.0").await;
     browser.sees("A second campaign confirms it.").await;
 
+    browser.click("#alerts a[href*='/acknowledge']").await;
+    browser.wait("document.querySelector('form.deed')").await;
+    browser.type_into("input[name=by]", "Li Wei").await;
+    browser.type_into("textarea[name=reason]", "ordered a bench test").await;
+    browser.click("input[name=confirm]").await;
+    browser.click("form.deed button").await;
+    browser.wait("location.pathname == '/gyros/LFG-0004' && document.querySelector('[data-drawn]')").await;
+    browser.sees("by Li Wei: ordered a bench test").await;
+
     let whole = shown_days(&browser).await;
     assert!(whole > 600.0, "two years are shown: {whole} days");
     let place = browser.eval(
@@ -245,25 +254,56 @@ const FAULTS: &str = r#"(() => {
     const [a, b] = [light(channels(getComputedStyle(e).color)), light(ground(e))].sort((x, y) => y - x);
     if ((a + 0.05) / (b + 0.05) < 4.5) faults.push("too faint: " + e.outerHTML.slice(0, 90));
   }
+  for (const e of document.querySelectorAll(".plot svg.main-svg"))
+    if (e.getBoundingClientRect().right > innerWidth + 1) faults.push("a plot wider than the view: " + e.getBoundingClientRect().right);
   if (document.documentElement.scrollWidth > innerWidth + 1) faults.push("wider than the view: " + document.documentElement.scrollWidth);
   return [...new Set(faults)];
 })()"#;
 
 #[tokio::test]
-async fn every_page_is_fit_to_be_seen_in_both_languages_light_and_dark_wide_and_narrow() {
+async fn every_page_is_fit_to_be_seen_on_a_screen_in_both_languages() {
+    every_page_is_fit_to_be_seen(1280, [("en", false), ("zh", true)]).await;
+}
+
+#[tokio::test]
+async fn every_page_is_fit_to_be_seen_on_a_telephone_in_both_languages() {
+    every_page_is_fit_to_be_seen(390, [("en", true), ("zh", false)]).await;
+}
+
+/// Where the pictures are put.
+fn pictures() -> PathBuf {
+    let pictures = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("../screenshots");
+    std::fs::create_dir_all(&pictures).unwrap();
+    pictures
+}
+
+/// A hook with something to tell that nobody hears: its identifier.
+async fn set_up_hook(browser: &Browser) -> String {
+    let hook = "fetch('/v1/hooks', {method: 'POST', headers: {'content-type': 'application/json'}, \
+        body: '{\"kind\": \"cloudevents\", \"name\": \"chat\", \"url\": \"http://127.0.0.1:9/\"}'}).then((answer) => answer.json())";
+    let id = browser.eval(hook).await["id"].as_str().unwrap().to_owned();
+    browser.eval(&format!("fetch('/v1/hooks/{id}/test', {{method: 'POST'}}).then((answer) => answer.status)")).await;
+    id
+}
+
+/// In each language, light or dark.
+async fn every_page_is_fit_to_be_seen(width: u32, looks: [(&str, bool); 2]) {
     if !chromium::is_installed() {
         return;
     }
     let demo = Demo::start();
-    let pictures = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("../screenshots");
-    std::fs::create_dir_all(&pictures).unwrap();
+    let pictures = pictures();
     let browser = Browser::open(&demo.base, demo.dir.path()).await;
     browser.goto("/imus/IMU-21").await;
     let newest = "[...document.querySelectorAll(\"a[href$='/diagnosis']\")][1].pathname";
     let diagnosis = browser.eval(newest).await.as_str().unwrap().to_owned();
     let campaign = diagnosis.strip_suffix("/diagnosis").unwrap().to_owned();
     browser.goto("/gyros/LFG-0004").await;
-    let record = browser.eval("document.querySelector(\"a[href^='/records/']\").pathname").await;
+    let link = |start: &str| format!("document.querySelector(\"a[href^='{start}']\").pathname");
+    let record = browser.eval(&link("/records/")).await;
+    let acknowledge = browser.eval(&link("/alerts/")).await;
+    let hook = format!("/hooks/{}", set_up_hook(&browser).await);
+    let delete = format!("{hook}/delete");
     let pages = [
         ("fleet", "/"),
         ("gyro", "/gyros/LFG-0011"),
@@ -275,8 +315,17 @@ async fn every_page_is_fit_to_be_seen_in_both_languages_light_and_dark_wide_and_
         ("diagnosis", &diagnosis),
         ("stations", "/stations"),
         ("import", "/import"),
+        ("alerts", "/alerts"),
+        ("acknowledge", acknowledge.as_str().unwrap()),
+        ("event", "/gyros/LFG-0004/events/new"),
+        ("hooks", "/hooks"),
+        ("hook", &hook),
+        ("hook-new", "/hooks/new"),
+        ("hook-delete", &delete),
+        ("report-gyro", "/gyros/LFG-0004/report"),
+        ("report-imu", "/imus/IMU-21/report"),
     ];
-    for (language, dark, width) in [("en", false, 1280), ("zh", true, 1280), ("en", true, 390), ("zh", false, 390)] {
+    for (language, dark) in looks {
         browser.look(width, 900, dark).await;
         browser.goto(&format!("/preference?language={language}")).await;
         for (name, path) in pages {
@@ -288,9 +337,33 @@ async fn every_page_is_fit_to_be_seen_in_both_languages_light_and_dark_wide_and_
             let theme = if dark { "dark" } else { "light" };
             browser.picture(&pictures.join(format!("{name}-{language}-{theme}-{width}.png"))).await;
         }
-        if width == 1280 {
-            assert_eq!(browser.eval("document.documentElement.lang").await, language);
-        }
+        assert_eq!(browser.eval("document.documentElement.lang").await, language);
+    }
+    browser.has_behaved().await;
+}
+
+#[tokio::test]
+async fn a_report_prints_on_a_few_sheets_with_its_plots_and_without_what_is_for_clicking() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let demo = Demo::start();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    for (name, path) in [("gyro", "/gyros/LFG-0004/report"), ("imu", "/imus/IMU-02/report")] {
+        // The width of A4 between its margins, in CSS pixels.
+        browser.look(680, 900, true).await;
+        browser.goto(path).await;
+        let pdf = browser.pdf().await;
+        std::fs::write(pictures().join(format!("report-{name}.pdf")), &pdf).unwrap();
+        let sheets = pdf.windows(11).filter(|bytes| *bytes == b"/Type /Page").count() - 1;
+        assert!(pdf.starts_with(b"%PDF") && (2..=14).contains(&sheets), "{sheets} sheets");
+        browser.on_paper().await;
+        let shown = "[...document.querySelectorAll('header.bar, form, nav, .actions')].filter((e) => e.checkVisibility()).length";
+        assert_eq!(browser.eval(shown).await, 0);
+        assert_eq!(browser.eval("getComputedStyle(document.body).backgroundColor").await, "rgb(255, 255, 255)");
+        let cut = "[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > document.documentElement.clientWidth).length";
+        assert_eq!(browser.eval(cut).await, 0, "tables wider than the sheet");
+        browser.picture(&pictures().join(format!("paper-{name}.png"))).await;
     }
     browser.has_behaved().await;
 }

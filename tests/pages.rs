@@ -1,9 +1,13 @@
 //! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
 
+mod receiver;
 mod support;
 
+use std::time::{Duration, Instant};
+
+use receiver::Receiver;
 use serde_json::{Value, json};
-use support::Server;
+use support::{Answer, Server};
 
 /// A calibration of one gyro: D_I and D_S along its nominal triad, E of length one.
 fn record(imu: &str, station: &str, serial: &str, day: u32, d: [f64; 2]) -> Value {
@@ -185,4 +189,145 @@ async fn a_station_is_shown_with_what_it_does_to_results() {
     let shown = page(&server, "/stations", &[]).await;
     // Successive differences at ST-1 of 0.002: their root mean square over the square root of two; and the step to ST-2.
     assert!(shown.contains("0.00141") && shown.contains("0.500000"), "{shown}");
+}
+
+/// A form as a browser sends it from a page of this service.
+async fn sends_form(server: &Server, path: &str, fields: &[(&str, &str)]) -> Answer {
+    sends_form_from(server, &server.url(""), path, fields).await
+}
+
+async fn sends_form_from(server: &Server, origin: &str, path: &str, fields: &[(&str, &str)]) -> Answer {
+    let body = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(fields).finish();
+    let headers = [("content-type", "application/x-www-form-urlencoded"), ("origin", origin)];
+    server.call("POST", path, &headers, body).await
+}
+
+fn goes_on_at(answer: &Answer) -> &str {
+    assert_eq!(answer.status, 303, "{}", answer.text());
+    answer.headers["location"].to_str().unwrap()
+}
+
+#[tokio::test]
+async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
+    let server = a_small_fleet().await;
+    let firing = page(&server, "/alerts", &[]).await;
+    assert!(firing.contains(r#"href="/gyros/JUMP%2F1""#) && !firing.contains("STEADY"), "{firing}");
+    for empty in
+        ["/alerts?state=resolved", "/alerts?serial=STEADY&state=all", "/alerts?serial=nobody", "/alerts?rule=overdue"]
+    {
+        assert!(page(&server, empty, &[]).await.contains("No alert fits"), "{empty}");
+    }
+    assert!(page(&server, "/alerts?serial=JUMP/1&rule=baseline", &[]).await.contains("distance from baseline"));
+    let of_gyro = page(&server, "/gyros/JUMP%2F1", &[]).await;
+    let link = of_gyro.split('"').find(|part| part.starts_with("/alerts/") && part.contains("/acknowledge")).unwrap();
+    let path = link.split('?').next().unwrap();
+    let alert = format!("/v1{}", path.strip_suffix("/acknowledge").unwrap());
+    assert!(page(&server, &link.replace("&amp;", "&"), &[]).await.contains("hooks hear no more repeats"));
+
+    let said = [("by", "Li Wei"), ("reason", "the station was moved"), ("back", "/gyros/JUMP%2F1")];
+    let meant = [said[0], said[1], said[2], ("confirm", "yes")];
+    let unmeant = sends_form(&server, path, &said).await;
+    assert_eq!(unmeant.status, 422);
+    assert!(unmeant.text().contains("tick that you mean it") && unmeant.text().contains("the station was moved"));
+    assert_eq!(sends_form(&server, path, &[meant[0], meant[3]]).await.status, 422, "without a reason");
+    assert_eq!(sends_form_from(&server, "https://evil.example", path, &meant).await.status, 403);
+    assert!(server.get(&alert).await.json()["acknowledged"].is_null());
+
+    assert_eq!(goes_on_at(&sends_form(&server, path, &meant).await), "/gyros/JUMP%2F1");
+    assert_eq!(server.get(&alert).await.json()["acknowledged"]["by"], "Li Wei");
+    assert!(page(&server, "/alerts?state=acknowledged", &[]).await.contains("the station was moved"));
+
+    let silence = path.replace("acknowledge", "silence");
+    for days in ["", "0", "-1", "NaN", "1000"] {
+        let fields = [meant[0], meant[1], meant[2], meant[3], ("days", days)];
+        assert_eq!(sends_form(&server, &silence, &fields).await.status, 422, "{days:?} days");
+    }
+    let away = [meant[0], meant[1], meant[3], ("days", "3"), ("back", "//evil.example")];
+    assert_eq!(goes_on_at(&sends_form(&server, &silence, &away).await), "/alerts", "nobody is sent elsewhere");
+    assert_eq!(server.get(&alert).await.json()["state"], "silenced");
+    assert_eq!(server.get("/alerts/0000000000000/acknowledge").await.status, 404);
+}
+
+#[tokio::test]
+async fn what_was_done_to_a_gyro_is_noted_on_its_page() {
+    let server = a_small_fleet().await;
+    let path = "/gyros/STEADY/events/new";
+    assert!(page(&server, &format!("{path}?event=baseline"), &[]).await.contains("distance from baseline"));
+    let fields = [("event", "repair"), ("by", "Zhao Min"), ("reason", "bearing replaced"), ("confirm", "yes")];
+    let future = [fields[0], fields[1], fields[2], fields[3], ("at", "2999-01-01T00:00:00Z")];
+    for wrong in [&future[..], &fields[..3], &fields[1..]] {
+        assert_eq!(sends_form(&server, path, wrong).await.status, 422, "{wrong:?}");
+    }
+    assert_eq!(sends_form_from(&server, "null", path, &fields).await.status, 403);
+    assert_eq!(server.get("/v1/gyros/STEADY/events").await.json()["events"], json!([]));
+    assert_eq!(goes_on_at(&sends_form(&server, path, &fields).await), "/gyros/STEADY#happenings");
+    let event = &server.get("/v1/gyros/STEADY/events").await.json()["events"][0];
+    assert_eq!((&event["event"], &event["author"]), (&json!("repair"), &json!("Zhao Min")));
+    assert!(page(&server, "/gyros/STEADY", &[]).await.contains("bearing replaced"));
+    assert_eq!(sends_form(&server, "/gyros/NOBODY/events/new", &fields).await.status, 404);
+}
+
+#[tokio::test]
+async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
+    let (server, target) = (Server::start().await, Receiver::start().await);
+    let (url, meant) = (target.url(), ("confirm", "yes"));
+    let fields = [("name", "chat"), ("kind", "standard-webhooks"), ("url", &*url), ("rules", "step, baseline"), meant];
+    assert_eq!(sends_form(&server, "/hooks/new", &fields[..4]).await.status, 422, "unmeant");
+    let wrong =
+        sends_form(&server, "/hooks/new", &[fields[0], fields[1], ("url", "ftp://x"), ("rules", "stpe"), meant]).await;
+    assert!(wrong.status == 422 && wrong.text().contains("/url") && wrong.text().contains("/filter/rules/0"));
+    assert!(page(&server, "/hooks", &[]).await.contains("No hook is set up"));
+
+    let set_up = sends_form(&server, "/hooks/new", &fields).await;
+    assert!(set_up.status == 201 && set_up.text().contains("whsec_"), "{}", set_up.text());
+    let hook = server.get("/v1/hooks").await.json()["hooks"][0].clone();
+    assert_eq!(hook["filter"]["rules"], json!(["step", "baseline"]));
+    let path = format!("/hooks/{}", hook["id"].as_str().unwrap());
+    assert!(!page(&server, &path, &[]).await.contains("whsec_"), "the secret is shown once");
+
+    assert_eq!(goes_on_at(&sends_form(&server, &format!("{path}/test"), &[]).await), path);
+    let told = |count: usize| {
+        let (target, path, server) = (&target, &path, &server);
+        async move {
+            let patience = Instant::now() + Duration::from_secs(20);
+            while target.told().len() < count
+                || page(server, &format!("{path}?state=delivered"), &[]).await.matches("hook.test").count() < 1
+            {
+                assert!(Instant::now() < patience, "{}", server.log());
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+        }
+    };
+    told(1).await;
+    let shown = page(&server, &path, &[]).await;
+    let again = shown.split('"').find(|part| part.contains("/deliveries/")).unwrap().to_owned();
+    assert_eq!(goes_on_at(&sends_form(&server, &again, &[]).await), path);
+    told(2).await;
+    assert_eq!(sends_form_from(&server, "https://evil.example", &format!("{path}/test"), &[]).await.status, 403);
+
+    goes_on_at(&sends_form(&server, &format!("{path}/enabled"), &[("enabled", "false")]).await);
+    assert!(page(&server, "/hooks", &[]).await.contains("disabled"));
+    assert_eq!(sends_form(&server, &format!("{path}/test"), &[]).await.status, 409);
+    assert_eq!(sends_form(&server, &format!("{path}/delete"), &[]).await.status, 422);
+    assert_eq!(goes_on_at(&sends_form(&server, &format!("{path}/delete"), &[meant]).await), "/hooks");
+    assert_eq!(server.get("/v1/hooks").await.json()["hooks"], json!([]));
+}
+
+#[tokio::test]
+async fn a_report_has_its_plots_without_a_script() {
+    let server = a_small_fleet().await;
+    let gyro = page(&server, "/gyros/JUMP%2F1/report", &[]).await;
+    for there in
+        ["<svg role=\"img\"", "class=\"outside\"", "D_I lies +0.05000 from its baseline", "Alerts on this gyro"]
+    {
+        assert!(gyro.contains(there), "{there} is not in {gyro}");
+    }
+    // One picture each of D_I, D_S and the closure, with a shape for every calibration.
+    assert_eq!(gyro.matches("<figure class=\"chart\"").count(), 3);
+    let shapes = ["class=\"outside\"", "class=\"flagged\"", "class=\"within\"", "class=\"open\""];
+    assert_eq!(shapes.iter().map(|shape| gyro.matches(shape).count()).sum::<usize>(), 3 * 8);
+    assert!(!gyro.contains("/assets/plotly"));
+    let imu = page(&server, "/imus/IMU-B/report", &[("accept-language", "zh")]).await;
+    assert!(imu.contains("惯性组合报告") && imu.contains("JUMP/1") && imu.contains("偏离基线"));
+    assert_eq!(server.get("/gyros/NOBODY/report").await.status, 404);
 }

@@ -146,7 +146,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
     let t = viewer.text();
     let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
     html! {
-        div.scroll { table {
+        div.scroll tabindex="0" { table {
             thead { tr {
                 th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p" }
                 th.n { (t.noise) ", deg/h" } th.n { (t.sem_factor) } th { (t.noise_from) }
@@ -186,7 +186,7 @@ fn residual_table(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
     html! {
         details {
             summary { (t.every_residual) }
-            div.scroll.tall { table {
+            div.scroll.tall tabindex="0" { table {
                 thead { tr { th.n { (t.dwell) } @for gyro in fits { th.n { (gyro.serial) ", deg/h" } th.n { "σ" } } } }
                 tbody { @for dwell in 0..dwells {
                     tr {

@@ -200,11 +200,11 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
         .collect();
     all.sort_by_key(|(at, _)| std::cmp::Reverse(*at));
     html! {
-        section {
+        section #happenings {
             h2 { (t.events) }
             @if all.is_empty() { p { (t.no_events) } }
             @else {
-                div.scroll.tall { table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } } }
+                div.scroll.tall.happenings tabindex="0" { table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } } }
             }
         }
     }

@@ -77,7 +77,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
             a href={ "/v1/campaigns/" (stored.row.id) "/diagnosis" } { "JSON" }
         }
         p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
-        div.scroll { table {
+        div.scroll tabindex="0" { table {
             thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { "p" } } }
             tbody {
                 tr { th scope="row" { (t.gap_before) } (gap(d.gap.rms_deg_per_h, d.gap.reduced_chi2, d.gap.p_value)) }
@@ -130,7 +130,7 @@ fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
             @if !others.is_empty() {
                 p { strong { (t.cannot_tell_from) } " " @for (i, id) in others.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
             }
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 thead { tr { th { (t.serial) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
                 tbody { @for estimate in &effect.estimates {
                     tr {
@@ -163,7 +163,7 @@ fn located(t: &Text, d: &DiagnosisBody, slots: &[(String, String)]) -> Markup {
             h2 { (t.located) }
             p.note { (t.heat_note) }
             (residuals::heat_map(t, &d.residuals, &names))
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 thead { tr { th { (t.place) } th.n { (t.share) } } }
                 tbody {
                     @for gyro in &d.located.gyros { tr { td { (gyro.slot) " " (serial(&gyro.slot)) } td.n { (percent(gyro.share)) } } }
@@ -185,17 +185,17 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
         @if !all.is_empty() {
             section {
                 h2 { (t.what_else) }
-                div.scroll { table {
-                    thead { tr { th { (t.effect) } th { (t.gyros) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) } } }
+                div.scroll tabindex="0" { table {
+                    thead { tr { th { (t.effect) } th { (t.serial) } th { (t.closes_alone) } th.n { (t.adjusted_p) } th { (t.why_not) } } }
                     tbody { @for candidate in all {
                         tr {
-                            td { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
+                            td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
                             td.nowrap {
                                 @if let Some(closure) = candidate.closure {
                                     (residuals::closure_bar(closure, None)) (percent(closure))
                                 } @else { "–" }
                             }
-                            td.n { (short(candidate.p_value_adjusted)) } td { (candidate.why_not) }
+                            td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
                         }
                     } }
                 } }
@@ -209,7 +209,7 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.impact.is_empty() {
             section {
                 h2 { (t.impact) }
-                div.scroll { table {
+                div.scroll tabindex="0" { table {
                     thead { tr {
                         th { (t.serial) } th {} th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
                     } }
@@ -246,12 +246,12 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.not_identifiable.is_empty() {
             section {
                 h2 { (t.cannot_be_told) }
-                div.scroll { table {
+                div.scroll tabindex="0" { table {
                     thead { tr { th { (t.effect) } th.n { (t.visible) } th { (t.why) } th { (t.would_show) } } }
                     tbody { @for one in &d.not_identifiable {
                         tr {
-                            td { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
-                            td { (one.reason) } td { (one.needs) }
+                            td.words { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
+                            td.words { (one.reason) } td.words { (one.needs) }
                         }
                     } }
                 } }
@@ -266,13 +266,13 @@ fn next(t: &Text, d: &DiagnosisBody) -> Markup {
         @if !d.next_dwells.is_empty() {
             section {
                 h2 { (t.measure_next) }
-                div.scroll { table {
+                div.scroll tabindex="0" { table {
                     thead { tr { th { (t.phase_word) } th { (t.specific_force) ", g0" } th { (t.rate_word) ", arcsec/s" } th { (t.separates) } } }
                     tbody { @for dwell in &d.next_dwells {
                         tr {
                             td { (t.phase(&dwell.phase)) } td.n { (three(dwell.specific_force_g0, 4)) }
                             td.n { (three(dwell.rate_arcsec_s, 1)) }
-                            td { @for (i, id) in dwell.separates.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+                            td.words { @for (i, id) in dwell.separates.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
                         }
                     } }
                 } }

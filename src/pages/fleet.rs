@@ -169,7 +169,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
 fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], now: UtcMicros) -> Markup {
     let t = viewer.text();
     html! {
-        div.scroll {
+        div.scroll tabindex="0" {
             table.fleet {
                 thead { tr {
                     th { (t.state) } th { (t.serial) } th { (t.imu) }
@@ -257,7 +257,7 @@ fn stations(viewer: &Viewer, all: &[Row]) -> Markup {
     html! {
         @if !stations.is_empty() {
             h2 { (t.stations) }
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 thead { tr { th { (t.station) } th { (t.gyros) } th { (t.exceeded) } th { (t.last_seen) } } }
                 tbody { @for (name, (count, exceeded, last)) in stations {
                     tr {

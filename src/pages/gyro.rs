@@ -5,15 +5,16 @@ use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::Pages;
 use super::course::{self, Shown};
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::standing::Grade;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
+use super::{Pages, alerts};
 use crate::core::judge::{Coefficient, Rule, State};
 use crate::pipeline::{Comparison, Course, Figures, Tables, sample_of};
+use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
 
@@ -38,24 +39,71 @@ pub(super) async fn page(
     viewer.show(build(&pages, &viewer, &serial, &asked).await)
 }
 
-async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {
+/// All that is known of a gyro, by the method that is shown.
+pub(super) struct Facts {
+    pub course: Course,
+    pub comparison: Comparison,
+    /// On its newest record.
+    pub verdicts: Vec<Said>,
+    /// Those that are not resolved.
+    pub alerts: Vec<AlertBody>,
+}
+
+impl Facts {
+    pub async fn of(pages: &Pages, number: u32, serial: &str, shown: Shown) -> Result<Self, Problem> {
+        let course = pages.pipeline.course(number, serial, shown.separation()).await?;
+        let comparison = pages.pipeline.compare_methods(number, None).await?;
+        let verdicts = newest_verdicts(pages, serial, &course).await?;
+        Ok(Self { course, comparison, verdicts, alerts: alerts::open_ones(pages, number).await? })
+    }
+}
+
+/// The number of a gyro.
+pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
     let number = pages.pipeline.store().names().read().gyros.number(serial);
-    let number = number
-        .ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))?;
+    number.ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {
+    let number = known(pages, serial)?;
     let shown = Shown::asked(asked.method.as_deref(), pages.config.judging.method);
-    let course = pages.pipeline.course(number, serial, shown.separation()).await?;
-    let comparison = pages.pipeline.compare_methods(number, None).await?;
-    let verdicts = newest_verdicts(pages, serial, &course).await?;
+    let facts = Facts::of(pages, number, serial, shown).await?;
     let tables = pages.pipeline.store().names().read();
     let body = html! {
-        (head(viewer, serial, &verdicts, &course, &tables))
-        (verdict_section(viewer, &verdicts))
-        (history(viewer, serial, shown, &course, &tables))
-        (agreement(viewer, serial, &comparison))
-        (course::happenings(viewer, &course, &tables))
-        (calibrations(viewer, serial, shown, asked.skip, &course, &tables))
+        (head(viewer, serial, &facts.verdicts, &facts.course, &tables))
+        (deeds(viewer, serial))
+        (verdict_section(viewer, &facts.verdicts))
+        (alert_section(viewer, &facts.alerts))
+        (history(viewer, serial, shown, &facts.course, &tables))
+        (agreement(viewer, serial, &facts.comparison))
+        (course::happenings(viewer, &facts.course, &tables))
+        (calibrations(viewer, serial, shown, asked.skip, &facts.course, &tables))
     };
     Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
+}
+
+/// What can be done about it.
+fn deeds(viewer: &Viewer, serial: &str) -> Markup {
+    let t = viewer.text();
+    let path = format!("/gyros/{}", encoded(serial));
+    html! {
+        p.actions {
+            a.action href={ (path) "/events/new" } { (t.add_event) }
+            a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
+            a.action href={ (path) "/report" } { (t.report) }
+        }
+    }
+}
+
+fn alert_section(viewer: &Viewer, open: &[AlertBody]) -> Markup {
+    html! {
+        @if !open.is_empty() {
+            section #alerts {
+                h2 { (viewer.text().alerts_open) }
+                (alerts::table(viewer, open.iter(), false, Some(&viewer.here)))
+            }
+        }
+    }
 }
 
 async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
@@ -126,7 +174,7 @@ fn history(viewer: &Viewer, serial: &str, shown: Shown, course: &Course, tables:
 }
 
 /// Results side by side in the form of the paper's Table 5.
-fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
+pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
     let t = viewer.text();
     html! {
         section {
@@ -136,7 +184,7 @@ fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) -> Markup {
             }
             @if !comparison.results.is_empty() {
                 p.note { (t.agreement_note) " " (t.unit) }
-                div.scroll { table {
+                div.scroll tabindex="0" { table {
                     thead { tr {
                         th { (t.method) } th { (t.date) } th { (t.station) }
                         th.n { (symbol("D_I")) } th.n { (symbol("D_S")) }
@@ -179,19 +227,31 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course
                     (skip + 1) "–" ((skip + ROWS).min(count)) " / " (count) ", "
                     (t.method_of(shown.separation())) ", " (t.unit)
                 }
-                div.scroll { table {
-                    thead { tr {
-                        th { (t.calibrated) } th { (t.imu) } th { (t.station) }
-                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
-                    } }
-                    tbody { @for figures in rows { (calibration(viewer, shown, figures, tables)) } }
-                } }
+                (calibration_table(viewer, shown, rows, tables))
                 nav.pager aria-label=(t.calibrations) {
                     @if skip > 0 { a href=(to(0)) { (t.newer) } }
                     @if skip + ROWS < count { a rel="next" href=(to(skip + ROWS)) { (t.older) } }
                 }
             }
         }
+    }
+}
+
+pub(super) fn calibration_table<'a>(
+    viewer: &Viewer,
+    shown: Shown,
+    rows: impl Iterator<Item = &'a Figures>,
+    tables: &Tables,
+) -> Markup {
+    let t = viewer.text();
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.calibrated) } th { (t.imu) } th { (t.station) }
+                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
+            } }
+            tbody { @for figures in rows { (calibration(viewer, shown, figures, tables)) } }
+        } }
     }
 }
 

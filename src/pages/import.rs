@@ -5,20 +5,19 @@
 
 use axum::extract::State as Held;
 use axum::http::HeaderMap;
-use axum::http::header::{HOST, ORIGIN};
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
+use super::form::own_form;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Id, Pipeline, ReadDocument, Refused, Submission};
+use crate::pipeline::{Accepted, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
-use crate::wire::problem::Problem;
 
 /// Documents of one form that are shown; all are read and all are stored.
 const MOST_SHOWN: usize = 200;
@@ -29,25 +28,29 @@ pub(super) async fn page(viewer: Viewer) -> Response {
 
 /// What the text says, or what is wrong with it. Stores nothing.
 pub(super) async fn preview(Held(pages): Held<Pages>, viewer: Viewer, headers: HeaderMap, form: String) -> Response {
-    viewer.show(own_form(&headers).and_then(|()| previewed(&pages, &viewer, &text_of(&form))))
+    if let Err(foreign) = own_form(&headers) {
+        return viewer.show(Err(foreign));
+    }
+    off_the_loop(move || viewer.show(Ok(previewed(&pages, &viewer, &text_of(&form))))).await
 }
 
 pub(super) async fn store(Held(pages): Held<Pages>, viewer: Viewer, headers: HeaderMap, form: String) -> Response {
-    let page = match own_form(&headers) {
-        Ok(()) => stored(&pages, &viewer, &text_of(&form)).await,
-        Err(problem) => Err(problem),
-    };
-    viewer.show(page)
+    if let Err(foreign) = own_form(&headers) {
+        return viewer.show(Err(foreign));
+    }
+    let pipeline = pages.pipeline.clone();
+    let read = off_the_loop(move || read_all(&pipeline, &text_of(&form))).await;
+    let outcomes = submit(&pages.pipeline, read).await;
+    viewer.show(Ok(outcome(&viewer, &outcomes)))
 }
 
-/// Refuses forms that another site's page sends with this viewer's hands.
-fn own_form(headers: &HeaderMap) -> Result<(), Problem> {
-    let text = |name| headers.get(name).and_then(|value: &axum::http::HeaderValue| value.to_str().ok());
-    let same = match (text(ORIGIN), text(HOST)) {
-        (None, _) => true,
-        (Some(origin), host) => origin.split_once("://").map(|(_, host)| host) == host,
-    };
-    if same { Ok(()) } else { Err(Problem::new(403, "Foreign form", "the form was sent from another site")) }
+/// Fits of campaigns take their time: other requests are not to wait for it.
+async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    match tokio::task::spawn_blocking(work).await {
+        Ok(done) => done,
+        // It is never cancelled, so it has panicked: as if it had done so here.
+        Err(failed) => std::panic::resume_unwind(failed.into_panic()),
+    }
 }
 
 /// The field `text` of a form sent as text/plain, with line ends as files have them.
@@ -63,7 +66,7 @@ fn read(pipeline: &Pipeline, piece: &Piece) -> Result<ReadDocument, Faults> {
     }
 }
 
-fn previewed(pages: &Pages, viewer: &Viewer, text: &str) -> Result<Page, Problem> {
+fn previewed(pages: &Pages, viewer: &Viewer, text: &str) -> Page {
     let t = viewer.text();
     let pieces = pieces(text);
     let read: Vec<_> = pieces.iter().map(|piece| (piece, read(&pages.pipeline, piece))).collect();
@@ -77,7 +80,7 @@ fn previewed(pages: &Pages, viewer: &Viewer, text: &str) -> Result<Page, Problem
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
             }
             @for (piece, read) in read.iter().filter(|(_, read)| read.is_err()).take(MOST_SHOWN) {
-                @if let Err(faults) = read { (refused(t, piece, faults)) }
+                @if let Err(faults) = read { (refused(t, piece.line, faults)) }
             }
             @for (piece, read) in read.iter().take(MOST_SHOWN) {
                 @if let Ok(document) = read { (sound_document(t, piece, &document.submission)) }
@@ -91,28 +94,63 @@ fn previewed(pages: &Pages, viewer: &Viewer, text: &str) -> Result<Page, Problem
             }
         }
     };
-    Ok(framed(viewer, text, body))
+    framed(viewer, text, body)
 }
 
-async fn stored(pages: &Pages, viewer: &Viewer, text: &str) -> Result<Page, Problem> {
-    let t = viewer.text();
-    let mut outcomes = Vec::new();
-    for piece in pieces(text) {
-        let outcome = match read(&pages.pipeline, &piece) {
-            Ok(document) => Ok(submit(&pages.pipeline, document).await),
-            Err(faults) => Err(faults),
-        };
-        outcomes.push((piece, outcome));
+/// What one document has come to.
+enum Outcome {
+    Faulty(Faults),
+    Refused(Refused),
+    Stored { id: Id, is_new: bool, place: &'static str },
+}
+
+/// Every document of the text, with the line on which it begins.
+fn read_all(pipeline: &Pipeline, text: &str) -> Vec<(usize, Result<ReadDocument, Faults>)> {
+    pieces(text).iter().map(|piece| (piece.line, read(pipeline, piece))).collect()
+}
+
+/// Submits all together, so that they share their flushes of the disk.
+async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Outcome)> {
+    let (mut outcomes, mut sound, mut submissions) = (Vec::new(), Vec::new(), Vec::new());
+    for (line, document) in read {
+        match document {
+            Ok(ReadDocument { submission, origin }) => {
+                let bench = matches!(submission, Submission::Bench(_));
+                sound.push((line, origin, if bench { "v1/bench-results" } else { "records" }));
+                submissions.push(submission);
+            }
+            Err(faults) => outcomes.push((line, Outcome::Faulty(faults))),
+        }
     }
+    let replies = pipeline.enqueue(submissions).await.await;
+    for ((line, origin, place), reply) in sound.into_iter().zip(replies) {
+        let outcome = match settle(pipeline, reply, &origin).await {
+            Ok((id, is_new)) => Outcome::Stored { id, is_new, place },
+            Err(refused) => Outcome::Refused(refused),
+        };
+        outcomes.push((line, outcome));
+    }
+    outcomes.sort_by_key(|(line, _)| *line);
+    outcomes
+}
+
+async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(Id, bool), Refused> {
+    let accepted = reply?;
+    let id = pipeline.settle_document(&accepted, origin).await?;
+    Ok((id, matches!(accepted, Accepted::Stored { .. })))
+}
+
+fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
+    let t = viewer.text();
     let body = html! {
         section.preview {
             h2 { (t.result) }
-            @for (piece, outcome) in &outcomes {
+            @for (line, outcome) in outcomes {
                 @match outcome {
-                    Err(faults) => (refused(t, piece, faults)),
-                    Ok(Err(why)) => p.fault { (t.line) " " (piece.line) ": " (why) },
-                    Ok(Ok((id, is_new, place))) => p {
-                        (t.line) " " (piece.line) ": "
+                    Outcome::Faulty(faults) => (refused(t, *line, faults)),
+                    Outcome::Refused(why) => p.fault { (t.line) " " (line) ": " (why) },
+                    Outcome::Stored { id, is_new, place } => p {
+                        (t.line) " " (line) ": "
                         (if *is_new { t.is_stored } else { t.was_there }) " "
                         a href={ "/" (place) "/" (id) } { (id) }
                     },
@@ -120,15 +158,7 @@ async fn stored(pages: &Pages, viewer: &Viewer, text: &str) -> Result<Page, Prob
             }
         }
     };
-    Ok(framed(viewer, "", body))
-}
-
-/// Its id, whether it is new, and where it can be looked at.
-async fn submit(pipeline: &Pipeline, document: ReadDocument) -> Result<(Id, bool, &'static str), Refused> {
-    let place = if matches!(document.submission, Submission::Bench(_)) { "v1/bench-results" } else { "records" };
-    let accepted = pipeline.submit(document.submission).await?;
-    let id = pipeline.settle_document(&accepted, &document.origin).await?;
-    Ok((id, matches!(accepted, Accepted::Stored { .. }), place))
+    framed(viewer, "", body)
 }
 
 fn framed(viewer: &Viewer, text: &str, after: Markup) -> Page {
@@ -146,10 +176,10 @@ fn framed(viewer: &Viewer, text: &str, after: Markup) -> Page {
     Page { title: t.import.into(), section: Section::Import, plots: false, body }
 }
 
-fn refused(t: &Text, piece: &Piece, faults: &Faults) -> Markup {
+fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
     html! {
         article.fault {
-            h3 { (t.line) " " (piece.line) " · " (t.refused) }
+            h3 { (t.line) " " (line) " · " (t.refused) }
             ul { @for fault in &faults.0 {
                 li { @if !fault.pointer.is_empty() { code { (fault.pointer) } ": " } (fault.detail) }
             } }
@@ -164,7 +194,7 @@ fn sound_document(t: &Text, piece: &Piece, submission: &Submission) -> Markup {
                 Submission::Calibration(calibration) => {
                     h3 { (t.line) " " (piece.line) " · " (calibration.imu) }
                     p.note { (t.station) " " (calibration.station) " · " (t.calibrated) " " (instant(calibration.calibrated_at)) }
-                    div.scroll { table {
+                    div.scroll tabindex="0" { table {
                         thead { tr { th { (t.slot) } th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
                         tbody { @for gyro in &calibration.gyros {
                             @let rigid = &gyro.separation.rigid;
@@ -196,20 +226,6 @@ fn sound_document(t: &Text, piece: &Piece, submission: &Submission) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_form_is_taken_from_this_site_alone() {
-        let with = |origin: &str| {
-            let mut headers = HeaderMap::new();
-            headers.insert(HOST, "gyros.example:8080".parse().unwrap());
-            if !origin.is_empty() {
-                headers.insert(ORIGIN, origin.parse().unwrap());
-            }
-            own_form(&headers).map_err(|problem| problem.status)
-        };
-        assert_eq!((with(""), with("https://gyros.example:8080")), (Ok(()), Ok(())));
-        assert_eq!((with("https://evil.example"), with("null")), (Err(403), Err(403)));
-    }
 
     #[test]
     fn the_text_comes_out_of_the_form_as_the_file_had_it() {

@@ -22,23 +22,41 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Pa
     viewer.show(build(&pages, &viewer, &imu).await)
 }
 
+/// What is known of an IMU.
+pub(super) struct Facts {
+    /// In the order of their slots.
+    pub gyros: Vec<Standing>,
+    /// Newest first.
+    pub records: Vec<RecordHead>,
+    /// The newest, as tables.
+    pub parameters: Option<Markup>,
+}
+
+impl Facts {
+    pub async fn of(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Self, Problem> {
+        let number = pages.pipeline.store().names().read().imus.number(imu);
+        let number =
+            number.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU with the name {imu} is known")))?;
+        let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
+        let mut gyros = pages.pipeline.fleet().await?;
+        gyros.retain(|standing| standing.newest.is_some_and(|newest| newest.imu == number));
+        gyros.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
+        let parameters = match records.first() {
+            Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),
+            None => None,
+        };
+        Ok(Self { gyros, records, parameters })
+    }
+}
+
 async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Problem> {
     let t = viewer.text();
-    let number = pages.pipeline.store().names().read().imus.number(imu);
-    let number =
-        number.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU with the name {imu} is known")))?;
-    let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
-    let mut gyros = pages.pipeline.fleet().await?;
-    gyros.retain(|standing| standing.newest.is_some_and(|newest| newest.imu == number));
-    gyros.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
-    let newest = match records.first() {
-        Some(head) => Some(newest_parameters(pages, t, head).await?),
-        None => None,
-    };
+    let Facts { gyros, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let body = html! {
         h1 { (imu) }
+        p.actions { a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) } }
         section { h2 { (t.gyros_in_it) } (seated(pages, t, &gyros)) }
-        @if let Some(newest) = newest { section { h2 { (t.newest_parameters) } (newest) } }
+        @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
         section { h2 { (t.records) } (list(pages, t, &records)) }
     };
     Ok(Page { title: imu.to_owned(), section: Section::Fleet, plots: false, body })
@@ -68,9 +86,9 @@ async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result
     Ok(tables.unwrap_or_default())
 }
 
-fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
+pub(super) fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
     html! {
-        div.scroll { table {
+        div.scroll tabindex="0" { table {
             thead { tr {
                 th { (t.slot) } th { (t.serial) } th { (t.state) }
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.calibrated) }
@@ -96,7 +114,7 @@ fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
 fn list(pages: &Pages, t: &Text, records: &[RecordHead]) -> Markup {
     let tables = pages.pipeline.store().names().read();
     html! {
-        div.scroll.tall { table {
+        div.scroll.tall tabindex="0" { table {
             thead { tr { th { (t.calibrated) } th { (t.station) } th { (t.kind) } } }
             tbody { @for head in records {
                 @let campaign = head.kind == Kind::Campaign;

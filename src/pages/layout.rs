@@ -31,8 +31,10 @@ pub(super) struct Page {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Fleet,
+    Alerts,
     Stations,
     Import,
+    Hooks,
     None,
 }
 
@@ -48,7 +50,7 @@ impl Viewer {
         }
     }
 
-    fn respond(&self, status: StatusCode, page: &Page) -> Response {
+    pub fn respond(&self, status: StatusCode, page: &Page) -> Response {
         let head = [
             (CONTENT_TYPE, "text/html; charset=utf-8"),
             (CONTENT_SECURITY_POLICY, POLICY),
@@ -93,8 +95,10 @@ impl Viewer {
                         a.name href="/" { "gyrowatch" }
                         nav aria-label=(t.navigation) {
                             (entry("/", t.fleet, page.section == Section::Fleet))
+                            (entry("/alerts", t.alerts, page.section == Section::Alerts))
                             (entry("/stations", t.stations, page.section == Section::Stations))
                             (entry("/import", t.import, page.section == Section::Import))
+                            (entry("/hooks", t.hooks, page.section == Section::Hooks))
                             (entry("/docs", t.api, false))
                         }
                         (self.switches())

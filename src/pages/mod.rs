@@ -3,19 +3,25 @@
 //! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is named,
 //! and the content security policy allows none.
 
+mod alerts;
 mod assets;
 mod calibration;
+mod chart;
 mod course;
 mod diagnosis;
+mod events;
 mod figure;
 mod fleet;
+mod form;
 mod gyro;
+mod hooks;
 mod import;
 mod imu;
 mod layout;
 mod parameters;
 mod pieces;
 mod plot;
+mod report;
 mod residuals;
 mod separation;
 mod spark;
@@ -48,7 +54,20 @@ pub fn router(pages: Pages) -> Router {
     Router::new()
         .route("/", get(fleet::page))
         .route("/gyros/{serial}", get(gyro::page))
+        .route("/gyros/{serial}/events/new", get(events::ask).post(events::act))
+        .route("/gyros/{serial}/report", get(report::gyro))
         .route("/imus/{imu}", get(imu::page))
+        .route("/imus/{imu}/report", get(report::imu))
+        .route("/alerts", get(alerts::page))
+        .route("/alerts/{id}/{deed}", get(alerts::ask).post(alerts::act))
+        .route("/hooks", get(hooks::page))
+        .route("/hooks/new", get(hooks::ask_add).post(hooks::add))
+        .route("/hooks/{id}", get(hooks::one))
+        .route("/hooks/{id}/test", post(hooks::test))
+        .route("/hooks/{id}/enabled", post(hooks::switch))
+        .route("/hooks/{id}/delete", get(hooks::ask_delete).post(hooks::delete))
+        .route("/hooks/{id}/redeliver", post(hooks::redeliver_dead))
+        .route("/hooks/{id}/deliveries/{delivery}/redeliver", post(hooks::redeliver))
         .route("/records/{id}", get(calibration::record))
         .route("/campaigns/{id}", get(calibration::campaign))
         .route("/campaigns/{id}/diagnosis", get(diagnosis::page))

@@ -100,7 +100,7 @@ fn table(
     let lines: Vec<(&Parameters, Option<Line>)> = gyros.iter().map(|gyro| (gyro, line(gyro))).collect();
     let with_norm = lines.iter().any(|(_, line)| line.as_ref().is_some_and(|(.., norm)| norm.is_some()));
     html! {
-        div.scroll { table.parameters {
+        div.scroll tabindex="0" { table.parameters {
             thead { tr {
                 th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
                 @if with_norm { th.n { "|" (symbol) "|" } }

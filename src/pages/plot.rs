@@ -30,13 +30,13 @@ pub(super) struct Point {
 pub(super) struct Series {
     name: String,
     /// Drawn as diamonds beside the main series.
-    bench: bool,
+    pub bench: bool,
     /// Milliseconds since 1970.
-    t: Vec<i64>,
-    v: Vec<f64>,
-    sd: Option<Vec<Option<f64>>>,
+    pub t: Vec<i64>,
+    pub v: Vec<f64>,
+    pub sd: Option<Vec<Option<f64>>>,
     /// 0 within or not judged, 1 undecided, 2 flagged but inside the budget, 3 exceeded and outside.
-    state: Vec<u8>,
+    pub state: Vec<u8>,
     /// Index into `places`.
     place: Vec<u32>,
     places: Vec<String>,

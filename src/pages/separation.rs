@@ -10,7 +10,7 @@ use crate::wire::answer::{FigureBody, SeparationBody};
 
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
-        div.scroll { table {
+        div.scroll tabindex="0" { table {
             thead { tr {
                 th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
                 th.n { (t.closure_rms) }
@@ -19,7 +19,7 @@ pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
         } }
         p.note { (t.unit) ". " (t.as_printed_note) }
         h3 { (t.mounting) }
-        div.scroll { table {
+        div.scroll tabindex="0" { table {
             thead { tr {
                 th { (t.serial) } th.n { "α" sub { "x" } } th.n { "α" sub { "y" } } th.n { "α" sub { "z" } }
                 th.n { (t.misalignment) ", ′" } th.n { (t.clocking) ", °" } th.n { "|E|, pulse/arcsec" }

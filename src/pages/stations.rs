@@ -23,7 +23,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
         h1 { (t.stations) }
         @if stations.is_empty() { p.lead { (t.nothing_yet) } } @else {
             p.note { (t.station_note) " " (t.unit) }
-            div.scroll { table {
+            div.scroll tabindex="0" { table {
                 thead { tr {
                     th { (t.station) } th { (t.last_seen) } th.n { (t.calibrations_seen) }
                     th.n { (t.scatter) " " (symbol("D_I")) } th.n { (t.scatter) " " (symbol("D_S")) }

@@ -65,6 +65,19 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     }
 }
 
+/// All of them, nothing folded: on paper nothing can be unfolded.
+pub(super) fn all(viewer: &Viewer, verdicts: &[Said]) -> Markup {
+    let of_state = |state: State| verdicts.iter().filter(move |said| said.body.state == state.name());
+    html! {
+        @if verdicts.is_empty() { p { (viewer.text().not_judged) } }
+        ul.verdicts {
+            @for state in [State::Exceeded, State::Indeterminate, State::Within] {
+                @for verdict in of_state(state) { (one(viewer, verdict)) }
+            }
+        }
+    }
+}
+
 fn one(viewer: &Viewer, said: &Said) -> Markup {
     let (t, verdict) = (viewer.text(), &said.body);
     let state = State::from_name(&verdict.state).unwrap_or(State::Indeterminate);

@@ -101,7 +101,7 @@ pub(super) async fn prefer(Query(chosen): Query<Preference>) -> Response {
 }
 
 /// A path on this service: nobody is sent elsewhere.
-fn is_local(path: &str) -> bool {
+pub(super) fn is_local(path: &str) -> bool {
     let plain = path.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'\\');
     plain && path.starts_with('/') && !path.starts_with("//")
 }

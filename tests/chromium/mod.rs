@@ -152,6 +152,17 @@ impl Browser {
         std::fs::write(file, bytes).unwrap();
     }
 
+    /// The page as its style sheet has it for paper.
+    pub async fn on_paper(&self) {
+        self.cdp("Emulation.setEmulatedMedia", json!({"media": "print"})).await;
+    }
+
+    /// The page printed.
+    pub async fn pdf(&self) -> Vec<u8> {
+        let printed = self.cdp("Page.printToPDF", json!({"printBackground": true, "preferCSSPageSize": true})).await;
+        BASE64_STANDARD.decode(printed["data"].as_str().expect("a document")).unwrap()
+    }
+
     /// Fails where the console has complaints, or a request went anywhere but to the service.
     pub async fn has_behaved(&self) {
         let console = self.post("se/log", &json!({"type": "browser"})).await;

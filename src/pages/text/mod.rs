@@ -6,7 +6,7 @@ mod words;
 
 pub(super) use words::Text;
 
-use crate::core::judge::{Coefficient, Event, Rule, State};
+use crate::core::judge::{Coefficient, Event, Rule, Severity, State};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Language {
@@ -68,6 +68,34 @@ impl Text {
             Event::Transport => self.event_transport,
             Event::Firmware => self.event_firmware,
             Event::Note => self.event_note,
+        }
+    }
+
+    /// How an alert stands, by its name on the wire.
+    pub fn standing(&self, name: &str) -> &'static str {
+        match name {
+            "acknowledged" => self.alert_acknowledged,
+            "silenced" => self.alert_silenced,
+            "resolved" => self.alert_resolved,
+            _ => self.alert_firing,
+        }
+    }
+
+    pub fn severity(&self, severity: Severity) -> &'static str {
+        match severity {
+            Severity::Warning => self.warning,
+            Severity::Critical => self.severity_critical,
+        }
+    }
+
+    /// The state of a delivery by its name on the wire.
+    pub fn delivery(&self, name: &str) -> &'static str {
+        match name {
+            "behind" => self.delivery_behind,
+            "delivered" => self.delivery_delivered,
+            "dead" => self.delivery_dead,
+            "dropped" => self.delivery_dropped,
+            _ => self.delivery_waiting,
         }
     }
 

@@ -231,4 +231,97 @@ catalogue! {
     refused: "refused", "拒绝";
     is_stored: "stored:", "已存储：";
     was_there: "was stored before with the same content:", "此前已存储，内容相同：";
+
+    // Alerts.
+    alerts: "Alerts", "警报";
+    alerts_open: "Alerts on this gyro", "该陀螺的警报";
+    alerts_note: "Newest first. An alert lasts: when it fires again it is the same alert.", "最新在前。警报是持续的：再次触发仍为同一警报。";
+    no_alerts: "No alert fits.", "没有符合条件的警报。";
+    alert_all: "all", "全部";
+    alert_firing: "firing", "触发中";
+    alert_acknowledged: "acknowledged", "已确认";
+    alert_silenced: "silenced", "已静默";
+    alert_resolved: "resolved", "已恢复";
+    severity: "Severity", "级别";
+    severity_critical: "critical", "严重";
+    rule_word: "Rule", "规则";
+    any: "any", "不限";
+    fired: "Fired", "触发时间";
+    said_by: "by", "由";
+    until: "until", "至";
+    acknowledge: "Acknowledge", "确认";
+    acknowledge_title: "Acknowledge an alert", "确认警报";
+    acknowledge_what: "Somebody knows: hooks hear no more repeats of this alert until it resolves or grows more severe. Both are still told.", "表示已有人知悉：在恢复或升级之前，不再向通知目标重复发送；恢复与升级仍会通知。";
+    silence: "Silence", "静默";
+    silence_title: "Silence an alert", "静默警报";
+    silence_what: "Nobody is told of this alert before the silence ends. What has changed by then is told at its end.", "静默结束前不通知任何人；期间的变化在结束时通知。";
+    silence_days: "For how many days", "静默天数";
+
+    // What somebody does: who, why, and that it is meant.
+    actions_word: "Actions", "操作";
+    who: "Your name", "姓名";
+    reason_word: "Reason", "原因";
+    confirm_word: "I have read what this does, and mean it.", "我已阅读以上说明并确认执行。";
+    must_confirm: "tick that you mean it", "请勾选确认";
+    go_back: "Back without doing it", "返回，不执行";
+    add_event: "Add an event", "添加事件";
+    start_baseline: "Start a baseline", "开始新基线";
+    event_what: "The event is kept for good with your name and reason, and stands in the gyro's history. It resets:", "事件连同姓名与原因永久保存，列入该陀螺的经历。它会重置：";
+    resets_nothing: "no rule", "无规则";
+    event_word: "Event", "事件";
+    event_at: "When (UTC, as 2026-03-01T08:00:00Z; now, if empty)", "时间（UTC，如 2026-03-01T08:00:00Z；留空为现在）";
+
+    // Hooks.
+    hooks: "Hooks", "通知目标";
+    hooks_note: "Whom the service tells of alerts. A message that cannot be delivered is tried again for days, then kept as a dead letter, which can be sent again.", "服务向这些目标发送警报。投递失败会在数天内重试，仍失败则保留为死信，可重新发送。";
+    no_hooks: "No hook is set up: nobody is told of alerts.", "尚未设置通知目标：警报不会通知任何人。";
+    hook: "Hook", "目标";
+    add_hook: "Add a hook", "添加目标";
+    add_hook_what: "From then on it is told of every alert that its filter lets through.", "此后凡通过筛选的警报都会发送给它。";
+    delete_hook: "Delete", "删除";
+    delete_hook_title: "Delete a hook", "删除目标";
+    delete_hook_what: "Nothing more is sent to it. What it was still to be told is thrown away.", "不再向其发送；尚未送达的消息将被丢弃。";
+    hook_name: "Name", "名称";
+    hook_url: "Address", "地址";
+    hook_secret: "Secret (whsec_…; drawn by the service, if empty)", "密钥（whsec_…；留空则由服务生成）";
+    hook_secret_shown: "Its secret, shown this once:", "密钥（仅显示一次）：";
+    hook_authorization: "Authorization header (optional)", "Authorization 头（可选）";
+    hook_rules: "Rules, separated by commas (all, if empty)", "规则，以逗号分隔（留空为全部）";
+    hook_gyros: "Gyros, separated by commas (all, if empty)", "陀螺编号，以逗号分隔（留空为全部）";
+    hook_severity: "Least severity", "最低级别";
+    hook_set_up: "The hook is set up.", "目标已设置。";
+    enabled: "enabled", "启用";
+    disabled: "disabled", "停用";
+    enable: "Enable", "启用";
+    disable: "Disable", "停用";
+    test_hook: "Send a test", "发送测试";
+    open_deliveries: "To be sent", "待发送";
+    dead_letters: "Dead letters", "死信";
+    deliveries: "Deliveries", "投递记录";
+    no_deliveries: "Nothing has been sent yet.", "尚无投递。";
+    message: "Message", "消息";
+    queued: "Queued", "入队时间";
+    attempts: "Attempts", "尝试次数";
+    last_attempt: "Last attempt", "最近一次";
+    redeliver: "Send again", "重新发送";
+    redeliver_dead: "Send all dead letters again", "重新发送全部死信";
+    delivery_behind: "behind an earlier one", "排在先前消息之后";
+    delivery_waiting: "waiting", "等待";
+    delivery_delivered: "delivered", "已送达";
+    delivery_dead: "dead letter", "死信";
+    delivery_dropped: "dropped", "已丢弃";
+
+    // A report to print.
+    report: "Report to print", "打印报告";
+    report_of_gyro: "Report on gyro", "陀螺报告";
+    report_of_imu: "Report on IMU", "惯性组合报告";
+    report_plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Circle: within, hollow if undecided. Triangle: filled outside the budget, hollow inside it but flagged by a rule. Diamond: bench. Upright lines: events, and dotted, changes of seat or station.", "误差棒：一倍标准差；灰带：基线允许范围。圆：合格，空心为待定；实心三角：超出允许范围；空心三角：在范围内但有规则报警；菱形：单表测试。竖线：事件；点线：更换位置或台站。";
+    printed_at: "As of", "截至";
+    identity: "Identity", "基本信息";
+    budget_word: "Budget about the baseline", "基线允许范围";
+    records_word: "Calibrations stored", "已存标定数";
+    judged_by: "Judged by", "判定方法";
+    no_open_alerts: "No alert is open.", "没有未恢复的警报。";
+    newest_of: "newest", "最新";
+    signature: "Name, date, signature", "姓名、日期、签名";
 }

@@ -1,0 +1,315 @@
+//! `/alerts`: what fires, what has fired; and what people say of it, each on a page of its own.
+
+use axum::Form;
+use axum::extract::{Path, Query, State as Held};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::form::{Deed, Word, own_form, see_other};
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::text::Language;
+use super::viewer::Viewer;
+use crate::core::fault::Faults;
+use crate::core::judge::{Rule, Severity};
+use crate::core::notify::Standing;
+use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
+use crate::wire::alert::AlertBody;
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+/// Alerts on one page.
+const ROWS: usize = 60;
+/// Alerts of one gyro, one for each coefficient and rule: never more than so many.
+const MOST_OF_A_GYRO: u32 = 200;
+/// Longest silence, days.
+const LONGEST_SILENCE: f64 = 365.0;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Filters {
+    /// A standing by its name, or `all`; what fires, where it is left out.
+    state: String,
+    serial: String,
+    rule: String,
+    severity: String,
+    /// Only older ones than this.
+    before: String,
+}
+
+impl Filters {
+    fn state(&self) -> &str {
+        if self.state.is_empty() { "firing" } else { &self.state }
+    }
+
+    fn address(&self, state: &str, before: &str) -> String {
+        let all = [
+            ("state", state),
+            ("serial", self.serial.trim()),
+            ("rule", &self.rule),
+            ("severity", &self.severity),
+            ("before", before),
+        ];
+        let given = all.iter().filter(|(_, value)| !value.is_empty());
+        let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
+        format!("/alerts?{}", query.join("&"))
+    }
+}
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
+    viewer.show(build(&pages, &viewer, &filters).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let serial = filters.serial.trim();
+    let gyro = pages.pipeline.store().names().read().gyros.number(serial);
+    let filter = AlertFilter {
+        standing: Standing::from_name(filters.state()),
+        gyro,
+        rule: Rule::from_name(&filters.rule),
+        severity: Severity::from_name(&filters.severity),
+        ..AlertFilter::default()
+    };
+    let nobody = gyro.is_none() && !serial.is_empty();
+    let before = filters.before.parse::<Id>().ok();
+    let mut found = if nobody { Vec::new() } else { pages.pipeline.alerts(&filter, before, ROWS as u32 + 1).await? };
+    let more = found.len() > ROWS;
+    found.truncate(ROWS);
+    let body = html! {
+        h1 { (t.alerts) }
+        nav.tabs aria-label=(t.state) {
+            @for name in Standing::ALL.map(Standing::name) {
+                a href=(filters.address(name, "")) aria-current=[(name == filters.state()).then_some("true")] { (t.standing(name)) }
+            }
+            a href=(filters.address("all", "")) aria-current=[(filters.state() == "all").then_some("true")] { (t.alert_all) }
+        }
+        (search(viewer, filters))
+        p.note { (t.alerts_note) }
+        @if found.is_empty() { p.lead { (t.no_alerts) } }
+        @else { (table(viewer, found.iter().map(|(_, alert)| alert), true, Some(&viewer.here))) }
+        @if more && let Some((last, _)) = found.last() {
+            nav.pager aria-label=(t.alerts) { a rel="next" href=(filters.address(filters.state(), &last.to_string())) { (t.older) } }
+        }
+    };
+    Ok(Page { title: t.alerts.into(), section: Section::Alerts, plots: false, body })
+}
+
+fn search(viewer: &Viewer, filters: &Filters) -> Markup {
+    let t = viewer.text();
+    html! {
+        form.search role="search" action="/alerts" method="get" {
+            input type="hidden" name="state" value=(filters.state());
+            input type="search" name="serial" value=(filters.serial) placeholder=(t.serial) aria-label=(t.serial);
+            label { (t.rule_word) " " select name="rule" {
+                option value="" { (t.any) }
+                @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == filters.rule] { (t.rule(rule)) } }
+            } }
+            label { (t.severity) " " select name="severity" {
+                option value="" { (t.any) }
+                @for one in Severity::ALL { option value=(one.name()) selected[one.name() == filters.severity] { (t.severity(one)) } }
+            } }
+            button { (t.search) }
+        }
+    }
+}
+
+/// Alerts of a gyro that are not resolved, newest first.
+pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
+    let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
+    let found = pages.pipeline.alerts(&filter, None, MOST_OF_A_GYRO).await?;
+    let resolved = Standing::Resolved.name();
+    Ok(found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect())
+}
+
+/// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can be.
+pub(super) fn table<'a>(
+    viewer: &Viewer,
+    alerts: impl Iterator<Item = &'a AlertBody>,
+    gyros: bool,
+    here: Option<&str>,
+) -> Markup {
+    let t = viewer.text();
+    html! {
+        div.scroll tabindex="0" { table.alerts {
+            thead { tr {
+                th { (t.severity) }
+                @if gyros { th { (t.serial) } }
+                th { (t.violates) } th { (t.reason_word) } th { (t.fired) } th { (t.state) }
+            } }
+            tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
+        } }
+    }
+}
+
+fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
+    let t = viewer.text();
+    let critical = alert.severity == Severity::Critical.name();
+    let open = alert.state != Standing::Resolved.name();
+    let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
+    html! {
+        tr {
+            td { (severity(viewer, critical)) }
+            @if gyros { th scope="row" { a href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
+            td.nowrap { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+            td.words {
+                (reason(viewer, alert))
+                @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
+                    " " a href={ "/records/" (record) } { (t.record) }
+                }
+            }
+            td { (written(&alert.fired_at)) }
+            td.words {
+                (t.standing(&alert.state))
+                @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
+                @if let Some(said) = &alert.silenced { " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason)) }
+                @if let Some(at) = &alert.resolved_at { " " (written(at)) }
+                @if let Some(here) = here.filter(|_| open) {
+                    span.actions.no-print {
+                        @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
+                        a href=(deed("silence", here)) { (t.silence) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
+    html! { br; span.quiet { (said_by) " " (by) ": " (reason) } }
+}
+
+fn severity(viewer: &Viewer, critical: bool) -> Markup {
+    let t = viewer.text();
+    html! { span class={ "badge " (if critical { "exceeded" } else { "warning" }) } { (if critical { t.severity_critical } else { t.warning }) } }
+}
+
+/// A time as the service writes it on the wire.
+pub(super) fn written(text: &str) -> Markup {
+    time::parse(text).map_or_else(|_| html! { (text) }, instant)
+}
+
+/// An alert keeps its verdict in English words; the figures are the same in Chinese.
+fn reason(viewer: &Viewer, alert: &AlertBody) -> String {
+    let finding = &alert.finding;
+    match (viewer.language, finding.value) {
+        (Language::Chinese, Some(value)) => {
+            let unit = if finding.unit == "deg/(h g0)" { viewer.text().unit } else { &finding.unit };
+            let chance = finding.probability.map_or_else(String::new, |p| format!("，超限概率{:.1} %", 100.0 * p));
+            format!("量值{value:.5}，限值{:.5} {unit}{chance}。", finding.limit)
+        }
+        _ => finding.reason.clone(),
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Said {
+    #[serde(flatten)]
+    word: Word,
+    /// How long a silence lasts.
+    days: String,
+}
+
+/// What can be done about an alert, by its name in the address.
+fn is_silence(deed: &str) -> Result<bool, Problem> {
+    match deed {
+        "acknowledge" => Ok(false),
+        "silence" => Ok(true),
+        _ => Err(Problem::new(404, "No such page", format!("an alert cannot be told to {deed}"))),
+    }
+}
+
+async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
+    let unknown = || Problem::new(404, "Unknown alert", format!("there is no alert {id}"));
+    let number = id.parse::<Id>().map_err(|_| unknown())?;
+    Ok((number, pages.pipeline.alert(number).await?.ok_or_else(unknown)?.alert))
+}
+
+/// The page on which an alert is acknowledged or silenced.
+pub(super) async fn ask(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path((id, deed)): Path<(String, String)>,
+    Query(word): Query<Word>,
+) -> Response {
+    let found = match is_silence(&deed) {
+        Ok(silence) => known(&pages, &id).await.map(|(_, alert)| (silence, alert)),
+        Err(problem) => Err(problem),
+    };
+    let said = Said { word, ..Said::default() };
+    viewer.show(found.map(|(silence, alert)| {
+        with_form(&viewer, &alert, silence, &said, |deed| deed.page(&viewer, &said.word, &Faults::default()))
+    }))
+}
+
+pub(super) async fn act(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path((id, deed)): Path<(String, String)>,
+    Form(said): Form<Said>,
+) -> Response {
+    match done(&pages, &viewer, &headers, (&id, &deed), &said).await {
+        Ok(response) => response,
+        Err(problem) => viewer.show(Err(problem)),
+    }
+}
+
+async fn done(
+    pages: &Pages,
+    viewer: &Viewer,
+    headers: &HeaderMap,
+    (id, deed): (&str, &str),
+    said: &Said,
+) -> Result<Response, Problem> {
+    own_form(headers)?;
+    let silence = is_silence(deed)?;
+    let (number, alert) = known(pages, id).await?;
+    let mut faults = Faults::default();
+    said.word.check(viewer, &mut faults);
+    let days = said.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
+    if silence && days.is_none() {
+        faults.push("days", format!("0 … {LONGEST_SILENCE}"));
+    }
+    if !faults.is_empty() {
+        return Ok(with_form(viewer, &alert, silence, said, |deed| deed.again(viewer, &said.word, &faults)));
+    }
+    let until = pages.clock.now().plus_days(days.unwrap_or_default());
+    let change = if silence { AlertChange::Silence { until } } else { AlertChange::Acknowledge };
+    let Word { by, reason, .. } = said.word.clone();
+    pages.pipeline.change_alert(AlertOrder { alert: number, change, by, reason }).await?;
+    Ok(see_other(said.word.back_or("/alerts")))
+}
+
+fn with_form<T>(
+    viewer: &Viewer,
+    alert: &AlertBody,
+    silence: bool,
+    said: &Said,
+    show: impl FnOnce(&Deed<'_>) -> T,
+) -> T {
+    let t = viewer.text();
+    let what = html! {
+        (table(viewer, std::iter::once(alert), true, None))
+        p.lead { (if silence { t.silence_what } else { t.acknowledge_what }) }
+    };
+    let days = if said.days.is_empty() { "7" } else { &said.days };
+    let fields = html! {
+        @if silence {
+            label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
+        }
+    };
+    show(&Deed {
+        section: Section::Alerts,
+        title: if silence { t.silence_title } else { t.acknowledge_title },
+        what,
+        fields,
+        action: &format!("/alerts/{}/{}", alert.id, if silence { "silence" } else { "acknowledge" }),
+        button: if silence { t.silence } else { t.acknowledge },
+        back: said.word.back_or("/alerts"),
+        reasoned: true,
+    })
+}

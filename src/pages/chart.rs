@@ -1,0 +1,186 @@
+//! A gyro's history drawn by the service: what a page without scripts, and paper, show of it.
+
+use maud::{Markup, html};
+
+use super::layout::symbol;
+use super::plot::{Plot, Series, Strip};
+use crate::core::time::UtcMicros;
+
+/// Width and height of one strip, with the room that its axes take.
+const WIDTH: f64 = 760.0;
+const HEIGHT: f64 = 190.0;
+const LEFT: f64 = 74.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 10.0;
+const BOTTOM: f64 = 24.0;
+/// Dates under a strip, and figures beside it, about.
+const DATES: usize = 5;
+const FIGURES: f64 = 4.0;
+
+/// From the numbers of a strip to places in its picture.
+struct Scale {
+    /// Milliseconds since 1970.
+    t: (f64, f64),
+    v: (f64, f64),
+}
+
+impl Scale {
+    /// All that is measured and the budgets about the baselines; none where nothing is measured.
+    fn of(plot: &Plot, strip: &Strip) -> Option<Self> {
+        let times = plot.strips.iter().flat_map(|strip| &strip.series).flat_map(|series| &series.t);
+        let t = bounds(times.map(|t| *t as f64))?;
+        let measured = strip.series.iter().flat_map(|series| &series.v).copied();
+        let measured = bounds(measured)?;
+        let edges = strip.bands.iter().flat_map(|(_, _, level, budget)| {
+            let half = budget.unwrap_or(0.0);
+            [level - half, level + half]
+        });
+        let v = bounds(edges.chain([measured.0, measured.1]))?;
+        Some(Self { t: widened(t, 0.02, 43_200_000.0), v: widened(v, 0.06, 1e-6) })
+    }
+
+    fn x(&self, t: i64) -> f64 {
+        LEFT + (t as f64 - self.t.0) / (self.t.1 - self.t.0) * (WIDTH - LEFT - RIGHT)
+    }
+
+    fn y(&self, v: f64) -> f64 {
+        let share = (v - self.v.0) / (self.v.1 - self.v.0);
+        HEIGHT - BOTTOM - share.clamp(0.0, 1.0) * (HEIGHT - TOP - BOTTOM)
+    }
+}
+
+fn bounds(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.fold(None, |bounds, v| bounds.map_or(Some((v, v)), |(a, b): (f64, f64)| Some((a.min(v), b.max(v)))))
+}
+
+/// By a share on either side; where there is no width, by `least`.
+fn widened((a, b): (f64, f64), share: f64, least: f64) -> (f64, f64) {
+    let edge = (share * (b - a)).max(if b > a { 0.0 } else { least });
+    (a - edge, b + edge)
+}
+
+/// Round numbers within, about so many, and their decimals: steps of 1, 2 or 5 times a power of ten.
+fn round_steps((a, b): (f64, f64), about: f64) -> (Vec<f64>, usize) {
+    let raw = (b - a) / about;
+    let power = 10_f64.powf(raw.log10().floor());
+    let step = power * [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= raw).unwrap_or(10.0);
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let first = (a / step).ceil() as i64;
+    let last = (b / step).floor() as i64;
+    ((first..=last).map(|k| k as f64 * step).collect(), decimals)
+}
+
+/// Every strip of a history, one below the other.
+pub(super) fn strips(plot: &Plot) -> Markup {
+    html! { @for strip in &plot.strips { @if let Some(scale) = Scale::of(plot, strip) { (one(plot, strip, &scale)) } } }
+}
+
+fn one(plot: &Plot, strip: &Strip, scale: &Scale) -> Markup {
+    let (figures, decimals) = round_steps(scale.v, FIGURES);
+    html! {
+        figure.chart {
+            figcaption { (symbol(strip.symbol)) ", " (plot.unit) }
+            svg role="img" aria-label={ (plot.name) " " (strip.symbol) } viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } {
+                @for (from, to, level, budget) in &strip.bands { (band(scale, (*from, *to), *level, *budget)) }
+                @for figure in figures {
+                    @let y = place(scale.y(figure));
+                    line.grid x1=(LEFT) x2=(WIDTH - RIGHT) y1=(y) y2=(y) {}
+                    text x=(LEFT - 6.0) y=(place(scale.y(figure) + 4.0)) text-anchor="end" { (format!("{figure:.decimals$}")) }
+                }
+                @for k in 0..DATES {
+                    @let t = scale.t.0 + (scale.t.1 - scale.t.0) * (k as f64 + 0.5) / DATES as f64;
+                    text x=(place(scale.x(t as i64))) y=(HEIGHT - 6.0) text-anchor="middle" { (UtcMicros(t as i64 * 1000).date()) }
+                }
+                @for mark in &plot.marks {
+                    @let x = place(scale.x(mark.t));
+                    line.(if mark.event { "event" } else { "change" }) x1=(x) x2=(x) y1=(TOP) y2=(HEIGHT - BOTTOM) { title { (mark.label) } }
+                }
+                @for series in &strip.series { (points(scale, series)) }
+            }
+        }
+    }
+}
+
+fn band(scale: &Scale, (from, to): (i64, i64), level: f64, budget: Option<f64>) -> Markup {
+    let (x1, x2) = (scale.x(from), scale.x(to));
+    html! {
+        @if let Some(budget) = budget {
+            @let (top, bottom) = (scale.y(level + budget), scale.y(level - budget));
+            rect.band x=(place(x1)) y=(place(top)) width=(place((x2 - x1).max(1.0))) height=(place(bottom - top)) {}
+        }
+        line.level x1=(place(x1)) x2=(place(x2)) y1=(place(scale.y(level))) y2=(place(scale.y(level))) {}
+    }
+}
+
+/// Error bars, and a shape for each state: a filled triangle lies outside the budget.
+fn points(scale: &Scale, series: &Series) -> Markup {
+    let sd = |k: usize| series.sd.as_ref().and_then(|sd| sd[k]);
+    html! {
+        @for (k, (&t, &v)) in series.t.iter().zip(&series.v).enumerate() {
+            @let (x, y) = (scale.x(t), scale.y(v));
+            @if let Some(sd) = sd(k) { line.bar x1=(place(x)) x2=(place(x)) y1=(place(scale.y(v - sd))) y2=(place(scale.y(v + sd))) {} }
+            @if series.bench { path.bench d={ "M" (place(x)) " " (place(y - 5.0)) "l4 5l-4 5l-4-5z" } {} }
+            @else if series.state[k] >= 2 {
+                path.(if series.state[k] == 3 { "outside" } else { "flagged" }) d={ "M" (place(x)) " " (place(y - 4.5)) "l4 7h-8z" } {}
+            } @else { circle.(if series.state[k] == 1 { "open" } else { "within" }) cx=(place(x)) cy=(place(y)) r="2.8" {} }
+        }
+    }
+}
+
+/// A tenth of a pixel is enough.
+fn place(pixels: f64) -> String {
+    format!("{pixels:.1}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::State;
+    use crate::core::judge::history::Measured;
+    use crate::pages::plot::{Mark, Point};
+
+    #[test]
+    fn steps_are_round_and_within() {
+        let (steps, decimals) = round_steps((-0.013, 0.027), 4.0);
+        assert_eq!(
+            steps.iter().map(|v| format!("{v:.decimals$}")).collect::<Vec<_>>(),
+            ["-0.01", "0.00", "0.01", "0.02"]
+        );
+        assert_eq!(round_steps((0.0, 40.0), 4.0), (vec![0.0, 10.0, 20.0, 30.0, 40.0], 0));
+    }
+
+    fn plot(values: &[f64]) -> Plot {
+        let point = |(k, v): (usize, &f64)| Point {
+            at: UtcMicros(k as i64 * UtcMicros::DAY),
+            measured: Measured { value: *v, sd: Some(0.001) },
+            state: Some(if *v > 1.5 { State::Exceeded } else { State::Within }),
+            outside: *v > 1.5,
+            place: String::new(),
+        };
+        let points: Vec<Point> = values.iter().enumerate().map(point).collect();
+        let strip = Strip {
+            symbol: "D_I",
+            series: vec![Series::new("rigid", false, &points)],
+            bands: vec![(0, 86_400_000, 1.0, Some(0.5))],
+        };
+        let marks = vec![Mark { t: 43_200_000, label: "repair".into(), event: true }];
+        Plot { name: "A".into(), unit: "deg/(h g0)", strips: vec![strip], marks, states: [""; 4], since: None }
+    }
+
+    #[test]
+    fn every_point_is_drawn_in_its_shape_and_higher_values_stand_higher() {
+        let drawn = strips(&plot(&[1.0, 1.2, 2.0])).into_string();
+        assert_eq!((drawn.matches("<circle").count(), drawn.matches("class=\"outside\"").count()), (2, 1), "{drawn}");
+        assert!(drawn.contains("class=\"event\"") && drawn.contains("class=\"band\"") && drawn.contains("repair"));
+        let heights: Vec<f64> =
+            drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
+        assert!(heights[1] < heights[0], "{heights:?}");
+    }
+
+    #[test]
+    fn a_gyro_without_a_history_has_no_picture_and_one_point_has_one() {
+        assert_eq!(strips(&plot(&[])).into_string(), "");
+        let one = strips(&plot(&[1.0])).into_string();
+        assert!(one.contains("<circle") && !one.contains("NaN"), "{one}");
+    }
+}

@@ -1,0 +1,143 @@
+//! `/gyros/{serial}/events/new`: what was done to a gyro, or a new baseline, on a page that says what that changes.
+
+use axum::Form;
+use axum::extract::{Path, Query, State as Held};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::form::{Deed, Word, own_form, see_other};
+use super::layout::{Section, encoded};
+use super::viewer::Viewer;
+use crate::core::fault::Faults;
+use crate::core::judge::{Event, Rule};
+use crate::core::record::Name;
+use crate::pipeline::{Accepted, GyroEvent, Submission};
+use crate::wire::problem::Problem;
+use crate::wire::text;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Said {
+    #[serde(flatten)]
+    word: Word,
+    event: String,
+    /// RFC 3339; now, where it is empty.
+    at: String,
+}
+
+/// The page on which an event is noted; `?event=baseline` starts a baseline.
+pub(super) async fn ask(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(serial): Path<String>,
+    Query(said): Query<Said>,
+) -> Response {
+    let page = known(&pages, &serial)
+        .map(|name| with_form(&viewer, &name, &said, |deed| deed.page(&viewer, &said.word, &Faults::default())));
+    viewer.show(page)
+}
+
+pub(super) async fn act(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(serial): Path<String>,
+    Form(said): Form<Said>,
+) -> Response {
+    match done(&pages, &viewer, &headers, &serial, &said).await {
+        Ok(response) => response,
+        Err(problem) => viewer.show(Err(problem)),
+    }
+}
+
+fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
+    let known = pages.pipeline.store().names().read().gyros.number(serial).and_then(|_| Name::parse(serial).ok());
+    known.ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))
+}
+
+async fn done(
+    pages: &Pages,
+    viewer: &Viewer,
+    headers: &HeaderMap,
+    serial: &str,
+    said: &Said,
+) -> Result<Response, Problem> {
+    own_form(headers)?;
+    let name = known(pages, serial)?;
+    let mut faults = Faults::default();
+    said.word.check(viewer, &mut faults);
+    let event = Event::from_name(&said.event);
+    if event.is_none() {
+        faults.push("event", Event::ALL.map(Event::name).join(", "));
+    }
+    let at = match said.at.trim() {
+        "" => pages.clock.now(),
+        at => text::instant("at", at, &mut faults),
+    };
+    if let Err(future) = pages.pipeline.check_time("at", at) {
+        faults.absorb("", future);
+    }
+    let Some(event) = event.filter(|_| faults.is_empty()) else {
+        return Ok(with_form(viewer, &name, said, |deed| deed.again(viewer, &said.word, &faults)));
+    };
+    let Word { by, reason, .. } = said.word.clone();
+    let event = GyroEvent { serial: name, at, event, reason, author: Some(by) };
+    match pages.pipeline.submit(Submission::Event(event)).await? {
+        Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
+            Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))
+        }
+        Accepted::There { id, .. } => {
+            let detail = "the same kind of event is stored at that very time with other words";
+            Err(Problem::new(409, "Already stored with other content", detail).with_existing(id))
+        }
+    }
+}
+
+fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    let baseline = said.event == Event::Baseline.name();
+    let title = if baseline { t.start_baseline } else { t.add_event };
+    let path = format!("/gyros/{}", encoded(serial.as_str()));
+    let fields = html! {
+        @if baseline { input type="hidden" name="event" value=(said.event); }
+        @else {
+            label { (t.event_word) select name="event" {
+                @for event in Event::ALL.into_iter().filter(|event| *event != Event::Baseline) {
+                    option value=(event.name()) selected[event.name() == said.event] { (t.event(event)) }
+                }
+            } }
+        }
+        label { (t.event_at) input name="at" value=(said.at) placeholder="2026-03-01T08:00:00Z"; }
+    };
+    show(&Deed {
+        section: Section::Fleet,
+        title: &format!("{title}: {serial}"),
+        what: what_it_resets(viewer, baseline),
+        fields,
+        action: &format!("{path}/events/new"),
+        button: title,
+        back: &path,
+        reasoned: true,
+    })
+}
+
+/// What the rules will no longer compare with what came before.
+fn what_it_resets(viewer: &Viewer, baseline: bool) -> Markup {
+    let t = viewer.text();
+    let resets = |event: Event| -> Vec<&str> {
+        let rules = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Overdue && event.resets(*rule));
+        rules.map(|rule| t.rule(rule)).collect()
+    };
+    html! {
+        p.lead { (t.event_what) }
+        ul {
+            @for event in Event::ALL.into_iter().filter(|event| (*event == Event::Baseline) == baseline) {
+                @let rules = resets(event);
+                li { strong { (t.event(event)) } ": " (if rules.is_empty() { t.resets_nothing.to_owned() } else { rules.join(", ") }) }
+            }
+        }
+    }
+}

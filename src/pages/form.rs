@@ -1,0 +1,143 @@
+//! Forms: taken from this site's own pages alone, and for whatever changes something, with who, why, and that it is meant.
+
+use axum::http::header::{HOST, LOCATION, ORIGIN};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::layout::{Page, Section};
+use super::viewer::{Viewer, is_local};
+use crate::core::fault::Faults;
+use crate::wire::problem::Problem;
+use crate::wire::text;
+
+/// What browsers say of where a request comes from (W3C Fetch Metadata).
+const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
+
+/// Refuses forms that another site's page sends with this viewer's hands.
+pub(super) fn own_form(headers: &HeaderMap) -> Result<(), Problem> {
+    let text = |name: HeaderName| headers.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
+    let same_origin = match (text(ORIGIN), text(HOST)) {
+        (None, _) => true,
+        (Some(origin), host) => origin.split_once("://").map(|(_, host)| host) == host,
+    };
+    // `none`: the viewer's own doing, as loading a page again.
+    let same_site = text(FETCH_SITE).is_none_or(|site| site == "same-origin" || site == "none");
+    if same_origin && same_site {
+        Ok(())
+    } else {
+        Err(Problem::new(403, "Foreign form", "the form was sent from another site"))
+    }
+}
+
+/// Goes on with another page, which may be loaded again without sending the form again.
+pub(super) fn see_other(path: &str) -> Response {
+    let path = HeaderValue::from_str(path).unwrap_or(HeaderValue::from_static("/"));
+    (StatusCode::SEE_OTHER, [(LOCATION, path)]).into_response()
+}
+
+/// Who does something and why; that it is meant; and where to go on.
+#[derive(Debug, Default, Clone, Deserialize)]
+#[serde(default)]
+pub(super) struct Word {
+    pub by: String,
+    pub reason: String,
+    pub confirm: String,
+    pub back: String,
+}
+
+impl Word {
+    /// Notes what is missing.
+    pub fn check(&self, viewer: &Viewer, faults: &mut Faults) {
+        text::required_short("by", self.by.clone(), faults);
+        text::required_note("reason", self.reason.clone(), faults);
+        self.check_meant(viewer, faults);
+    }
+
+    pub fn check_meant(&self, viewer: &Viewer, faults: &mut Faults) {
+        if self.confirm != "yes" {
+            faults.push("confirm", viewer.text().must_confirm);
+        }
+    }
+
+    /// Where to go on: on this service, whatever was sent.
+    pub fn back_or<'a>(&'a self, otherwise: &'a str) -> &'a str {
+        if is_local(&self.back) { &self.back } else { otherwise }
+    }
+}
+
+/// Something that changes what is stored, on a page of its own: what it does, who does it, why, and that it is meant.
+pub(super) struct Deed<'a> {
+    pub section: Section,
+    pub title: &'a str,
+    /// What it is about, and what it does.
+    pub what: Markup,
+    /// What it needs to know besides.
+    pub fields: Markup,
+    pub action: &'a str,
+    pub button: &'a str,
+    /// Where to go on if it is not done.
+    pub back: &'a str,
+    /// Whether it asks who and why.
+    pub reasoned: bool,
+}
+
+impl Deed<'_> {
+    pub fn page(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Page {
+        let t = viewer.text();
+        let body = html! {
+            h1 { (self.title) }
+            (self.what)
+            @if !faults.0.is_empty() {
+                ul.fault role="alert" { @for fault in &faults.0 { li { code { (fault.pointer) } " " (fault.detail) } } }
+            }
+            form.deed action=(self.action) method="post" {
+                input type="hidden" name="back" value=(self.back);
+                (self.fields)
+                @if self.reasoned {
+                    label { (t.who) input name="by" value=(word.by) required maxlength="128" autocomplete="name"; }
+                    label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" { (word.reason) } }
+                }
+                label.sure { input type="checkbox" name="confirm" value="yes" required; span { (t.confirm_word) } }
+                p { button.primary { (self.button) } " " a href=(self.back) { (t.go_back) } }
+            }
+        };
+        Page { title: self.title.to_owned(), section: self.section, plots: false, body }
+    }
+
+    /// What was sent cannot be done as it is: the form again, with why.
+    pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
+        viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &self.page(viewer, word, faults))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(origin: &str, site: &str) -> Result<(), u16> {
+        let mut headers = HeaderMap::new();
+        headers.insert(HOST, "gyros.example:8080".parse().unwrap());
+        for (name, value) in [(ORIGIN, origin), (FETCH_SITE, site)] {
+            if !value.is_empty() {
+                headers.insert(name, value.parse().unwrap());
+            }
+        }
+        own_form(&headers).map_err(|problem| problem.status)
+    }
+
+    #[test]
+    fn a_form_is_taken_from_this_site_alone() {
+        assert_eq!((status("", ""), status("https://gyros.example:8080", "same-origin")), (Ok(()), Ok(())));
+        assert_eq!((status("https://evil.example", ""), status("null", "")), (Err(403), Err(403)));
+        assert_eq!((status("", "cross-site"), status("", "same-site")), (Err(403), Err(403)));
+    }
+
+    #[test]
+    fn nobody_is_sent_elsewhere_afterwards() {
+        let word = |back: &str| Word { back: back.into(), ..Word::default() };
+        assert_eq!(word("/gyros/A").back_or("/alerts"), "/gyros/A");
+        assert_eq!(word("//evil.example").back_or("/alerts"), "/alerts");
+    }
+}

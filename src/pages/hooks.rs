@@ -1,0 +1,104 @@
+//! `/hooks`: whom the service tells, how that goes, and what is done about it.
+
+mod deeds;
+mod deliveries;
+
+use axum::extract::State as Held;
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::alerts::written;
+use super::layout::{Page, Section};
+use super::viewer::Viewer;
+use crate::core::judge::{Rule, Severity};
+use crate::pipeline::Id;
+use crate::wire::hook::{FilterBody, HookBody};
+use crate::wire::problem::Problem;
+
+pub(super) use deeds::{add, ask_add, ask_delete, delete, redeliver, redeliver_dead, switch, test};
+pub(super) use deliveries::page as one;
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
+    viewer.show(build(&pages, &viewer).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let hooks = pages.pipeline.hooks().await?;
+    let body = html! {
+        h1 { (t.hooks) }
+        p.note { (t.hooks_note) }
+        p { a.action href="/hooks/new" { (t.add_hook) } }
+        @if hooks.is_empty() { p.lead { (t.no_hooks) } } @else {
+            div.scroll tabindex="0" { table {
+                thead { tr {
+                    th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.state) }
+                    th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
+                } }
+                tbody { @for hook in &hooks { (line(viewer, hook)) } }
+            } }
+        }
+    };
+    Ok(Page { title: t.hooks.into(), section: Section::Hooks, plots: false, body })
+}
+
+fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
+    html! {
+        tr {
+            th scope="row" { a href={ "/hooks/" (hook.id) } { (hook.name) } }
+            td.nowrap { (hook.kind) }
+            td.words { code { (hook.url) } (filter(viewer, &hook.filter)) }
+            td { (state(viewer, hook)) }
+            td.n {
+                (hook.queue.open)
+                @if let Some(oldest) = &hook.queue.oldest_open { br; span.quiet { (written(oldest)) } }
+            }
+            td.n { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
+            td { (buttons(viewer, hook)) }
+        }
+    }
+}
+
+fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
+    let t = viewer.text();
+    html! {
+        @if hook.enabled { span.badge.within { (t.enabled) } } @else { span.badge.exceeded { (t.disabled) } }
+        @if let Some(why) = &hook.disabled_because { br; span.quiet { (why) } }
+    }
+}
+
+/// What it is told of, where that is not everything.
+fn filter(viewer: &Viewer, filter: &FilterBody) -> Markup {
+    let t = viewer.text();
+    let rules: Vec<&str> =
+        filter.rules.iter().map(|name| Rule::from_name(name).map_or(name.as_str(), |rule| t.rule(rule))).collect();
+    let least = filter.min_severity.as_deref().and_then(Severity::from_name);
+    html! {
+        @if !rules.is_empty() { br; span.quiet { (t.rule_word) ": " (rules.join(", ")) } }
+        @if !filter.gyros.is_empty() { br; span.quiet { (t.serial) ": " (filter.gyros.join(", ")) } }
+        @if let Some(least) = least { br; span.quiet { (t.hook_severity) ": " (t.severity(least)) } }
+    }
+}
+
+fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
+    let t = viewer.text();
+    let post = |deed: &str| format!("/hooks/{}/{deed}", hook.id);
+    html! {
+        div.actions {
+            @if hook.enabled { form action=(post("test")) method="post" { button { (t.test_hook) } } }
+            form action=(post("enabled")) method="post" {
+                input type="hidden" name="enabled" value=(!hook.enabled);
+                button { (if hook.enabled { t.disable } else { t.enable }) }
+            }
+            a href=(post("delete")) { (t.delete_hook) }
+        }
+    }
+}
+
+/// The hook of that identifier.
+async fn known(pages: &Pages, id: &str) -> Result<(Id, HookBody), Problem> {
+    let unknown = || Problem::new(404, "No such hook", format!("there is no hook {id}"));
+    let number: Id = id.parse().map_err(|_| unknown())?;
+    Ok((number, pages.pipeline.hook(number, None).await?.ok_or_else(unknown)?))
+}

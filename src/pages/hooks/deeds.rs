@@ -1,0 +1,256 @@
+//! What is done about hooks: set up, tried, switched, deleted; and what they were told, sent again.
+
+use axum::Form;
+use axum::extract::{Path, State as Held};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::Response;
+use maud::html;
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use super::known;
+use crate::core::fault::Faults;
+use crate::core::judge::Severity;
+use crate::pages::Pages;
+use crate::pages::form::{Deed, Word, own_form, see_other};
+use crate::pages::layout::{Page, Section};
+use crate::pages::viewer::Viewer;
+use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
+use crate::wire::problem::Problem;
+
+/// Kinds of hooks, as the API names them.
+const KINDS: [&str; 4] = ["standard-webhooks", "alertmanager", "alertmanager-webhook", "cloudevents"];
+/// Dead letters that are sent again together.
+const MOST_AT_ONCE: u32 = 1000;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(in crate::pages) struct NewHook {
+    #[serde(flatten)]
+    word: Word,
+    name: String,
+    kind: String,
+    url: String,
+    secret: String,
+    authorization: String,
+    rules: String,
+    gyros: String,
+    min_severity: String,
+}
+
+impl NewHook {
+    /// As the API takes it: what is empty is left out.
+    fn document(&self) -> Value {
+        let list = |text: &str| -> Vec<String> {
+            text.split([',', '，']).map(str::trim).filter(|part| !part.is_empty()).map(str::to_owned).collect()
+        };
+        let mut hook = Map::new();
+        let texts = [("name", &self.name), ("secret", &self.secret), ("authorization", &self.authorization)];
+        for (member, text) in texts.into_iter().filter(|(_, text)| !text.trim().is_empty()) {
+            hook.insert(member.into(), text.trim().into());
+        }
+        hook.insert("kind".into(), self.kind.as_str().into());
+        hook.insert("url".into(), self.url.trim().into());
+        let least = Some(self.min_severity.as_str()).filter(|least| !least.is_empty());
+        let filter = json!({"rules": list(&self.rules), "gyros": list(&self.gyros), "min_severity": least});
+        hook.insert("filter".into(), filter);
+        Value::Object(hook)
+    }
+}
+
+pub(in crate::pages) async fn ask_add(viewer: Viewer) -> Response {
+    let new = NewHook::default();
+    viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
+}
+
+pub(in crate::pages) async fn add(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Form(new): Form<NewHook>,
+) -> Response {
+    answered(&viewer, added(&pages, &viewer, &headers, &new).await)
+}
+
+async fn added(pages: &Pages, viewer: &Viewer, headers: &HeaderMap, new: &NewHook) -> Result<Response, Problem> {
+    own_form(headers)?;
+    let mut faults = Faults::default();
+    new.word.check_meant(viewer, &mut faults);
+    let read = pages.pipeline.read_hook(new.document().to_string().as_bytes());
+    let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
+    let Some(hook) = read else {
+        return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
+    };
+    let drawn = hook.drawn();
+    let id = pages.pipeline.order(Order::Create(hook)).await?;
+    let hook = pages.pipeline.hook(id, drawn.as_ref()).await?;
+    match hook.and_then(|hook| hook.secret) {
+        Some(secret) => Ok(viewer.respond(StatusCode::CREATED, &shown_once(viewer, id, &secret))),
+        None => Ok(see_other(&format!("/hooks/{id}"))),
+    }
+}
+
+fn shown_once(viewer: &Viewer, id: Id, secret: &str) -> Page {
+    let t = viewer.text();
+    let body = html! {
+        h1 { (t.hook_set_up) }
+        p.lead { (t.hook_secret_shown) }
+        p { code { (secret) } }
+        p { a href={ "/hooks/" (id) } { (t.hook) } }
+    };
+    Page { title: t.hook_set_up.into(), section: Section::Hooks, plots: false, body }
+}
+
+fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    let fields = html! {
+        label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
+        label { (t.kind) select name="kind" {
+            @for kind in KINDS { option value=(kind) selected[kind == new.kind] { (kind) } }
+        } }
+        label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://"; }
+        label { (t.hook_secret) input name="secret" value=(new.secret) autocomplete="off"; }
+        label { (t.hook_authorization) input name="authorization" value=(new.authorization) autocomplete="off" placeholder="Bearer …"; }
+        label { (t.hook_rules) input name="rules" value=(new.rules) placeholder="step, baseline"; }
+        label { (t.hook_gyros) input name="gyros" value=(new.gyros); }
+        label { (t.hook_severity) select name="min_severity" {
+            option value="" { (t.any) }
+            @for one in Severity::ALL { option value=(one.name()) selected[one.name() == new.min_severity] { (t.severity(one)) } }
+        } }
+    };
+    show(&Deed {
+        section: Section::Hooks,
+        title: t.add_hook,
+        what: html! { p.lead { (t.add_hook_what) } },
+        fields,
+        action: "/hooks/new",
+        button: t.add_hook,
+        back: "/hooks",
+        reasoned: false,
+    })
+}
+
+pub(in crate::pages) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+    let found = known(&pages, &id).await;
+    let word = Word::default();
+    viewer.show(
+        found.map(|(id, hook)| {
+            delete_form(&viewer, id, &hook.url, |deed| deed.page(&viewer, &word, &Faults::default()))
+        }),
+    )
+}
+
+pub(in crate::pages) async fn delete(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+    Form(word): Form<Word>,
+) -> Response {
+    let deleted = async {
+        own_form(&headers)?;
+        let (id, hook) = known(&pages, &id).await?;
+        let mut faults = Faults::default();
+        word.check_meant(&viewer, &mut faults);
+        if !faults.is_empty() {
+            return Ok(delete_form(&viewer, id, &hook.url, |deed| deed.again(&viewer, &word, &faults)));
+        }
+        pages.pipeline.order(Order::Delete(id)).await?;
+        Ok(see_other("/hooks"))
+    };
+    answered(&viewer, deleted.await)
+}
+
+fn delete_form<T>(viewer: &Viewer, id: Id, url: &str, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    show(&Deed {
+        section: Section::Hooks,
+        title: t.delete_hook_title,
+        what: html! { p { code { (url) } } p.lead { (t.delete_hook_what) } },
+        fields: html! {},
+        action: &format!("/hooks/{id}/delete"),
+        button: t.delete_hook,
+        back: "/hooks",
+        reasoned: false,
+    })
+}
+
+pub(in crate::pages) async fn test(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+) -> Response {
+    let tested = async {
+        own_form(&headers)?;
+        let (number, _) = known(&pages, &id).await?;
+        pages.pipeline.order(Order::Test(number)).await?;
+        Ok(see_other(&format!("/hooks/{id}")))
+    };
+    answered(&viewer, tested.await)
+}
+
+#[derive(Debug, Deserialize)]
+pub(in crate::pages) struct Switch {
+    enabled: String,
+}
+
+pub(in crate::pages) async fn switch(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+    Form(switch): Form<Switch>,
+) -> Response {
+    let switched = async {
+        own_form(&headers)?;
+        let (number, _) = known(&pages, &id).await?;
+        let document = json!({"enabled": switch.enabled == "true"}).to_string();
+        let patch = pages.pipeline.read_hook_patch(document.as_bytes());
+        let patch = patch.map_err(|faults| Problem::of_faults(422, "Cannot be stored as it is", faults))?;
+        pages.pipeline.order(Order::Change(number, patch)).await?;
+        Ok(see_other(&format!("/hooks/{id}")))
+    };
+    answered(&viewer, switched.await)
+}
+
+pub(in crate::pages) async fn redeliver(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path((id, delivery)): Path<(String, String)>,
+) -> Response {
+    let sent = async {
+        own_form(&headers)?;
+        let unknown = || Problem::new(404, "No such delivery", format!("there is no delivery {delivery}"));
+        pages.pipeline.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
+        known(&pages, &id).await?;
+        Ok(see_other(&format!("/hooks/{id}")))
+    };
+    answered(&viewer, sent.await)
+}
+
+/// Sends the dead letters again, in the order in which they came.
+pub(in crate::pages) async fn redeliver_dead(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+) -> Response {
+    let sent = async {
+        own_form(&headers)?;
+        let (number, _) = known(&pages, &id).await?;
+        let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };
+        for delivery in pages.pipeline.deliveries(number, dead).await?.iter().rev() {
+            if let Ok(delivery) = delivery.id.parse() {
+                pages.pipeline.order(Order::Redeliver(delivery)).await?;
+            }
+        }
+        Ok(see_other(&format!("/hooks/{id}")))
+    };
+    answered(&viewer, sent.await)
+}
+
+fn answered(viewer: &Viewer, done: Result<Response, Problem>) -> Response {
+    done.unwrap_or_else(|problem| viewer.show(Err(problem)))
+}

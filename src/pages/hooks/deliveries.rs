@@ -1,0 +1,120 @@
+//! `/hooks/{id}`: what one hook was told, newest first, with the dead letters.
+
+use axum::extract::{Path, Query, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::{buttons, filter, known, state, written};
+use crate::pages::Pages;
+use crate::pages::layout::{Page, Section};
+use crate::pages::viewer::Viewer;
+use crate::pipeline::{DeliveryPage, DeliveryState, Id};
+use crate::wire::hook::{DeliveryBody, HookBody};
+use crate::wire::problem::Problem;
+
+/// Deliveries on one page.
+const ROWS: usize = 60;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(in crate::pages) struct Filters {
+    /// A state by its name; all, where it is left out.
+    state: String,
+    /// Only older ones than this.
+    before: String,
+}
+
+pub(in crate::pages) async fn page(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Query(filters): Query<Filters>,
+) -> Response {
+    viewer.show(build(&pages, &viewer, &id, &filters).await)
+}
+
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> Result<Page, Problem> {
+    let t = viewer.text();
+    let (number, hook) = known(pages, id).await?;
+    let asked = DeliveryPage {
+        state: DeliveryState::from_name(&filters.state),
+        before: filters.before.parse::<Id>().ok(),
+        limit: ROWS as u32 + 1,
+    };
+    let mut deliveries = pages.pipeline.deliveries(number, asked).await?;
+    let more = deliveries.len() > ROWS;
+    deliveries.truncate(ROWS);
+    let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");
+    let body = html! {
+        h1 { (hook.name) " " (state(viewer, &hook)) }
+        p { (hook.kind) " · " code { (hook.url) } (filter(viewer, &hook.filter)) }
+        (buttons(viewer, &hook))
+        h2 { (t.deliveries) }
+        nav.tabs aria-label=(t.state) {
+            a href={ "/hooks/" (id) } aria-current=[filters.state.is_empty().then_some("true")] { (t.all_states) }
+            @for state in [DeliveryState::Waiting, DeliveryState::Delivered, DeliveryState::Dead].map(DeliveryState::name) {
+                a href=(to(state, "")) aria-current=[(filters.state == state).then_some("true")] { (t.delivery(state)) }
+            }
+        }
+        (replay(viewer, &hook))
+        @if deliveries.is_empty() { p { (t.no_deliveries) } } @else { (table(viewer, id, &deliveries)) }
+        @if more && let Some(last) = deliveries.last() {
+            nav.pager aria-label=(t.deliveries) { a rel="next" href=(to(&filters.state, &last.id)) { (t.older) } }
+        }
+    };
+    Ok(Page { title: hook.name.clone(), section: Section::Hooks, plots: false, body })
+}
+
+fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
+    let t = viewer.text();
+    html! {
+        @if hook.queue.dead > 0 && hook.enabled {
+            form action={ "/hooks/" (hook.id) "/redeliver" } method="post" { button { (t.redeliver_dead) " (" (hook.queue.dead) ")" } }
+        }
+    }
+}
+
+fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody]) -> Markup {
+    let t = viewer.text();
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.message) } th { (t.queued) } th { (t.state) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
+            } }
+            tbody { @for delivery in deliveries { (line(viewer, hook, delivery)) } }
+        } }
+    }
+}
+
+fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody) -> Markup {
+    let t = viewer.text();
+    let shape = match delivery.state {
+        "delivered" => "within",
+        "dead" => "exceeded",
+        "dropped" => "none",
+        _ => "indeterminate",
+    };
+    html! {
+        tr {
+            th.nowrap scope="row" { (delivery.event) br; span.quiet { (delivery.webhook_id) } }
+            td { (written(&delivery.queued_at)) }
+            td {
+                span class={ "badge " (shape) } { (t.delivery(delivery.state)) }
+                @if let Some(due) = &delivery.due_at { br; span.quiet { (written(due)) } }
+            }
+            td.n { (delivery.attempts.len()) }
+            td.words {
+                @if let Some(last) = delivery.attempts.last() {
+                    (written(&last.at)) " " @if let Some(status) = last.status { (status) " " }
+                    span.quiet { (last.detail) " " (format!("{:.0} ms", last.took_ms)) }
+                }
+            }
+            td {
+                @if matches!(delivery.state, "delivered" | "dead" | "waiting") {
+                    form action={ "/hooks/" (hook) "/deliveries/" (delivery.id) "/redeliver" } method="post" { button { (t.redeliver) } }
+                }
+            }
+        }
+    }
+}

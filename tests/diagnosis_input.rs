@@ -103,6 +103,7 @@ fn one_gyro(campaign: &mut Value) {
 #[case::one_gyro(one_gyro)]
 #[case::no_site(|c: &mut Value| { c.as_object_mut().unwrap().remove("site"); })]
 #[case::perfect_data(noise_free)]
+#[case::perfect_data_without_standard_errors(|c: &mut Value| { noise_free(c); without(c, "output_sem_pulse_s"); })]
 #[case::static_dwells_alone(|c: &mut Value| dwells(c).retain(|d| d["phase"] == "static"))]
 fn a_clean_campaign_that_lacks_something_has_no_cause(#[case] spoil: fn(&mut Value)) {
     let mut campaign = clean();

@@ -42,10 +42,6 @@ fn the_mimu_run_says_that_time_and_g_cannot_be_told_apart_and_which_dwells_would
         // 4.6 to 6.2 % is left by the whole model, most of it in G3.
         let visible = ramp["visible_fraction"].as_f64().unwrap();
         assert!((0.06..0.085).contains(&visible), "{ramp}");
-        if options.is_empty() {
-            continue;
-        }
-        // With all of model (6) in use nothing is named, and no dwell is asked for.
         let next = answer["next_dwells"].as_array().unwrap();
         let telling = next.iter().filter(|n| {
             let separates = n["separates"].as_array().unwrap();

@@ -8,11 +8,14 @@ use super::document::{self, Format, table};
 use super::{diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
-use crate::core::diagnose::{Diagnosis, diagnose};
+use crate::core::diagnose::{Diagnosis, Reference, diagnose, split};
+use crate::core::record::Plausibility;
 use crate::report::{self, Subject};
 use crate::wire::campaign::{is_csv, parse};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::record::parse_record;
+use crate::wire::split::SplitBody;
 use crate::wire::{self, time};
 
 /// Diagnose the gap between a campaign and the error model
@@ -34,6 +37,11 @@ pub struct Diagnose {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
+    /// An earlier campaign or calibration record of the IMU: also say how much of the gap is parameters that have moved since,
+    /// how much is structure and how much noise
+    #[arg(long, value_name = "FILE")]
+    reference: Option<PathBuf>,
+
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
@@ -43,15 +51,23 @@ impl Diagnose {
         let file = || document::name(&self.campaign);
         let bytes = document::read(&self.campaign)?;
         if is_record(&bytes) {
-            if self.model.is_some() || self.adopt.is_some() || self.report.is_some() {
-                bail!("{}: a record has no dwells; --model, --adopt and --report go with a campaign", file());
+            if self.model.is_some() || self.adopt.is_some() || self.report.is_some() || self.reference.is_some() {
+                bail!(
+                    "{}: a record has no dwells; --model, --adopt, --report and --reference go with a campaign",
+                    file()
+                );
             }
             return diagnose_record::run(&bytes, self.format).with_context(file);
         }
         let campaign = parse(&bytes).with_context(file)?;
         let in_use = model::chosen(self.model.as_ref())?;
-        let diagnosed = diagnose(&campaign, &in_use.options(&campaign)).with_context(file)?;
-        let diagnosis = DiagnosisBody::from(&diagnosed);
+        let options = in_use.options(&campaign);
+        let diagnosed = diagnose(&campaign, &options).with_context(file)?;
+        let mut diagnosis = DiagnosisBody::from(&diagnosed);
+        if let Some(path) = &self.reference {
+            let parts = split(&campaign, &options, &diagnosed.residuals, &reference(path)?);
+            diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));
+        }
         if let Some(path) = &self.report {
             let page = report::html(&subject(&campaign), &diagnosis);
             std::fs::write(path, page).with_context(|| path.display().to_string())?;
@@ -64,6 +80,17 @@ impl Diagnose {
             Format::Json => document::print_json(&diagnosis),
         }
     }
+}
+
+/// A campaign, or a record.
+fn reference(path: &Path) -> anyhow::Result<Reference> {
+    let bytes = document::read(path)?;
+    let parsed = if is_record(&bytes) {
+        parse_record(&bytes, &Plausibility::default()).map(Reference::Record)
+    } else {
+        parse(&bytes).map(Reference::Campaign)
+    };
+    parsed.with_context(|| document::name(path))
 }
 
 /// A document that has `calibrated_at` and no dwells; whatever else is no campaign is refused as one.
@@ -107,7 +134,10 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
     let terms = d.model.terms.join(", ");
     let beside: Vec<String> = d.model.effects.iter().map(|e| format!("{} ({})", e.effect, e.gyros.join(" "))).collect();
     out.push_str(&format!("model: {terms}{}{}\n", if beside.is_empty() { "" } else { "; " }, beside.join(", ")));
-    for section in [effects(d), signs(d), candidates(d), impact(d), blind_spots(d), next(d)].into_iter().flatten() {
+    for section in [reference_parts(d), effects(d), signs(d), candidates(d), impact(d), blind_spots(d), next(d)]
+        .into_iter()
+        .flatten()
+    {
         out.push('\n');
         out.push_str(&section);
         out.push('\n');
@@ -118,17 +148,46 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
     out
 }
 
+fn reference_parts(d: &DiagnosisBody) -> Option<String> {
+    let split = d.reference.as_ref()?;
+    let mut parts = table(["gyro", "gap, deg/h", "parameters", "structure", "noise", "p, parameters"], 1..6);
+    let all = [("all", &split.all)].into_iter();
+    for (slot, p) in all.chain(split.gyros.iter().map(|gyro| (gyro.slot.as_str(), &gyro.parts))) {
+        let rms = [p.whole_deg_per_h, p.parameters_deg_per_h, p.structure_deg_per_h, p.noise_deg_per_h];
+        let [whole, parameters, structure, noise] = rms.map(|x| format!("{x:.3e}"));
+        parts.add_row([slot.to_owned(), whole, parameters, structure, noise, format!("{:.1e}", p.p_value)]);
+    }
+    let mut moved = table(["gyro", "coefficient", "reference", "now", "shift", "unit"], 2..5);
+    for m in &split.moved {
+        let shift = match m.sd {
+            Some(sd) => format!("{:+.3e} ± {sd:.1e}", m.shift),
+            None => format!("{:+.3e}", m.shift),
+        };
+        let [reference, now] = [m.reference, m.now].map(|x| format!("{x:+.6}"));
+        moved.add_row([m.slot.clone(), m.coefficient.clone(), reference, now, shift, m.unit.clone()]);
+    }
+    let notes: String = split.notes.iter().map(|note| format!("\nnote: {note}")).collect();
+    let head = format!("Against {}, measured by {} at {}", split.imu, split.station, split.measured_at);
+    Some(format!("{head}\n{parts}\n\nThen and now\n{moved}{notes}"))
+}
+
 fn effects(d: &DiagnosisBody) -> Option<String> {
     let mut rows =
         table(["effect", "gyros", "parameter", "value", "unit", "closure held out", "or just as well"], 3..4);
     for effect in &d.effects {
         let h = &effect.held_out;
         let others: Vec<&str> = effect.class.iter().map(String::as_str).filter(|id| *id != effect.effect).collect();
+        let alone = effect.wider_in.iter().map(|wider| {
+            let more: Vec<&str> =
+                wider.class.iter().filter(|id| !effect.class.contains(id)).map(String::as_str).collect();
+            format!("{} alone: {}", wider.slot, more.join(", "))
+        });
+        let others: Vec<String> = (!others.is_empty()).then(|| others.join(", ")).into_iter().chain(alone).collect();
         let mut head = [
             effect.effect.clone(),
             effect.gyros.join(" "),
             format!("{:.2} ({:.2} to {:.2})", h.closure, h.interval[0], h.interval[1]),
-            others.join(", "),
+            others.join("; "),
         ];
         for e in &effect.estimates {
             let [name, gyros, closure, class] = std::mem::take(&mut head);

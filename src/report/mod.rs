@@ -6,6 +6,7 @@ mod plot;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
+use crate::wire::split::SplitBody;
 
 /// Whose campaign it is, in words for the head of the report.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,7 @@ pub fn html(subject: &Subject, diagnosis: &DiagnosisBody) -> String {
             body {
                 h1 { (title) }
                 (head(subject, diagnosis))
+                @if let Some(split) = &diagnosis.reference { (reference(split)) }
                 (effects(diagnosis))
                 (residuals(subject, diagnosis))
                 (located(diagnosis))
@@ -86,6 +88,35 @@ fn head(subject: &Subject, d: &DiagnosisBody) -> Markup {
     }
 }
 
+/// The gap against a reference, in its three parts.
+fn reference(split: &SplitBody) -> Markup {
+    let rows = [("all", &split.all)].into_iter().chain(split.gyros.iter().map(|g| (g.slot.as_str(), &g.parts)));
+    html! {
+        h2 { "Against the reference" }
+        p { (split.imu) ", measured by " (split.station) " at " (split.measured_at)
+            ". Root mean squares over dwells, deg/h; the squares of the parts add up." }
+        table {
+            thead { tr { th { "Gyro" } th { "Gap" } th { "Parameters" } th { "Structure" } th { "Noise" } th { "p, parameters" } } }
+            tbody { @for (slot, p) in rows {
+                tr { td { (slot) }
+                    @for x in [p.whole_deg_per_h, p.parameters_deg_per_h, p.structure_deg_per_h, p.noise_deg_per_h, p.p_value] {
+                        td class="n" { (figure(x)) }
+                    }
+                }
+            } }
+        }
+        table {
+            thead { tr { th { "Gyro" } th { "Coefficient" } th { "Reference" } th { "Now" } th { "Shift" } th { "1 sigma" } th { "Unit" } } }
+            tbody { @for m in &split.moved {
+                tr { td { (m.slot) } td { (m.coefficient) } td class="n" { (format!("{:.6}", m.reference)) }
+                    td class="n" { (format!("{:.6}", m.now)) } td class="n" { (figure(m.shift)) }
+                    td class="n" { @if let Some(sd) = m.sd { (figure(sd)) } @else { "-" } } td { (m.unit) } }
+            } }
+        }
+        (notes(&split.notes))
+    }
+}
+
 fn effects(d: &DiagnosisBody) -> Markup {
     html! {
         h2 { "What parts them" }
@@ -102,6 +133,9 @@ fn one_effect(effect: &EffectBody) -> Markup {
         h3 { (effect.effect) " in " (effect.gyros.join(", ")) }
         @if effect.class.len() > 1 {
             p { "This campaign cannot tell it from: " (effect.class.iter().filter(|id| **id != effect.effect).cloned().collect::<Vec<_>>().join(", ")) "." }
+        }
+        @for wider in &effect.wider_in {
+            p { (wider.slot) " alone cannot tell it from: " (wider.class.iter().filter(|id| **id != effect.effect).cloned().collect::<Vec<_>>().join(", ")) "." }
         }
         p { (closure(&effect.held_out)) " Adjusted p = " (figure(effect.p_value_adjusted)) ", detectability " (figure(effect.detectability)) "." }
         table {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::split::SplitBody;
 use crate::core::diagnose as core;
 use crate::core::effects::Effect;
 
@@ -28,6 +29,9 @@ pub struct DiagnosisBody {
     pub next_dwells: Vec<NextDwellBody>,
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
+    /// The gap against a reference, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub reference: Option<SplitBody>,
 }
 
 /// The error model in use.
@@ -98,11 +102,21 @@ pub struct EffectBody {
     pub effect: String,
     /// Every entry that this campaign cannot tell from it, itself included.
     pub class: Vec<String>,
+    /// Gyros in which more would do as well, as far as that gyro alone can say.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub wider_in: Vec<GyroClassBody>,
     pub gyros: Vec<String>,
     pub estimates: Vec<EstimateBody>,
     pub held_out: HeldOutBody,
     pub p_value_adjusted: f64,
     pub detectability: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroClassBody {
+    pub slot: String,
+    /// All that would do, the named effect first.
+    pub class: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -242,6 +256,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
             residuals: d.residuals.iter().map(ResidualBody::from).collect(),
             notes: d.notes.clone(),
+            reference: None,
         }
     }
 }
@@ -276,6 +291,9 @@ impl From<&core::NamedEffect> for EffectBody {
         Self {
             effect: e.effect.id().to_owned(),
             class: ids(&e.class),
+            wider_in: (e.wider_in.iter())
+                .map(|(slot, class)| GyroClassBody { slot: slot.name().to_owned(), class: ids(class) })
+                .collect(),
             gyros: names(&e.gyros),
             estimates: e.estimates.iter().map(EstimateBody::from).collect(),
             held_out: HeldOutBody::from(&e.held_out),

@@ -22,6 +22,7 @@ pub mod model;
 pub mod numbers;
 pub mod problem;
 pub mod record;
+pub mod split;
 pub mod text;
 pub mod time;
 pub mod triple;

@@ -112,6 +112,8 @@ pub struct NamedEffect {
     pub shape: Shape,
     /// Every entry that this campaign cannot tell from it, itself first.
     pub class: Vec<Effect>,
+    /// Gyros in which more would do as well, as far as that gyro alone can say, with all that would.
+    pub wider_in: Vec<(Slot, Vec<Effect>)>,
     /// The gyros that have it.
     pub gyros: Vec<Slot>,
     pub estimates: Vec<Estimate>,

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVectorView};
 
 use super::frame::Frame;
+use super::small;
 use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
 use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
 
@@ -43,10 +44,19 @@ pub(super) struct Block {
     pub len: usize,
     /// Squared lengths of the columns, which are orthogonal to one another; empty where all are 1.
     pub lengths: Vec<f64>,
+    /// Products of the columns with one another, where there are at most [`small::MOST`].
+    pub gram: small::Matrix,
     /// Sum of ln(1 + power x length) over the columns, for each of the hypothesis' powers.
     pub log_dets: Vec<f64>,
     /// Share of the raw columns' whitened power that is left.
     pub visible: f64,
+}
+
+impl Block {
+    /// Squared length of column `i`.
+    pub fn length(&self, i: usize) -> f64 {
+        self.lengths.get(i).copied().unwrap_or(1.0)
+    }
 }
 
 #[derive(Debug)]
@@ -212,9 +222,16 @@ fn keep_as_is(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, before: 
     }
     let visible = if raw > 0.0 { left / raw } else { 0.0 };
     if visible.is_nan() || visible <= INVISIBLE {
-        return Block { start: kept, len: 0, lengths: Vec::new(), log_dets: Vec::new(), visible };
+        return Block {
+            start: kept,
+            len: 0,
+            lengths: Vec::new(),
+            gram: small::Matrix::default(),
+            log_dets: Vec::new(),
+            visible,
+        };
     }
-    Block { start: kept, len, lengths: vec![0.0; len], log_dets: Vec::new(), visible }
+    Block { start: kept, len, lengths: vec![0.0; len], gram: small::Matrix::default(), log_dets: Vec::new(), visible }
 }
 
 /// Orthonormal columns with the span of `range`, at `kept..`; fewer where some of it is invisible.
@@ -242,7 +259,7 @@ fn keep_orthonormal(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, ke
             len += 1;
         }
     }
-    Block { start: kept, len, lengths: Vec::new(), log_dets: Vec::new(), visible }
+    Block { start: kept, len, lengths: Vec::new(), gram: small::Matrix::default(), log_dets: Vec::new(), visible }
 }
 
 /// Gives common and smooth blocks a stated total power and turns their columns so that they are orthogonal; a common
@@ -266,10 +283,16 @@ fn scale_together(hypothesis: &mut Hypothesis, columns: &mut [DMatrix<f64>]) {
             }
         }
     }
-    for block in &mut hypothesis.blocks {
-        let lengths = |i: usize| block.lengths.get(i).copied().unwrap_or(1.0);
-        block.log_dets =
-            hypothesis.powers.iter().map(|power| (0..block.len).map(|i| (power * lengths(i)).ln_1p()).sum()).collect();
+    for (block, columns) in hypothesis.blocks.iter_mut().zip(columns.iter()) {
+        block.log_dets = (hypothesis.powers.iter())
+            .map(|power| (0..block.len).map(|i| (power * block.length(i)).ln_1p()).sum())
+            .collect();
+        if block.len <= small::MOST {
+            let own = columns.columns(block.start, block.len);
+            for i in 0..block.len {
+                (0..block.len).for_each(|j| block.gram[i][j] = own.column(i).dot(&own.column(j)));
+            }
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a campaign cannot tell apart from what was adopted, and which gyros have it.
 
 use super::bank::Kind;
-use super::evidence::{Products, criterion, gains, score};
+use super::evidence::{Products, criterion, gains, of_gyro, score};
 use super::search::{Choice, Search};
 use crate::core::effects::Effect;
 
@@ -22,7 +22,7 @@ pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     others.remove(i);
     let state = search.state(&others);
     let products = Products::of(search.bank, &state);
-    let seen = products.seen(search.bank, &state);
+    let seen = products.seen(&state);
     let judged: Vec<(Effect, f64, f64)> = search
         .bank
         .kinds
@@ -47,6 +47,46 @@ pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     class
 }
 
+/// The same for single gyros: what stands in for choice `i` in member `j` as far as that gyro alone can say, where that is more
+/// than `class`.
+pub(super) fn wider_in_gyros(
+    search: &Search,
+    choices: &[Choice],
+    i: usize,
+    members: &[bool],
+    class: &[Effect],
+) -> Vec<(usize, Vec<Effect>)> {
+    let hypothesis = &search.bank.hypotheses[choices[i].hypothesis];
+    let Kind::Effect(own) = hypothesis.kind else { return Vec::new() };
+    if hypothesis.common {
+        return Vec::new();
+    }
+    let mut others = choices.to_vec();
+    others.remove(i);
+    let state = search.state(&others);
+    let products = Products::of(search.bank, &state);
+    let seen = products.seen(&state);
+    let in_gyro = |j: usize| {
+        let judged: Vec<(Effect, f64, f64)> = (search.bank.kinds.iter())
+            .filter_map(|(kind, range)| match kind {
+                Kind::Effect(effect) => {
+                    of_gyro(search.bank, range.clone(), j, &seen[j]).map(|(evidence, fit)| (*effect, evidence, fit))
+                }
+                Kind::Suspect(_) => None,
+            })
+            .collect();
+        let (_, evidence, fit) = *judged.iter().find(|(effect, ..)| *effect == own)?;
+        let as_well = |effect: &Effect, e: f64, f: f64| {
+            class.contains(effect) || e > evidence - EVIDENCE_MARGIN || f > fit - FIT_MARGIN
+        };
+        let mut wider = vec![own];
+        wider
+            .extend(judged.iter().filter(|(effect, e, f)| *effect != own && as_well(effect, *e, *f)).map(|(e, ..)| *e));
+        (wider.len() > class.len()).then_some((j, wider))
+    };
+    (0..members.len()).filter(|&j| members[j]).filter_map(in_gyro).collect()
+}
+
 /// Gyros in which choice `i` explains more than noise would; the one where it explains most in any case.
 pub(super) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool> {
     let hypothesis = &search.bank.hypotheses[choices[i].hypothesis];
@@ -57,7 +97,7 @@ pub(super) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool
     others.remove(i);
     let state = search.state(&others);
     let products = Products::of(search.bank, &state);
-    let seen = products.seen(search.bank, &state);
+    let seen = products.seen(&state);
     let gains = gains(hypothesis, &seen);
     let best = (0..gains.len()).max_by(|&a, &b| gains[a].0.total_cmp(&gains[b].0)).unwrap_or(0);
     gains

@@ -90,3 +90,6 @@ impl GyroClosure {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,12 +10,13 @@
 //! A gyro has the effect with probability one half before the data speak, so gyros multiply as (1 + B_j)/2; values of
 //! a non-linear parameter average with their weights. The penalty for flexible entries is thus no choice of ours.
 
-use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::bank::{Bank, Block, Hypothesis, Kind, basis_matrix};
 use super::basis::{Basis, dot};
 use super::floor::STATED_DOF;
 use super::frame::Frame;
+use super::small;
 
 /// Residuals of one gyro under the model and what has been adopted so far.
 #[derive(Debug, Clone)]
@@ -51,17 +52,21 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
         .gyros
         .iter()
         .zip(extras)
-        .map(|(gyro, extra)| {
+        .zip(&frame.noise.rounding)
+        .map(|((gyro, extra), rounding)| {
             let mut residual = gyro.residual.clone();
             extra.project_out(&mut residual);
             let dof = (gyro.dof() - extra.rank().min(gyro.dof())) as f64;
-            GyroState { rss: prior + dot(&residual, &residual), nu: prior + dof, residual, extra }
+            // What lies below rounding is no residual that anything could explain.
+            let rss = dot(&residual, &residual).max(rounding * dof);
+            GyroState { rss: prior + rss, nu: prior + dof, residual, extra }
         })
         .collect()
 }
 
 /// Products of every column of the bank with residuals and adopted columns.
 pub(super) struct Products {
+    /// Adopted x columns, so that what belongs to one column lies together.
     with_extra: Vec<DMatrix<f64>>,
     with_residual: Vec<DVector<f64>>,
 }
@@ -70,19 +75,19 @@ impl Products {
     pub fn of(bank: &Bank, state: &State) -> Self {
         let extra = |gyro: &GyroState| basis_matrix(gyro.extra.vectors(), gyro.residual.len());
         Self {
-            with_extra: state.iter().zip(&bank.columns).map(|(gyro, c)| c.tr_mul(&extra(gyro))).collect(),
+            with_extra: state.iter().zip(&bank.columns).map(|(gyro, c)| extra(gyro).tr_mul(c)).collect(),
             with_residual: (state.iter().zip(&bank.columns))
                 .map(|(gyro, c)| c.tr_mul(&DVector::from_column_slice(&gyro.residual)))
                 .collect(),
         }
     }
 
-    pub fn seen<'a>(&'a self, bank: &'a Bank, state: &State) -> Vec<Seen<'a>> {
+    pub fn seen<'a>(&'a self, state: &State) -> Vec<Seen<'a>> {
         (0..state.len())
             .map(|j| Seen {
-                columns: &bank.columns[j],
                 with_residual: self.with_residual[j].as_slice(),
-                with_extra: &self.with_extra[j],
+                with_extra: self.with_extra[j].as_slice(),
+                adopted: self.with_extra[j].nrows(),
                 rss: state[j].rss,
                 nu: state[j].nu,
             })
@@ -93,7 +98,7 @@ impl Products {
 /// Scores every kind of the bank.
 pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
     let products = Products::of(bank, state);
-    let seen = products.seen(bank, state);
+    let seen = products.seen(state);
     bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen)).collect()
 }
 
@@ -102,9 +107,9 @@ pub(super) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen
     let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
     let mut total = LogSum::default();
     for i in range {
-        let (log, gyro_log) = log_bayes(&bank.hypotheses[i], seen);
+        let (log, factors) = log_bayes(&bank.hypotheses[i], seen);
         if log > total.top {
-            (score.best, score.gyro_log) = (i, gyro_log);
+            (score.best, score.gyro_log) = (i, factors.map(|factor| factor.log()));
         }
         total.add(log);
     }
@@ -114,30 +119,41 @@ pub(super) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen
 
 /// What the evidence of one gyro is made of.
 pub(super) struct Seen<'a> {
-    /// The gyro's columns.
-    pub columns: &'a DMatrix<f64>,
     /// Products of the gyro's columns with its residual.
     pub with_residual: &'a [f64],
-    /// Products of the gyro's columns with what has been adopted: columns x adopted.
-    pub with_extra: &'a DMatrix<f64>,
+    /// Products of what has been adopted with the gyro's columns, those of one column together.
+    pub with_extra: &'a [f64],
+    /// Number of adopted columns.
+    pub adopted: usize,
     pub rss: f64,
     pub nu: f64,
 }
 
 impl Seen<'_> {
-    /// Gram matrix of a common block's columns, adopted columns projected out.
-    fn gram(&self, block: &Block) -> DMatrix<f64> {
-        let own = self.columns.columns(block.start, block.len);
-        let gram = own.tr_mul(&own);
-        if self.with_extra.ncols() == 0 {
-            return gram;
-        }
-        let part = self.with_extra.rows(block.start, block.len);
-        gram - part * part.transpose()
+    /// Products of column `c` with what has been adopted.
+    fn taken(&self, c: usize) -> &[f64] {
+        &self.with_extra[c * self.adopted..][..self.adopted]
     }
 
-    fn side(&self, block: &Block) -> DVectorView<'_, f64> {
-        DVectorView::from_slice(&self.with_residual[block.start..], block.len)
+    /// Gram matrix of a small block's columns, adopted columns projected out.
+    fn gram(&self, block: &Block) -> small::Matrix {
+        let mut gram = block.gram;
+        for i in 0..block.len {
+            for j in 0..=i {
+                let taken: f64 =
+                    self.taken(block.start + i).iter().zip(self.taken(block.start + j)).map(|(a, b)| a * b).sum();
+                gram[i][j] -= taken;
+                gram[j][i] = gram[i][j];
+            }
+        }
+        gram
+    }
+
+    /// Products of a small block's columns with the residual.
+    fn side(&self, block: &Block) -> small::Vector {
+        let mut side = [0.0; small::MOST];
+        side[..block.len].copy_from_slice(&self.with_residual[block.start..][..block.len]);
+        side
     }
 
     /// -nu/2 ln(1 - explained/R), safe where rounding explains a little more than there is.
@@ -146,72 +162,145 @@ impl Seen<'_> {
     }
 }
 
-/// ln(weight x Bayes factor) of one hypothesis, and of each gyro.
-fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [f64; MAX_GYROS]) {
-    let mut gyro_log = [0.0; MAX_GYROS];
+/// A Bayes factor as `sum e^top`: only the largest in a search is ever asked for its logarithm.
+#[derive(Debug, Clone, Copy)]
+struct BayesFactor {
+    top: f64,
+    sum: f64,
+}
+
+impl BayesFactor {
+    const ONE: Self = Self { top: 0.0, sum: 1.0 };
+
+    fn of_log(log: f64) -> Self {
+        Self { top: log, sum: 1.0 }
+    }
+
+    fn log(self) -> f64 {
+        self.top + self.sum.ln()
+    }
+}
+
+/// ln(weight x Bayes factor) of one hypothesis, and the factor of each gyro.
+fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [BayesFactor; MAX_GYROS]) {
     if hypothesis.common {
         let log = log_bayes_common(hypothesis, seen);
-        gyro_log.fill(log);
-        return (hypothesis.log_weight + log, gyro_log);
+        return (hypothesis.log_weight + log, [BayesFactor::of_log(log); MAX_GYROS]);
     }
-    for (j, seen) in seen.iter().enumerate() {
-        let mut sum = LogSum::default();
-        for (p, &power) in hypothesis.powers.iter().enumerate() {
-            sum.add(log_bayes_gyro(&hypothesis.blocks[j], power, p, seen));
-        }
-        gyro_log[j] = sum.log_mean(hypothesis.powers.len());
+    let mut factors = [BayesFactor::ONE; MAX_GYROS];
+    for ((factor, block), seen) in factors.iter_mut().zip(&hypothesis.blocks).zip(seen) {
+        *factor = bayes_factor(hypothesis.powers, block, seen);
     }
-    (hypothesis.log_weight + log_membership(&gyro_log[..seen.len()]), gyro_log)
+    (hypothesis.log_weight + log_membership(&factors[..seen.len()]), factors)
+}
+
+/// Bayes factor of one gyro, averaged over the powers.
+fn bayes_factor(powers: &[f64], block: &Block, seen: &Seen) -> BayesFactor {
+    if block.len == 0 {
+        return BayesFactor::ONE;
+    }
+    let mut sum = LogSum::default();
+    let projected = Projected::of(block, seen);
+    for (p, &power) in powers.iter().enumerate() {
+        let (explained, log_det) = projected.explained(power, block.log_dets[p]);
+        sum.add(seen.gain(explained) - 0.5 * log_det);
+    }
+    BayesFactor { top: sum.top, sum: sum.sum / powers.len() as f64 }
 }
 
 /// ln of the mean over non-empty subsets of gyros of the product of their Bayes factors.
-pub(super) fn log_membership(logs: &[f64]) -> f64 {
+fn log_membership(factors: &[BayesFactor]) -> f64 {
     // Large factors are added as logarithms, the rest multiplied: one logarithm instead of one a gyro.
     const LARGE: f64 = 30.0;
     let (mut product, mut log) = (1.0, 0.0);
-    for &x in logs {
-        if x > LARGE {
-            log += x - std::f64::consts::LN_2;
+    for factor in factors {
+        if factor.top > LARGE {
+            log += factor.log() - std::f64::consts::LN_2;
         } else {
-            product *= 0.5 + 0.5 * x.exp();
+            product *= 0.5 + 0.5 * factor.top.exp() * factor.sum;
         }
     }
     // Of the 2^J equally likely subsets the empty one, with Bayes factor 1, is left out.
-    let none = 0.5_f64.powi(logs.len() as i32);
+    let none = 0.5_f64.powi(factors.len() as i32);
     let without = if log > 0.0 { product } else { (product - none).max(f64::MIN_POSITIVE) };
     log + (without / (1.0 - none)).ln()
 }
 
-/// ln B of one gyro.
-fn log_bayes_gyro(block: &Block, power: f64, p: usize, seen: &Seen) -> f64 {
-    if block.len == 0 {
-        return 0.0;
-    }
-    let (explained, log_det) = explained(block, power, seen);
-    seen.gain(explained) - 0.5 * (block.log_dets[p] + log_det)
+/// A block in one gyro with what has been adopted taken out of it.
+enum Projected<'a> {
+    /// Of at most [`small::MOST`] columns: Gram matrix `U'U` and `U'r`.
+    Small {
+        size: usize,
+        gram: small::Matrix,
+        side: small::Vector,
+    },
+    /// Orthogonal columns with nothing adopted: squared lengths, and `U'r`.
+    Orthogonal {
+        block: &'a Block,
+        side: &'a [f64],
+    },
+    Large {
+        block: &'a Block,
+        seen: &'a Seen<'a>,
+    },
 }
 
-/// Sum of squares that a block takes from a gyro's residual, and what the adopted columns change in ln det.
+impl<'a> Projected<'a> {
+    fn of(block: &'a Block, seen: &'a Seen<'a>) -> Self {
+        if seen.adopted == 0 {
+            Self::Orthogonal { block, side: &seen.with_residual[block.start..][..block.len] }
+        } else if block.len <= small::MOST {
+            Self::Small { size: block.len, gram: seen.gram(block), side: seen.side(block) }
+        } else {
+            Self::Large { block, seen }
+        }
+    }
+
+    /// Sum of squares that the block takes from the residual, and ln det(1 + g U'U); `log_det` is that determinant with
+    /// nothing adopted.
+    fn explained(&self, power: f64, log_det: f64) -> (f64, f64) {
+        match self {
+            Self::Orthogonal { block, side } => {
+                let own = side.iter().enumerate().map(|(i, b)| b * b / (1.0 + power * block.length(i))).sum::<f64>();
+                (power * own, log_det)
+            }
+            Self::Small { size: 1, gram, side } => {
+                let a = 1.0 + power * gram[0][0];
+                (power * side[0] * side[0] / a, a.ln())
+            }
+            Self::Small { size, gram, side } => {
+                let mut system = gram.map(|row| row.map(|x| power * x));
+                (0..*size).for_each(|i| system[i][i] += 1.0);
+                let Some(factor) = small::Factor::of(*size, &system) else { return (0.0, log_det) };
+                let solution = factor.solve(side);
+                let product: f64 = side.iter().zip(&solution).map(|(b, x)| b * x).sum();
+                (power * product, factor.log_det())
+            }
+            Self::Large { block, seen } => {
+                let (explained, change) = explained_by_many(block, power, seen);
+                (explained, log_det + change)
+            }
+        }
+    }
+}
+
+/// As [`Projected::explained`] for a block of many columns beside few adopted ones.
 ///
 /// With the block's columns orthogonal, `A = 1 + g U'U` is diagonal, and what has been adopted takes `W W'` out of it
 /// (W: block x adopted), so that determinant and inverse need only a matrix of the size of the adopted columns:
 /// `det(A - g W W') = det A det S`, `S = 1 - g W' A^-1 W`.
-fn explained(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
+fn explained_by_many(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
     let b = &seen.with_residual[block.start..block.start + block.len];
-    let inverse = |i: usize| 1.0 / (1.0 + power * block.lengths.get(i).copied().unwrap_or(1.0));
-    let own: f64 = b.iter().enumerate().map(|(i, b)| b * b * inverse(i)).sum();
-    let adopted = seen.with_extra.ncols();
-    if adopted == 0 {
-        return (power * own, 0.0);
-    }
-    let mut small = DMatrix::identity(adopted, adopted);
-    let mut side = DVector::zeros(adopted);
+    let mut own = 0.0;
+    let mut small = DMatrix::identity(seen.adopted, seen.adopted);
+    let mut side = DVector::zeros(seen.adopted);
     for (i, b) in b.iter().enumerate() {
-        let w = seen.with_extra.row(block.start + i);
-        let a = inverse(i);
-        for c in 0..adopted {
+        let w = seen.taken(block.start + i);
+        let a = 1.0 / (1.0 + power * block.length(i));
+        own += b * b * a;
+        for c in 0..seen.adopted {
             side[c] += w[c] * a * b;
-            for d in 0..adopted {
+            for d in 0..seen.adopted {
                 small[(c, d)] -= power * w[c] * a * w[d];
             }
         }
@@ -233,7 +322,7 @@ pub(super) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)>
         .zip(seen)
         .map(|(block, seen)| match block.len {
             0 => (0.0, 0),
-            len => (seen.gain(explained(block, NO_PRIOR, seen).0), len),
+            len => (seen.gain(Projected::of(block, seen).explained(NO_PRIOR, 0.0).0), len),
         })
         .collect()
 }
@@ -246,8 +335,7 @@ pub(super) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen
         .map(|i| {
             let hypothesis = &bank.hypotheses[i];
             if hypothesis.common {
-                let size = hypothesis.blocks.iter().map(|block| block.len).max().unwrap_or(0);
-                return common_fit(hypothesis, seen, NO_PRIOR).0 - size as f64;
+                return Common::of(hypothesis, seen).map_or(0.0, |common| common.fit(NO_PRIOR).0 - common.size as f64);
             }
             gains(hypothesis, seen).iter().map(|&(gain, len)| (gain - len as f64).max(0.0)).sum()
         })
@@ -255,47 +343,81 @@ pub(super) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen
     best - shape
 }
 
+/// Evidence of a kind from gyro `j` alone, and its [`criterion`] there; none for coefficients that all gyros share.
+pub(super) fn of_gyro(bank: &Bank, range: std::ops::Range<usize>, j: usize, seen: &Seen) -> Option<(f64, f64)> {
+    let shape = if range.len() > 1 { 1.0 } else { 0.0 };
+    let (mut total, mut best) = (LogSum::default(), f64::NEG_INFINITY);
+    for hypothesis in bank.hypotheses[range].iter().filter(|hypothesis| !hypothesis.common) {
+        let block = &hypothesis.blocks[j];
+        total.add(hypothesis.log_weight + bayes_factor(hypothesis.powers, block, seen).log());
+        if block.len > 0 {
+            best =
+                best.max(seen.gain(Projected::of(block, seen).explained(NO_PRIOR, 0.0).0) - block.len as f64 - shape);
+        }
+    }
+    (best > f64::NEG_INFINITY).then(|| (total.log(), best))
+}
+
 fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
+    let Some(common) = Common::of(hypothesis, seen) else { return 0.0 };
     let mut sum = LogSum::default();
     for &power in hypothesis.powers {
-        let (gain, penalty) = common_fit(hypothesis, seen, power);
+        let (gain, penalty) = common.fit(power);
         sum.add(gain - penalty);
     }
     sum.log_mean(hypothesis.powers.len())
 }
 
-/// Common coefficients: log-likelihood gain, and half of ln det plus the prior's own term. Each gyro weighs with its
-/// own noise, found anew from what the fit leaves it.
-fn common_fit(hypothesis: &Hypothesis, seen: &[Seen], power: f64) -> (f64, f64) {
-    let Some(size) = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0) else {
-        return (0.0, 0.0);
-    };
-    let parts: Vec<(&Seen, &Block, DMatrix<f64>)> = seen
-        .iter()
-        .zip(&hypothesis.blocks)
-        .filter(|(_, block)| block.len == size)
-        .map(|(seen, block)| (seen, block, seen.gram(block)))
-        .collect();
-    let mut left: Vec<f64> = parts.iter().map(|(seen, ..)| seen.rss).collect();
-    let (mut gain, mut penalty) = (0.0, 0.0);
-    for _ in 0..2 {
-        let mut system = DMatrix::identity(size, size) / power;
-        let mut side = DVector::zeros(size);
-        for ((seen, block, gram), left) in parts.iter().zip(&left) {
-            system += gram * (seen.nu / left);
-            side += seen.side(block) * (seen.nu / left);
+/// A hypothesis whose coefficients all gyros share.
+struct Common<'a> {
+    size: usize,
+    /// Gyros that show it, in front: Gram matrix and products with the residual.
+    parts: [Option<(&'a Seen<'a>, small::Matrix, small::Vector)>; MAX_GYROS],
+}
+
+impl<'a> Common<'a> {
+    /// None where no gyro shows it.
+    fn of(hypothesis: &Hypothesis, seen: &'a [Seen<'a>]) -> Option<Self> {
+        let size = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0)?;
+        let mut parts = [None; MAX_GYROS];
+        let show = hypothesis.blocks.iter().zip(seen).filter(|(block, _)| block.len == size);
+        for (part, (block, seen)) in parts.iter_mut().zip(show) {
+            *part = Some((seen, seen.gram(block), seen.side(block)));
         }
-        let Some(cholesky) = system.cholesky() else { return (0.0, 0.0) };
-        let estimate = cholesky.solve(&side);
-        penalty = 0.5 * (log_det(&cholesky) + size as f64 * power.ln()) + 0.5 * estimate.norm_squared() / power;
-        gain = 0.0;
-        for ((seen, block, gram), left) in parts.iter().zip(&mut left) {
-            let now = seen.rss - 2.0 * estimate.dot(&seen.side(block)) + estimate.dot(&(gram * &estimate));
-            *left = now.max(1e-12 * seen.rss);
-            gain += 0.5 * seen.nu * (seen.rss / *left).ln();
-        }
+        Some(Self { size, parts })
     }
-    (gain, penalty)
+
+    /// Log-likelihood gain, and half of ln det plus the prior's own term. Each gyro weighs with its own noise, found
+    /// anew from what the fit leaves it.
+    fn fit(&self, power: f64) -> (f64, f64) {
+        let size = self.size;
+        let mut left = self.parts.map(|part| part.map_or(0.0, |(seen, ..)| seen.rss));
+        let (mut gain, mut penalty) = (0.0, 0.0);
+        for _ in 0..2 {
+            let (mut system, mut side) = ([[0.0; small::MOST]; small::MOST], [0.0; small::MOST]);
+            (0..size).for_each(|i| system[i][i] = 1.0 / power);
+            for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&left) {
+                let weight = seen.nu / left;
+                for i in 0..size {
+                    side[i] += own[i] * weight;
+                    (0..size).for_each(|j| system[i][j] += gram[i][j] * weight);
+                }
+            }
+            let Some(factor) = small::Factor::of(size, &system) else { return (0.0, 0.0) };
+            let estimate = factor.solve(&side);
+            let length: f64 = estimate.iter().map(|x| x * x).sum();
+            penalty = 0.5 * (factor.log_det() + size as f64 * power.ln()) + 0.5 * length / power;
+            gain = 0.0;
+            for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&mut left) {
+                let along: f64 = estimate.iter().zip(own).map(|(x, b)| x * b).sum();
+                let square: f64 =
+                    (0..size).map(|i| estimate[i] * (0..size).map(|j| gram[i][j] * estimate[j]).sum::<f64>()).sum();
+                *left = (seen.rss - 2.0 * along + square).max(1e-12 * seen.rss);
+                gain += 0.5 * seen.nu * (seen.rss / *left).ln();
+            }
+        }
+        (gain, penalty)
+    }
 }
 
 fn log_det(cholesky: &Cholesky<f64, Dyn>) -> f64 {

@@ -92,7 +92,7 @@ pub(super) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
     let (mut solution, mut covariance) = (DVector::zeros(unknowns.len()), DMatrix::zeros(0, 0));
     let mut residuals: Vec<Vec<f64>> = frame.gyros.iter().map(|gyro| gyro.residual.clone()).collect();
     for _ in 0..3 {
-        variances = (0..gyros).map(|j| variance_left(frame, &residuals[j], dof[j])).collect();
+        variances = (0..gyros).map(|j| variance_left(frame, j, &residuals[j], dof[j])).collect();
         if unknowns.is_empty() {
             break;
         }
@@ -102,7 +102,7 @@ pub(super) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
             residuals[j] = (0..n).map(|k| frame.gyros[j].residual[k] - predicted[j * n + k]).collect();
         }
     }
-    variances = (0..gyros).map(|j| variance_left(frame, &residuals[j], dof[j])).collect();
+    variances = (0..gyros).map(|j| variance_left(frame, j, &residuals[j], dof[j])).collect();
     let mut drift = vec![vec![0.0; n]; gyros];
     let mut fitted = Vec::new();
     for (u, unknown) in unknowns.iter().enumerate() {
@@ -147,9 +147,9 @@ fn degrees_of_freedom(frame: &Frame, unknowns: &[Unknown]) -> Vec<f64> {
         .collect()
 }
 
-fn variance_left(frame: &Frame, residual: &[f64], dof: f64) -> f64 {
+fn variance_left(frame: &Frame, j: usize, residual: &[f64], dof: f64) -> f64 {
     let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-    ((prior + dot(residual, residual)) / (prior + dof)).max(1e-12)
+    ((prior + dot(residual, residual)) / (prior + dof)).max(frame.noise.rounding[j]).max(1e-12)
 }
 
 /// Solution and covariance by QR with column pivoting; columns that the others span get zero and no variance.

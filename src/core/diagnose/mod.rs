@@ -21,13 +21,17 @@ mod located;
 mod next;
 mod noise;
 mod null;
+mod reference;
 mod remaining;
 mod report;
 mod search;
 mod settle;
+mod small;
 
 pub use answer::*;
 pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
+
+pub use reference::{Moved, NoReference, Parts, Reference, Split, split};
 
 use frame::Frame;
 pub(crate) use frame::setting;
@@ -37,6 +41,9 @@ use super::campaign::Campaign;
 use super::effects::{Effect, Shape};
 use super::model::Terms;
 use super::mounting::Slot;
+
+/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
+pub const METHOD: u32 = 1;
 
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]

@@ -110,15 +110,17 @@ fn attitude(up: Vector3<f64>, heading: f64) -> Matrix3<f64> {
     Matrix3::from_columns(&[east, up.cross(&east), up])
 }
 
-/// The campaign with all proposals after it, at its mean temperature.
+/// The campaign with each proposal next after it, at its mean temperature.
 fn extended(s: &Setting, proposals: &[Proposal]) -> Setting {
     let mut all = s.clone();
-    let (interval, duration) = (s.interval(), s.duration.last().copied().unwrap_or(1.0));
+    let duration = s.duration.last().copied().unwrap_or(1.0);
+    // Each would be the next one, and none comes after all others.
+    let next = s.time.last().copied().unwrap_or(0.0) + s.interval();
     for (phase, force, rate, c) in proposals {
         all.phase.push(*phase);
         all.force.push(*force);
         all.rate.push(*rate);
-        all.time.push(all.time.last().copied().unwrap_or(0.0) + interval);
+        all.time.push(next);
         all.duration.push(duration);
         if let Some(t) = all.temperature.as_mut() {
             t.push(0.0);
@@ -144,7 +146,8 @@ fn whitened(column: Vec<f64>, sd: &[f64], factor: f64) -> Vec<f64> {
     column.iter().zip(sd).map(|(x, sd)| x * factor / sd).collect()
 }
 
-/// Columns of the model in use over old and proposed dwells.
+/// Columns of the model in use over old and proposed dwells; without those that no old dwell excites, because E is held
+/// or nothing ever turned: of them no proposal could be predicted, and none would seem worth its time.
 fn model(frame: &Frame, setting: &Setting, j: usize, sd: &[f64]) -> Vec<Vec<f64>> {
     let mut columns = vec![Vec::new(); frame.terms.columns()];
     let mut row = Vec::new();
@@ -157,6 +160,7 @@ fn model(frame: &Frame, setting: &Setting, j: usize, sd: &[f64]) -> Vec<Vec<f64>
     for adopted in frame.adopted.iter().filter(|adopted| adopted.slots.contains(&slot)) {
         columns.extend((adopted.effect.entry().columns)(setting, j, adopted.shape));
     }
+    columns.retain(|column| column[..frame.dwells()].iter().any(|x| *x != 0.0));
     columns.into_iter().map(|column| whitened(column, sd, 1.0)).collect()
 }
 

@@ -18,6 +18,8 @@ pub(super) struct Noise {
     pub law: Option<(f64, f64)>,
     /// Standard deviation of the logarithm of what is still unsure in each `sd`.
     pub log_scatter: f64,
+    /// Per gyro: smallest variance that is believed over that of `sd`, mean over dwells; 1 where rounding is all there is.
+    pub rounding: Vec<f64>,
     /// Groups of two or more dwells with the same commanded phase, attitude, specific force and rate.
     pub repeats: Vec<Vec<usize>>,
     pub notes: Vec<String>,
@@ -51,24 +53,27 @@ pub(super) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
     if repeats.is_empty() {
         notes.push("no dwell repeats another: there is no pure error to check the noise against".to_owned());
     }
-    Noise { sd: above_rounding(sd, outputs), stated: stated.is_some(), law, log_scatter, repeats, notes }
+    let (sd, rounding) = above_rounding(sd, outputs);
+    Noise { sd, stated: stated.is_some(), law, log_scatter, rounding, repeats, notes }
 }
 
 impl Noise {
     /// The same with another growth of the noise with rate, where no errors are stated.
     pub fn with_growth(&self, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64) -> Self {
         let Some((_, fall)) = self.law else { return self.clone() };
-        let sd = above_rounding(law_sd(s, outputs, designs, growth, fall), outputs);
-        Self { sd, law: Some((growth, fall)), ..self.clone() }
+        let (sd, rounding) = above_rounding(law_sd(s, outputs, designs, growth, fall), outputs);
+        Self { sd, rounding, law: Some((growth, fall)), ..self.clone() }
     }
 }
 
-fn above_rounding(mut sd: Vec<Vec<f64>>, outputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn above_rounding(mut sd: Vec<Vec<f64>>, outputs: &[Vec<f64>]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let mut rounding = Vec::new();
     for (sd, output) in sd.iter_mut().zip(outputs) {
         let least = ROUNDING * output.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE / ROUNDING);
         sd.iter_mut().for_each(|x| *x = x.max(least));
+        rounding.push(sd.iter().map(|x| (least / x).powi(2)).sum::<f64>() / sd.len() as f64);
     }
-    sd
+    (sd, rounding)
 }
 
 /// Same phase, and attitude, force and rate equal to the digits that files carry.

@@ -50,14 +50,13 @@ impl Null {
             rss.push((0..DRAWS).map(left).collect());
             products.push(bank.columns[j].columns(0, bank.contract_columns[j]).transpose() * &drawn);
         }
-        let nothing: Vec<DMatrix<f64>> = products.iter().map(|p| DMatrix::zeros(p.nrows(), 0)).collect();
         let mut draws: Vec<(f64, f64)> = (0..DRAWS)
             .map(|d| {
                 let seen: Vec<Seen> = (0..frame.gyros.len())
                     .map(|j| Seen {
-                        columns: &bank.columns[j],
                         with_residual: &products[j].as_slice()[d * products[j].nrows()..][..products[j].nrows()],
-                        with_extra: &nothing[j],
+                        with_extra: &[],
+                        adopted: 0,
                         rss: rss[j][d],
                         nu: prior + frame.gyros[j].dof() as f64,
                     })

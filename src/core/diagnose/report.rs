@@ -38,8 +38,22 @@ const MOST_NAMED: usize = 2;
 struct Named {
     part: Part,
     class: Vec<Effect>,
+    wider_in: Vec<(usize, Vec<Effect>)>,
     evidence: f64,
     rival: Option<Kind>,
+}
+
+impl Named {
+    /// What stands in for it in all gyros or in one.
+    fn anywhere(&self) -> Vec<Effect> {
+        let mut all = self.class.clone();
+        for effect in self.wider_in.iter().flat_map(|(_, class)| class) {
+            if !all.contains(effect) {
+                all.push(*effect);
+            }
+        }
+        all
+    }
 }
 
 pub(super) fn report(settled: &Settled) -> Diagnosis {
@@ -54,7 +68,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
     let gap = gap(settled, &search, &variances, &signs, named.is_empty());
     let effects = effects(settled, &named, &parts, &fit, &variances, &noise_floor);
     let all: Vec<&Part> = parts.iter().collect();
-    let classes: Vec<Vec<Effect>> = named.iter().map(|n| n.class.clone()).collect();
+    let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let mimics = identify::mimics(frame, &settled.bank, &parts);
     Diagnosis {
         terms: frame.terms,
@@ -117,9 +131,12 @@ fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
             });
             continue;
         }
+        let class = class::class(search, found, i);
+        let wider_in = class::wider_in_gyros(search, found, i, &members, &class);
         named.push(Named {
             part: Part { effect, shape, members },
-            class: class::class(search, found, i),
+            class,
+            wider_in,
             evidence: choice.evidence,
             rival: choice.rival,
         });
@@ -281,6 +298,9 @@ fn effects(
                 effect: parts[p].effect,
                 shape: parts[p].shape,
                 class: named[p].class.clone(),
+                wider_in: (named[p].wider_in.iter())
+                    .map(|(j, class)| (frame.setting.gyros[*j].slot, class.clone()))
+                    .collect(),
                 gyros: slots(frame, &parts[p].members),
                 estimates: estimates(frame, &parts[p], p, fit),
                 held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
@@ -320,11 +340,12 @@ fn estimates(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<Estimate> {
 /// Every other entry that was tried, best first, with why it was not taken.
 fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64], frame: &Frame) -> Vec<Candidate> {
     let given = search.scores(&settled.found);
-    let mut alone: Vec<Score> = search.scores(&[]);
-    alone.retain(|score| match score.kind {
+    let known = search.scores(&[]);
+    let open = |score: &&Score| match score.kind {
         Kind::Effect(effect) => !named.iter().any(|n| n.part.effect == effect),
         Kind::Suspect(_) => false,
-    });
+    };
+    let mut alone: Vec<&Score> = known.iter().filter(open).collect();
     alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
     let judged = alone.iter().filter_map(|score| {
         let Kind::Effect(effect) = score.kind else { return None };

@@ -1,5 +1,9 @@
 //! Which hypotheses enter the model: forward with everything else refitted, pairs tried outright, then backward.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
 use super::bank::{Bank, Kind};
 use super::basis::Basis;
 use super::evidence::{Score, State, scores, state};
@@ -47,10 +51,14 @@ impl Choice {
     }
 }
 
+/// Scores that have been computed, by what had been adopted: hypotheses in their order, and their members.
+pub(super) type Known = RefCell<HashMap<Vec<(usize, Vec<bool>)>, Rc<[Score]>>>;
+
 pub(super) struct Search<'a> {
     pub frame: &'a Frame,
     pub bank: &'a Bank,
     pub null: &'a Null,
+    pub known: &'a Known,
     /// Evidence that adoption asks for.
     pub threshold: f64,
 }
@@ -79,7 +87,17 @@ impl Search<'_> {
     }
 
     /// Evidence of every kind given `choices`, with prior odds.
-    pub fn scores(&self, choices: &[Choice]) -> Vec<Score> {
+    pub fn scores(&self, choices: &[Choice]) -> Rc<[Score]> {
+        let key: Vec<_> = choices.iter().map(|choice| (choice.hypothesis, choice.members.clone())).collect();
+        if let Some(known) = self.known.borrow().get(&key) {
+            return Rc::clone(known);
+        }
+        let scores: Rc<[Score]> = self.computed(choices).into();
+        self.known.borrow_mut().insert(key, Rc::clone(&scores));
+        scores
+    }
+
+    fn computed(&self, choices: &[Choice]) -> Vec<Score> {
         let mut scores = scores(self.bank, &self.state(choices));
         for score in &mut scores {
             if matches!(score.kind, Kind::Suspect(_)) {
@@ -145,8 +163,9 @@ impl Search<'_> {
             for i in 0..choices.len() {
                 let mut others = choices.to_vec();
                 others.remove(i);
-                let mut scores = self.scores(&others);
-                scores.retain(|score| !contract || matches!(score.kind, Kind::Effect(_)));
+                let known = self.scores(&others);
+                let eligible = |score: &&Score| !contract || matches!(score.kind, Kind::Effect(_));
+                let scores: Vec<&Score> = known.iter().filter(eligible).collect();
                 let held = scores
                     .iter()
                     .find(|score| score.kind == choices[i].kind)
@@ -177,8 +196,9 @@ impl Search<'_> {
         let mut best: Option<Vec<Choice>> = None;
         let mut to_beat =
             self.worth(held) - if held.iter().any(Choice::is_suspect) { CONTRACT_FIRST } else { -CLEARLY };
-        let mut firsts = self.scores(&[]);
-        firsts.retain(|score| matches!(score.kind, Kind::Effect(_)) && score.log_evidence > PAIR_START);
+        let alone = self.scores(&[]);
+        let starts = |score: &&Score| matches!(score.kind, Kind::Effect(_)) && score.log_evidence > PAIR_START;
+        let mut firsts: Vec<&Score> = alone.iter().filter(starts).collect();
         firsts.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
         for score in firsts.iter().take(PAIR_STARTS) {
             let first = self.choice(score);
@@ -241,7 +261,8 @@ impl Search<'_> {
     pub fn lead_over_wandering(&self, choices: &[Choice], i: usize, j: usize) -> f64 {
         let others: Vec<Choice> =
             (0..choices.len()).filter(|k| ![i, j].contains(k)).map(|k| choices[k].clone()).collect();
-        let wandering = self.scores(&others).into_iter().filter(|score| match score.kind {
+        let known = self.scores(&others);
+        let wandering = known.iter().filter(|score| match score.kind {
             Kind::Suspect(suspect) => WANDERING.contains(&SUSPECTS[suspect].id),
             Kind::Effect(_) => false,
         });

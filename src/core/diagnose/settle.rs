@@ -9,7 +9,7 @@ use super::bank::{Bank, Kind};
 use super::frame::Frame;
 use super::law::{GROWTHS, log_mean, profile};
 use super::null::Null;
-use super::search::{Choice, Search};
+use super::search::{Choice, Known, Search};
 
 /// Probability with which noise alone may get anything named.
 const FALSE_ALARM: f64 = 0.005;
@@ -26,6 +26,7 @@ pub(super) struct Settled {
     pub bank: Bank,
     pub null: Null,
     pub threshold: f64,
+    known: Known,
     pub found: Vec<Choice>,
 }
 
@@ -36,14 +37,15 @@ impl Settled {
             let bank = Bank::of(&frame);
             let null = Null::of(&frame, &bank);
             let threshold = null.threshold(FALSE_ALARM);
-            let search = Search { frame: &frame, bank: &bank, null: &null, threshold };
+            let known = Known::default();
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
             let mut found = search.run();
             let next = frame.noise.law.and_then(|(growth, fall)| {
                 found = confirmed(&search, growth, fall, std::mem::take(&mut found));
                 next_growth(&frame, &bank, &found, growth, fall)
             });
             let empty = found.is_empty();
-            let settled = Self { frame, bank, null, threshold, found };
+            let settled = Self { frame, bank, null, threshold, known, found };
             match next.filter(|_| round < ROUNDS) {
                 Some(growth) => frame = settled.frame.with_growth(growth)?,
                 None if empty => return Ok(first.unwrap_or(settled)),
@@ -58,7 +60,8 @@ impl Settled {
     }
 
     pub fn search(&self) -> Search<'_> {
-        Search { frame: &self.frame, bank: &self.bank, null: &self.null, threshold: self.threshold }
+        let (frame, bank, null, known) = (&self.frame, &self.bank, &self.null, &self.known);
+        Search { frame, bank, null, threshold: self.threshold, known }
     }
 }
 

@@ -1,0 +1,112 @@
+//! The gap of a campaign against a reference: parameters, structure, noise.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::diagnosis::ResidualBody;
+use super::time;
+use crate::core::diagnose::{Moved, Parts, Residual, Split};
+use crate::core::mounting::Slot;
+
+/// What parts a campaign from a reference of the same IMU.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SplitBody {
+    /// The reference.
+    pub imu: String,
+    pub station: String,
+    pub measured_at: String,
+    pub all: PartsBody,
+    pub gyros: Vec<GyroPartsBody>,
+    /// Coefficients then and now.
+    pub moved: Vec<MovedBody>,
+    pub notes: Vec<String>,
+}
+
+/// Root mean squares over dwells, weighted by 1/sd^2; the squares of the three parts add up to that of the whole.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PartsBody {
+    /// Measured less what the reference's parameters predict.
+    pub whole_deg_per_h: f64,
+    /// What a new fit of the same model closes, above noise.
+    pub parameters_deg_per_h: f64,
+    /// What it leaves, above noise.
+    pub structure_deg_per_h: f64,
+    pub noise_deg_per_h: f64,
+    /// Probability that noise alone moves the parameters as far.
+    pub p_value: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct GyroPartsBody {
+    pub slot: String,
+    #[serde(flatten)]
+    pub parts: PartsBody,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MovedBody {
+    pub slot: String,
+    /// D0, D_I, D_S, D_O or |E|.
+    pub coefficient: String,
+    pub reference: f64,
+    pub now: f64,
+    pub shift: f64,
+    /// Of the shift; null where neither states its noise.
+    pub sd: Option<f64>,
+    pub unit: String,
+}
+
+impl From<&Parts> for PartsBody {
+    fn from(p: &Parts) -> Self {
+        Self {
+            whole_deg_per_h: p.whole,
+            parameters_deg_per_h: p.parameters,
+            structure_deg_per_h: p.structure,
+            noise_deg_per_h: p.noise,
+            p_value: p.p_value,
+        }
+    }
+}
+
+impl From<&Moved> for MovedBody {
+    fn from(m: &Moved) -> Self {
+        Self {
+            slot: m.slot.name().to_owned(),
+            coefficient: m.coefficient.to_owned(),
+            reference: m.reference,
+            now: m.now,
+            shift: m.now - m.reference,
+            sd: m.sd,
+            unit: m.unit.to_owned(),
+        }
+    }
+}
+
+impl From<&Split> for SplitBody {
+    fn from(s: &Split) -> Self {
+        let gyro = |(slot, parts): &(Slot, Parts)| GyroPartsBody { slot: slot.name().to_owned(), parts: parts.into() };
+        Self {
+            imu: s.imu.to_string(),
+            station: s.station.to_string(),
+            measured_at: time::format(s.measured_at),
+            all: PartsBody::from(&s.all),
+            gyros: s.gyros.iter().map(gyro).collect(),
+            moved: s.moved.iter().map(MovedBody::from).collect(),
+            notes: s.notes.clone(),
+        }
+    }
+}
+
+/// Residuals of a diagnosis as they were answered; those of unknown slots are left out.
+pub fn residuals(bodies: &[ResidualBody]) -> Vec<Residual> {
+    let residual = |body: &ResidualBody| {
+        Some(Residual {
+            index: body.index,
+            slot: Slot::from_name(&body.slot)?,
+            before_deg_per_h: body.before_deg_per_h,
+            after_deg_per_h: body.after_deg_per_h,
+            sd_deg_per_h: body.sd_deg_per_h,
+        })
+    };
+    bodies.iter().filter_map(residual).collect()
+}

@@ -1,25 +1,29 @@
 //! `/v1/campaigns`: raw dwells in, fitted here; as they are stored; and the diagnosis of their gap.
 
+use std::time::Duration;
+
 use axum::Json;
 use axum::extract::{FromRequest, Path, Request, State};
 use axum::http::header::{LOCATION, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
-use utoipa::ToSchema;
+use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
 use super::answer::Answer;
 use super::document::{Document, check_media_type, idempotency_key};
-use crate::pipeline::{Accepted, Asked, Id, Kind, ReadCampaign, Sent, StoredCampaign, Submission};
+use super::query::{Parameters, bad};
+use crate::pipeline::{Accepted, Asked, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
+use crate::wire::split::SplitBody;
 use crate::wire::time;
 
 pub fn routes() -> OpenApiRouter<App> {
@@ -121,22 +125,60 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
 
 /// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot be told.
 #[utoipa::path(get, path = "/v1/campaigns/{id}/diagnosis", tag = "campaigns",
-    params(("id" = String, Path, description = "identifier of the campaign")),
+    params(("id" = String, Path, description = "identifier of the campaign"), DiagnosisQuery),
     responses(
         (status = 200, description = "the diagnosis", body = DiagnosisBody),
-        (status = 202, description = "others are being computed first; ask again", headers(("Retry-After" = u32, description = "seconds"))),
-        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "the campaign leaves nothing to hold against the model", body = Problem, content_type = "application/problem+json")))]
-async fn get_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+        (status = 202, description = "it is being made; ask again", headers(("Retry-After" = u32, description = "seconds"))),
+        (status = 400, description = "a bad query", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such campaign, or no such reference", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "the campaign leaves nothing to hold against the model, or the reference is none for it", body = Problem, content_type = "application/problem+json")))]
+async fn get_diagnosis(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    Parameters(query): Parameters<DiagnosisQuery>,
+) -> Result<Response, Problem> {
     let number: Id = id.parse().map_err(|_| no_such(&id))?;
-    match app.pipeline.diagnosis(number).await? {
+    let patience = match query.wait.unwrap_or(PATIENCE_S) {
+        wait if wait <= PATIENCE_S => Duration::from_secs(wait),
+        wait => return Err(bad(&format!("wait must be 0 to {PATIENCE_S}, is {wait}"))),
+    };
+    match app.pipeline.diagnosis(number, patience).await? {
         Asked::NoSuchCampaign => Err(no_such(&id)),
         Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
-        Asked::Answered(diagnosed) => match &*diagnosed {
-            Ok(diagnosis) => Ok(Json(DiagnosisBody::from(diagnosis)).into_response()),
-            Err(why) => Err(Problem::new(422, "Nothing to diagnose", why.to_string())),
+        Asked::Answered(diagnosed) => match (&*diagnosed, query.reference) {
+            (Ok(diagnosis), None) => Ok(Json(diagnosis).into_response()),
+            (Ok(diagnosis), Some(reference)) => {
+                let mut diagnosis = diagnosis.clone();
+                diagnosis.reference = Some(against(&app, number, &diagnosis, &reference).await?);
+                Ok(Json(diagnosis).into_response())
+            }
+            (Err(why), _) => Err(Problem::new(422, "Nothing to diagnose", why.as_str())),
         },
     }
+}
+
+/// How long a caller waits for a diagnosis that is being made, s.
+const PATIENCE_S: u64 = 10;
+
+/// What a diagnosis is asked for with.
+#[derive(Debug, Deserialize, IntoParams)]
+#[into_params(parameter_in = Query)]
+#[serde(deny_unknown_fields)]
+struct DiagnosisQuery {
+    /// Identifier of an earlier campaign or record of the IMU: the gap is then also split into parameters, structure and noise.
+    reference: Option<String>,
+    /// Seconds to wait for one that is being made, 0 to 10; 10 where left out.
+    wait: Option<u64>,
+}
+
+async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Result<SplitBody, Problem> {
+    let unknown = || Problem::new(404, "No such reference", format!("there is no campaign or record {reference}"));
+    let number: Id = reference.parse().map_err(|_| unknown())?;
+    app.pipeline.split(id, diagnosis, number).await.map_err(|why| match why {
+        NotSplit::NoSuchReference(_) => unknown(),
+        NotSplit::NoReference(why) => Problem::new(422, "No reference for it", why.to_string()),
+        NotSplit::Store(error) => error.into(),
+    })
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {

@@ -1,6 +1,8 @@
 //! `/campaigns/{id}/diagnosis`: where campaign and model part, what parts them, how far the gap shrinks, what cannot be told,
 //! and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
 
+use std::time::Duration;
+
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
@@ -22,15 +24,18 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Pat
     viewer.show(build(&pages, &viewer, &id).await)
 }
 
+/// How long a viewer waits for a diagnosis that is being made.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
-    let diagnosis = match pages.pipeline.diagnosis(stored.row.id).await? {
+    let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {
         Asked::NoSuchCampaign => return Err(Problem::new(404, "Not found", format!("there is no campaign {id}"))),
         Asked::Waiting => return Err(Problem::new(503, "Wait", t.diagnosis_waiting)),
         Asked::Answered(diagnosed) => match &*diagnosed {
-            Ok(diagnosis) => DiagnosisBody::from(diagnosis),
-            Err(why) => return Err(Problem::new(422, "Nothing to diagnose", why.to_string())),
+            Ok(diagnosis) => diagnosis.clone(),
+            Err(why) => return Err(Problem::new(422, "Nothing to diagnose", why.as_str())),
         },
     };
     let slots: Vec<(String, String)> = stored

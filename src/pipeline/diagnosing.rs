@@ -1,86 +1,137 @@
-//! Diagnoses of stored campaigns: computed in the background once they are stored, kept while they are asked for.
+//! Diagnoses of stored campaigns: made in the background once a campaign is stored, kept, made again when the model in force
+//! for its IMU or the program has changed.
 //!
-//! A diagnosis is a function of the stored campaign and the model in force for its IMU, and takes some tenths of a
-//! second. It is not stored: what is answered is always what this version of the program finds, against the model in
-//! force now. One that is not there (after a restart, or forgotten) is computed when it is asked for.
+//! A campaign is due from the transaction that stores it, its IMU's from the one that adopts a model: what was due when
+//! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
+use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
-use super::Pipeline;
 use super::campaign::damaged;
-use super::models::ModelBook;
+use super::models::{InForce, ModelBook};
+use super::read::anything;
+use super::{Job, Pipeline, Refused};
 use crate::core::campaign::Campaign;
-use crate::core::diagnose::{Diagnosis, Options, Refusal, diagnose};
-use crate::store::{Id, Kind, Store, StoreError};
+use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
+use crate::store::{Changes, DiagnosisRow, Id, Kind, RecordRow, Store, StoreError, Writer};
 use crate::wire::campaign;
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::record::parse_record;
+use crate::wire::split::{SplitBody, residuals};
 
 /// Computed at the same time: records are to be stored meanwhile.
 const AT_ONCE: usize = 2;
-/// How many are kept: what came in lately, and what a few engineers look at in turn.
-const KEPT: usize = 256;
-/// Campaigns that wait for the background. Beyond, they are computed when they are asked for.
-pub(super) const MOST_WAITING: usize = 256;
-/// How long a caller waits for its turn.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
+const IN_MEMORY: usize = 256;
+/// How many due campaigns are looked up at once.
+const PAGE: u32 = 64;
 
-/// Why there is a diagnosis, or none.
-pub type Diagnosed = Arc<Result<Diagnosis, Refusal>>;
+/// The answer, or why there is none.
+pub type Diagnosed = Arc<Result<DiagnosisBody, String>>;
 
 /// What has become of the question.
 #[derive(Debug, Clone)]
 pub enum Asked {
     NoSuchCampaign,
-    /// Others are being computed; ask again.
+    /// It is being made; ask again.
     Waiting,
     Answered(Diagnosed),
 }
 
-/// One diagnosis, and what it was computed against.
+/// One diagnosis, and what it was made against.
 #[derive(Debug, Clone)]
-struct Known {
+pub(super) struct Made {
     campaign: Id,
     imu: u32,
     model: Option<Id>,
     diagnosed: Diagnosed,
 }
 
-/// Who computes diagnoses and keeps them. Cheap to clone.
+/// Those who wait for one that is being made learn of its end.
+type UnderWay = HashMap<(Id, Option<Id>), watch::Receiver<Option<Diagnosed>>>;
+
+/// Who makes diagnoses and has them kept. Cheap to clone.
 #[derive(Debug, Clone)]
 pub(super) struct Diagnoser {
     store: Store,
     models: ModelBook,
+    /// Weak: the writer ends when nobody but this could send to it.
+    jobs: mpsc::WeakSender<Job>,
     turns: Arc<Semaphore>,
-    known: Arc<Mutex<VecDeque<Known>>>,
+    under_way: Arc<Mutex<UnderWay>>,
+    known: Arc<Mutex<VecDeque<Made>>>,
+}
+
+/// Which program a kept diagnosis is of.
+fn program() -> String {
+    format!("{}, method {METHOD}", env!("CARGO_PKG_VERSION"))
+}
+
+impl Made {
+    fn row(&self) -> DiagnosisRow {
+        let (refused, body) = match &*self.diagnosed {
+            Ok(body) => (false, serde_json::to_string(body).expect("strings and finite numbers always serialise")),
+            Err(why) => (true, why.clone()),
+        };
+        DiagnosisRow { record: self.campaign, model: self.model, program: program(), refused, body }
+    }
+
+    /// What the writer does with it: one transaction, unless another model has come into force meanwhile.
+    pub async fn keep(&self, writer: &mut Writer, models: &ModelBook) -> Result<(), Refused> {
+        if models.of(Some(self.imu)).id != self.model {
+            return Ok(());
+        }
+        let changes = Changes { diagnoses: vec![self.row()], ..Changes::default() };
+        Ok(writer.commit(&changes).await?)
+    }
 }
 
 impl Diagnoser {
-    pub fn new(store: Store, models: ModelBook) -> Self {
-        Self { store, models, turns: Arc::new(Semaphore::new(AT_ONCE)), known: Arc::default() }
+    pub fn new(store: Store, models: ModelBook, jobs: mpsc::WeakSender<Job>) -> Self {
+        let turns = Arc::new(Semaphore::new(AT_ONCE));
+        Self { store, models, jobs, turns, under_way: Arc::default(), known: Arc::default() }
     }
 
-    /// Diagnoses what has been stored, one after the other, until nobody can store any more.
-    pub async fn run(self, mut stored: mpsc::Receiver<Id>) {
-        while let Some(id) = stored.recv().await {
-            if let Err(error) = self.diagnosis(id, Duration::MAX).await {
-                tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
+    /// Makes what is due, one after the other, until nobody can make anything due any more.
+    pub async fn run(self, mut due: watch::Receiver<u64>) {
+        let mut hopeless = HashSet::new();
+        loop {
+            due.mark_unchanged();
+            if let Err(error) = self.make_all(&due, &mut hopeless).await {
+                tracing::warn!(%error, "which campaigns are to be diagnosed cannot be read; they will be when they are asked for");
+            }
+            if due.changed().await.is_err() {
+                break;
             }
         }
     }
 
-    /// What was computed against an earlier model of the IMU is computed again.
-    pub fn model_changed(&self, imu: Option<u32>, queue: &mpsc::Sender<Id>) {
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        for known in known.iter().filter(|known| Some(known.imu) == imu) {
-            // Where the queue is full it is computed when it is asked for.
-            let _full = queue.try_send(known.campaign);
+    /// One pass over all that is due; what cannot be diagnosed is told once and left alone.
+    async fn make_all(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<(), StoreError> {
+        let mut before = Id(i64::MAX);
+        loop {
+            let page = self.store.diagnoses_due(before, PAGE).await?;
+            let Some(last) = page.last() else { return Ok(()) };
+            before = *last;
+            for id in page {
+                if due.has_changed().is_err() {
+                    return Ok(());
+                }
+                if hopeless.contains(&id) {
+                    continue;
+                }
+                if let Err(error) = self.diagnosis(id, Duration::MAX).await {
+                    tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
+                    hopeless.insert(id);
+                }
+            }
         }
     }
 
-    /// The diagnosis of a stored campaign against the model in force, computed on a thread for that.
+    /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
     async fn diagnosis(&self, id: Id, patience: Duration) -> Result<Asked, StoreError> {
         if let Some(diagnosed) = self.recall(id) {
             return Ok(Asked::Answered(diagnosed));
@@ -88,37 +139,81 @@ impl Diagnoser {
         let Some(row) = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign) else {
             return Ok(Asked::NoSuchCampaign);
         };
-        let Some(turn) = self.turn(patience).await else { return Ok(Asked::Waiting) };
-        // Whoever asked at the same time may have had the turn before.
-        if let Some(diagnosed) = self.recall(id) {
+        let in_force = self.models.of(Some(row.imu));
+        if let Some(diagnosed) = self.kept(&row, &in_force).await? {
             return Ok(Asked::Answered(diagnosed));
         }
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
-        let in_force = self.models.of(Some(row.imu));
-        let options = in_force.model.options_as_asked(&campaign);
-        let known = |diagnosed| Known { campaign: id, imu: row.imu, model: in_force.id, diagnosed };
-        let diagnosed = self.compute(campaign, options, turn).await?;
-        self.keep(known(Arc::clone(&diagnosed)));
+        let mut end = self.begin(&row, in_force)?;
+        let ended = tokio::time::timeout(patience, end.wait_for(Option::is_some)).await;
+        let Ok(ended) = ended else { return Ok(Asked::Waiting) };
+        let gone = || StoreError::Damaged(format!("the diagnosis of campaign {id} failed"));
+        let diagnosed = ended.map_err(|_| gone())?.clone().ok_or_else(gone)?;
         Ok(Asked::Answered(diagnosed))
     }
 
-    async fn turn(&self, patience: Duration) -> Option<OwnedSemaphorePermit> {
-        let turn = tokio::time::timeout(patience, Arc::clone(&self.turns).acquire_owned()).await;
-        turn.ok().and_then(Result::ok)
+    /// As it was kept by this program against the model in force.
+    async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
+        let kept = self.store.diagnosis(row.id).await?;
+        let Some(kept) = kept.filter(|kept| kept.program == program() && kept.model == in_force.id) else {
+            return Ok(None);
+        };
+        let read = |body: &str| {
+            serde_json::from_str(body).map_err(|error| {
+                StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id))
+            })
+        };
+        let diagnosed = Arc::new(if kept.refused { Err(kept.body) } else { Ok(read(&kept.body)?) });
+        self.remember(Made { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
+        Ok(Some(diagnosed))
     }
 
-    async fn compute(
-        &self,
-        campaign: Campaign,
-        options: Options,
-        turn: OwnedSemaphorePermit,
-    ) -> Result<Diagnosed, StoreError> {
-        let work = tokio::task::spawn_blocking(move || {
-            // The turn is over when the work is, whether or not the caller has gone.
-            let _turn = turn;
-            Arc::new(diagnose(&campaign, &options))
+    /// Has it made by a task of its own, whether or not the caller stays; once, however many ask.
+    fn begin(&self, row: &RecordRow, in_force: InForce) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
+        let key = (row.id, in_force.id);
+        let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(end) = under_way.get(&key) {
+            return Ok(end.clone());
+        }
+        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
+        let (ended, end) = watch::channel(None);
+        under_way.insert(key, end.clone());
+        let (diagnoser, imu) = (self.clone(), row.imu);
+        tokio::spawn(async move {
+            let made = diagnoser.compute(campaign, &in_force).await;
+            if let Some(diagnosed) = made {
+                let made = Made { campaign: key.0, imu, model: key.1, diagnosed: Arc::clone(&diagnosed) };
+                diagnoser.have_kept(made.clone()).await;
+                diagnoser.remember(made);
+                ended.send_replace(Some(diagnosed));
+            }
+            diagnoser.under_way.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
         });
-        work.await.map_err(|error| StoreError::Damaged(format!("a diagnosis failed: {error}")))
+        Ok(end)
+    }
+
+    /// On a thread for that, when it is its turn; none where it panicked.
+    async fn compute(&self, campaign: Campaign, in_force: &InForce) -> Option<Diagnosed> {
+        let _turn = self.turns.acquire().await.ok()?;
+        let options = in_force.model.options_as_asked(&campaign);
+        let work = tokio::task::spawn_blocking(move || match diagnose(&campaign, &options) {
+            Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
+            Err(why) => Err(why.to_string()),
+        });
+        work.await.ok().map(Arc::new)
+    }
+
+    /// Puts it on disk. Where that fails it is made again after the next start.
+    async fn have_kept(&self, made: Made) {
+        let Some(jobs) = self.jobs.upgrade() else { return };
+        let campaign = made.campaign;
+        let (reply, answer) = oneshot::channel();
+        if jobs.send(Job::Diagnosed { made, reply }).await.is_err() {
+            return;
+        }
+        drop(jobs);
+        if let Ok(Err(error)) = answer.await {
+            tracing::warn!(%error, %campaign, "a diagnosis could not be kept");
+        }
     }
 
     fn recall(&self, id: Id) -> Option<Diagnosed> {
@@ -127,20 +222,52 @@ impl Diagnoser {
         (self.models.of(Some(found.imu)).id == found.model).then(|| Arc::clone(&found.diagnosed))
     }
 
-    fn keep(&self, new: Known) {
+    fn remember(&self, new: Made) {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.retain(|known| known.campaign != new.campaign);
-        known.truncate(KEPT - 1);
+        known.truncate(IN_MEMORY - 1);
         known.push_front(new);
     }
 }
 
+/// Why a diagnosis cannot be held against a reference.
+#[derive(Debug, thiserror::Error)]
+pub enum NotSplit {
+    #[error("there is no campaign or record {0}")]
+    NoSuchReference(Id),
+    #[error(transparent)]
+    NoReference(#[from] NoReference),
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
 impl Pipeline {
-    /// The diagnosis of a stored campaign against the model in force for its IMU.
+    /// The diagnosis of a stored campaign against the model in force for its IMU; [`Asked::Waiting`] where it is not made
+    /// within `patience`.
     ///
     /// # Errors
     /// [`StoreError`], where the campaign cannot be read.
-    pub async fn diagnosis(&self, id: Id) -> Result<Asked, StoreError> {
-        self.diagnoser.diagnosis(id, PATIENCE).await
+    pub async fn diagnosis(&self, id: Id, patience: Duration) -> Result<Asked, StoreError> {
+        self.diagnoser.diagnosis(id, patience).await
+    }
+
+    /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few milliseconds.
+    ///
+    /// # Errors
+    /// [`NotSplit`], where that is no reference for it.
+    pub async fn split(&self, id: Id, diagnosis: &DiagnosisBody, reference: Id) -> Result<SplitBody, NotSplit> {
+        let unknown = |id| move || NotSplit::NoSuchReference(id);
+        let row = self.store.record(id).await?.ok_or_else(unknown(id))?;
+        let held_against = self.store.record(reference).await?.ok_or_else(unknown(reference))?;
+        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
+        let body = held_against.body.as_bytes();
+        let reference = match held_against.kind {
+            Kind::Campaign => campaign::parse_json(body).map(Reference::Campaign),
+            Kind::Record => parse_record(body, &anything()).map(Reference::Record),
+        };
+        let reference = reference.map_err(|faults| damaged(held_against.id, &faults))?;
+        let options = self.models.of(Some(row.imu)).model.options_as_asked(&campaign);
+        let split = split(&campaign, &options, &residuals(&diagnosis.residuals), &reference)?;
+        Ok(SplitBody::from(&split))
     }
 }

@@ -51,7 +51,7 @@ pub use answer::StoredRecord;
 pub use campaign::{ReadCampaign, StoredCampaign};
 pub use compare::Sent;
 pub use course::{Baseline, Course};
-pub use diagnosing::{Asked, Diagnosed};
+pub use diagnosing::{Asked, Diagnosed, NotSplit};
 pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
@@ -76,8 +76,6 @@ pub struct Pipeline {
     jobs: mpsc::Sender<Job>,
     models: models::ModelBook,
     diagnoser: diagnosing::Diagnoser,
-    /// Campaigns that the background is to diagnose.
-    to_diagnose: mpsc::Sender<Id>,
     /// Moves when a hook has changed or has something new to be told.
     wake: watch::Sender<u64>,
     pulse: outbox::Pulse,
@@ -94,6 +92,8 @@ enum Job {
     Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
     /// A model is to be in force for an IMU.
     Model { adoption: Box<Adoption>, reply: oneshot::Sender<Result<Accepted, Refused>> },
+    /// A diagnosis is to be kept.
+    Diagnosed { made: diagnosing::Made, reply: oneshot::Sender<Result<(), Refused>> },
     /// What somebody says of an alert.
     Alert { order: AlertOrder, reply: oneshot::Sender<Result<AlertBody, Refused>> },
     /// Whether it could.
@@ -173,15 +173,15 @@ impl Pipeline {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let wake = watch::Sender::default();
         let models = models::ModelBook::load(&store).await?;
-        let (to_diagnose, stored) = mpsc::channel(diagnosing::MOST_WAITING);
-        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone());
-        let after = writer::After { wake: wake.clone(), models: models.clone(), to_diagnose: to_diagnose.clone() };
+        let (due, watched) = watch::channel(0);
+        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), jobs.downgrade());
+        let after = writer::After { wake: wake.clone(), models: models.clone(), due };
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
-        // It ends when the pipeline and the writer, who alone can send to it, are gone.
-        tokio::spawn(diagnoser.clone().run(stored));
+        // It ends when the writer, who alone tells it of more, is gone.
+        tokio::spawn(diagnoser.clone().run(watched));
         let handle = tokio::spawn(task.run(queue));
         let pulse = outbox::Pulse::default();
-        Ok((Self { store, config, clock, jobs, models, diagnoser, to_diagnose, wake, pulse }, handle))
+        Ok((Self { store, config, clock, jobs, models, diagnoser, wake, pulse }, handle))
     }
 
     pub fn store(&self) -> &Store {

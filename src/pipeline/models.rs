@@ -93,13 +93,8 @@ impl Pipeline {
     /// [`Refused`]; then nothing has changed.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
         let (reply, answer) = oneshot::channel();
-        let imu = adoption.imu.clone();
         self.offer(Job::Model { adoption: Box::new(adoption), reply })?;
-        let accepted = answer.await.map_err(|_| Refused::Stopping)??;
-        if matches!(accepted, Accepted::Stored { .. }) {
-            self.diagnoser.model_changed(self.store.names().read().imus.number(&imu), &self.to_diagnose);
-        }
-        Ok(accepted)
+        answer.await.map_err(|_| Refused::Stopping)?
     }
 
     /// The model that the next campaign of an IMU is fitted with.

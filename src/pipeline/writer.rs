@@ -43,7 +43,8 @@ pub(super) struct After {
     /// Moves when a hook has changed or has something new to be told.
     pub wake: watch::Sender<u64>,
     pub models: ModelBook,
-    pub to_diagnose: mpsc::Sender<Id>,
+    /// Moves when diagnoses have become due.
+    pub due: watch::Sender<u64>,
 }
 
 /// Orders that concern hooks, and where their answers go.
@@ -92,6 +93,11 @@ impl Task {
                     Job::Model { adoption, reply } => {
                         let (store, models) = (&self.store, &self.after.models);
                         let _gone = reply.send(adopt(store, &mut self.writer, &self.clock, models, &adoption).await);
+                        self.after.due.send_modify(|moved| *moved += 1);
+                        continue;
+                    }
+                    Job::Diagnosed { made, reply } => {
+                        let _gone = reply.send(made.keep(&mut self.writer, &self.after.models).await);
                         continue;
                     }
                     Job::Alert { order, reply } => {
@@ -221,8 +227,7 @@ impl Task {
             if let (Submission::Calibration(sent), Ok(Accepted::Stored { id, judged })) = (item, reply) {
                 *judged = self.judged(sent, *id, &found.verdicts);
                 if sent.kind == Kind::Campaign {
-                    // Where the queue is full, the campaign is diagnosed when somebody asks.
-                    let _full = self.after.to_diagnose.try_send(*id);
+                    self.after.due.send_modify(|moved| *moved += 1);
                 }
             }
         }

@@ -7,6 +7,7 @@ use super::batch::{Batch, Rows};
 use super::bench::{self, BenchRow};
 use super::checkpoint::Checkpoints;
 use super::delivery::{self, OutboxChanges};
+use super::diagnosis::{self, DiagnosisRow};
 use super::error::StoreError;
 use super::event::{self, EventRow};
 use super::history::HistoryRow;
@@ -40,6 +41,8 @@ pub struct Changes {
     pub models: Vec<ModelRow>,
     /// Campaigns of `records` that were fitted with an adopted model, and which.
     pub models_used: Vec<(Id, Id)>,
+    /// Diagnoses that have been made of stored campaigns.
+    pub diagnoses: Vec<DiagnosisRow>,
     pub outbox: OutboxChanges,
 }
 
@@ -66,6 +69,7 @@ impl Changes {
             && self.alert_steps.is_empty()
             && self.hooks.is_empty()
             && self.models.is_empty()
+            && self.diagnoses.is_empty()
             && self.outbox.is_empty()
     }
 }
@@ -201,6 +205,9 @@ fn batch_of(changes: &Changes) -> Batch {
     hook::upsert(&changes.hooks, &mut batch);
     model::insert(&changes.models, &mut batch);
     model::insert_uses(&changes.models_used, &mut batch);
+    diagnosis::expect(&changes.records, &mut batch);
+    diagnosis::make_due(&changes.models, &mut batch);
+    diagnosis::update(&changes.diagnoses, &mut batch);
     delivery::apply(&changes.outbox, &mut batch);
     batch
 }

@@ -10,6 +10,7 @@ mod bench;
 mod checkpoint;
 mod commit;
 mod delivery;
+mod diagnosis;
 mod error;
 mod event;
 mod figures;
@@ -34,6 +35,7 @@ pub use commit::{Changes, Rejudged, Writer};
 pub use delivery::{
     AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,
 };
+pub use diagnosis::DiagnosisRow;
 pub use error::StoreError;
 pub use event::EventRow;
 pub use figures::{Figures, PublishedFigures, States};

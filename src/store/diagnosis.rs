@@ -1,0 +1,84 @@
+//! Diagnoses of stored campaigns, and which are still to be made.
+
+use super::batch::{Batch, Rows};
+use super::error::StoreError;
+use super::id::Id;
+use super::model::ModelRow;
+use super::open::Store;
+use super::record::{Kind, RecordRow};
+
+/// A diagnosis that was made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DiagnosisRow {
+    pub record: Id,
+    /// The adopted model that it was made against.
+    pub model: Option<Id>,
+    /// Which program made it.
+    pub program: String,
+    /// Whether there is none, and `body` says why.
+    pub refused: bool,
+    pub body: String,
+}
+
+/// Every stored campaign is to be diagnosed.
+pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for record in records.iter().filter(|record| record.kind == Kind::Campaign) {
+        rows.row().integer(record.id.0);
+    }
+    batch.add("INSERT INTO diagnosis (record) SELECT value->>0 FROM json_each($ROWS)", rows);
+}
+
+/// A newly adopted model makes the diagnoses of its IMU due again.
+pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for model in models {
+        rows.row().integer(i64::from(model.imu));
+    }
+    batch.add(
+        "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
+         WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT value->>0 FROM json_each($ROWS)))",
+        rows,
+    );
+}
+
+pub(super) fn update(diagnoses: &[DiagnosisRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for row in diagnoses {
+        rows.row()
+            .integer(row.record.0)
+            .optional_integer(row.model.map(|id| id.0))
+            .text(&row.program)
+            .integer(i64::from(row.refused))
+            .bytes(row.body.as_bytes());
+    }
+    batch.add(
+        "UPDATE diagnosis SET model = made.value->>1, program = made.value->>2, refused = made.value->>3,
+                              body = CAST(substr($BYTES, made.value->>4, made.value->>5) AS TEXT)
+         FROM json_each($ROWS) AS made WHERE record = made.value->>0",
+        rows,
+    );
+}
+
+impl Store {
+    /// The diagnosis of a campaign as it was made last; none where it is due.
+    pub async fn diagnosis(&self, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
+        let sql = "SELECT model, program, refused, body FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
+        let found: Option<(Option<i64>, String, bool, String)> =
+            sqlx::query_as(sql).bind(record.0).fetch_optional(&self.readers).await?;
+        Ok(found.map(|(model, program, refused, body)| DiagnosisRow {
+            record,
+            model: model.map(Id),
+            program,
+            refused,
+            body,
+        }))
+    }
+
+    /// Campaigns whose diagnosis is due, newest first, from before `before` on.
+    pub async fn diagnoses_due(&self, before: Id, limit: u32) -> Result<Vec<Id>, StoreError> {
+        let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
+        let found: Vec<i64> = sqlx::query_scalar(sql).bind(before.0).bind(limit).fetch_all(&self.readers).await?;
+        Ok(found.into_iter().map(Id).collect())
+    }
+}

@@ -1,0 +1,123 @@
+//! Diagnoses over HTTP are made without anybody asking, kept on disk, and made again only when they must be.
+
+mod lab;
+
+use std::time::Duration;
+
+use lab::Lab;
+use serde_json::{Value, json};
+use sqlx::{AssertSqlSafe, Connection, SqliteConnection};
+
+/// A practice campaign with `temperature_bias` in it, at some time.
+fn campaign(measured_at: &str) -> Value {
+    let mut campaign: Value = serde_json::from_str(include_str!("data/practice/campaign-02.json")).unwrap();
+    campaign["measured_at"] = measured_at.into();
+    campaign
+}
+
+fn path(stored: &Value) -> String {
+    format!("/v1/campaigns/{}/diagnosis", stored["id"].as_str().unwrap())
+}
+
+async fn database(lab: &Lab) -> SqliteConnection {
+    SqliteConnection::connect(&format!("sqlite://{}", lab.database().display())).await.unwrap()
+}
+
+/// Changes the database of a service that stands still.
+async fn tamper(lab: &Lab, sql: &'static str) {
+    let mut connection = database(lab).await;
+    let done = sqlx::query(AssertSqlSafe(sql)).execute(&mut connection).await.unwrap();
+    assert!(done.rows_affected() > 0, "{sql}");
+    connection.close().await.unwrap();
+}
+
+async fn due(lab: &Lab) -> i64 {
+    let mut connection = database(lab).await;
+    let sql = "SELECT count(*) FROM diagnosis WHERE body IS NULL";
+    let due = sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap();
+    connection.close().await.unwrap();
+    due
+}
+
+/// Until nothing is due; nobody asks for a diagnosis meanwhile.
+async fn all_made(lab: &Lab) {
+    for _ in 0..600 {
+        if due(lab).await == 0 {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    panic!("a minute was not enough");
+}
+
+#[tokio::test]
+async fn a_kept_diagnosis_is_served_after_a_restart_and_made_again_by_another_program() {
+    let mut lab = Lab::open().await;
+    let stored = lab.post("/v1/campaigns", &campaign("2026-05-01T08:00:00Z")).await.created();
+    let made = lab.get(&path(&stored)).await.ok();
+    assert_eq!(made["effects"][0]["effect"], "temperature_bias");
+
+    lab.restart().await;
+    assert_eq!(lab.get(&path(&stored)).await.ok(), made);
+
+    // What is served is what lies on disk, not what would be found now.
+    lab.stop().await;
+    tamper(&lab, "UPDATE diagnosis SET body = json_set(body, '$.verdict', 'as kept')").await;
+    lab.start().await;
+    assert_eq!(lab.get(&path(&stored)).await.ok()["verdict"], "as kept");
+
+    lab.stop().await;
+    tamper(&lab, "UPDATE diagnosis SET program = '0.0.1, method 0'").await;
+    lab.start().await;
+    assert_eq!(lab.get(&path(&stored)).await.ok(), made);
+    lab.stop().await;
+    tamper(&lab, "UPDATE diagnosis SET body = body WHERE body NOT LIKE '%as kept%'").await;
+}
+
+#[tokio::test]
+async fn what_was_due_when_the_service_stopped_is_made_after_its_start() {
+    let mut lab = Lab::open().await;
+    for day in 1..=3 {
+        lab.post("/v1/campaigns", &campaign(&format!("2026-05-0{day}T08:00:00Z"))).await.created();
+    }
+    lab.stop().await;
+    tamper(&lab, "UPDATE diagnosis SET body = NULL").await;
+    lab.start().await;
+    all_made(&lab).await;
+}
+
+#[tokio::test]
+async fn an_adopted_model_has_the_diagnoses_of_its_imu_made_again_without_anybody_asking() {
+    let lab = Lab::open().await;
+    let sent = campaign("2026-05-01T08:00:00Z");
+    let stored = lab.post("/v1/campaigns", &sent).await.created();
+    all_made(&lab).await;
+    let model = json!({"terms": [], "author": "M. Adopter", "reason": "held-out dwells say so",
+        "effects": [{"effect": "temperature_bias", "gyros": ["G1", "G2", "G3"], "estimates": []}]});
+    lab.post(&format!("/v1/imus/{}/model", sent["imu"].as_str().unwrap()), &model).await.created();
+    all_made(&lab).await;
+    let mut connection = database(&lab).await;
+    let sql = "SELECT json_extract(body, '$.model.effects[0].effect') FROM diagnosis";
+    let against: Option<String> = sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap();
+    assert_eq!(against.as_deref(), Some("temperature_bias"));
+    assert_eq!(lab.get(&path(&stored)).await.ok()["verdict"], "no_gap");
+}
+
+#[tokio::test]
+async fn who_does_not_wait_is_told_to_ask_again_and_then_gets_it() {
+    let lab = Lab::open().await;
+    let mut waiting = 0;
+    let mut asked = String::new();
+    for day in 1..=4 {
+        let stored = lab.post("/v1/campaigns", &campaign(&format!("2026-05-0{day}T08:00:00Z"))).await.created();
+        let at_once = lab.get(&format!("{}?wait=0", path(&stored))).await;
+        if at_once.status == 202 {
+            assert!(at_once.header("retry-after").parse::<u32>().unwrap() > 0);
+            waiting += 1;
+        }
+        asked = path(&stored);
+        assert_eq!(lab.get(&asked).await.ok()["effects"][0]["effect"], "temperature_bias");
+    }
+    assert!(waiting > 0, "a diagnosis takes longer than a request");
+    lab.get(&format!("{asked}?wait=11")).await.refused(400);
+}

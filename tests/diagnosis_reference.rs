@@ -16,8 +16,9 @@ fn clean() -> Value {
 
 /// |E| of the practice IMU's gyros, pulse/arcsec.
 fn scale() -> f64 {
-    let fitted = gyrowatch().arg("calibrate").arg(data_path("practice/campaign-00.json")).args(["--format", "json"]);
-    let answer: Value = serde_json::from_slice(&{ fitted }.output().unwrap().stdout).unwrap();
+    let campaign = data_path("practice/campaign-00.json");
+    let output = gyrowatch().arg("calibrate").arg(campaign).args(["--format", "json"]).output().unwrap();
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     answer["separations"][0]["scale_factor"]["value"].as_f64().unwrap()
 }
 
@@ -141,11 +142,11 @@ fn what_is_no_reference_is_refused_by_what_differs() {
         run(&clean(), &reference, &["--format", "json"])
     };
     let cases: [(&dyn Fn(&mut Value), &str); 5] = [
-        (&|r| r["geometry"] = "orthogonal".into(), "the reference has another geometry"),
-        (&|r| r["imu"] = "ANOTHER".into(), "the reference is of IMU ANOTHER"),
-        (&|r| r["gyros"][1]["serial"] = "STRANGER".into(), "the reference has gyro STRANGER in G2"),
+        (&|r: &mut Value| r["geometry"] = "orthogonal".into(), "the reference has another geometry"),
+        (&|r: &mut Value| r["imu"] = "ANOTHER".into(), "the reference is of IMU ANOTHER"),
+        (&|r: &mut Value| r["gyros"][1]["serial"] = "STRANGER".into(), "the reference has gyro STRANGER in G2"),
         (
-            &|r| {
+            &|r: &mut Value| {
                 r["gyros"].as_array_mut().unwrap().truncate(2);
                 for dwell in r["dwells"].as_array_mut().unwrap() {
                     for member in ["output_pulse_s", "output_sem_pulse_s"] {
@@ -155,7 +156,7 @@ fn what_is_no_reference_is_refused_by_what_differs() {
             },
             "the reference holds no gyro in G3",
         ),
-        (&|r| r["dwells"] = json!([]), "reference.json"),
+        (&|r: &mut Value| r["dwells"] = json!([]), "reference.json"),
     ];
     for (spoil, words) in cases {
         let (status, out, error) = change(spoil);

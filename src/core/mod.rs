@@ -3,6 +3,7 @@
 //! Everything below is pure. No clock, no randomness, no I/O, no serialisation and no logging: what a function
 //! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
 
+pub mod access;
 pub mod augmented;
 pub mod bench;
 pub mod calibrate;

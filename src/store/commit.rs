@@ -2,6 +2,7 @@
 
 use sqlx::{Connection, SqliteConnection};
 
+use super::access::{self, AccessChanges};
 use super::alerts::{self, AlertRow, StepRow};
 use super::batch::{Batch, Rows};
 use super::bench::{self, BenchRow};
@@ -44,6 +45,7 @@ pub struct Changes {
     /// Diagnoses that have been made of stored campaigns.
     pub diagnoses: Vec<DiagnosisRow>,
     pub outbox: OutboxChanges,
+    pub access: AccessChanges,
 }
 
 /// What changes on stored records when they are judged again.
@@ -71,6 +73,7 @@ impl Changes {
             && self.models.is_empty()
             && self.diagnoses.is_empty()
             && self.outbox.is_empty()
+            && self.access.is_empty()
     }
 }
 
@@ -173,7 +176,7 @@ impl Writer {
     }
 }
 
-fn batch_of(changes: &Changes) -> Batch {
+pub(super) fn batch_of(changes: &Changes) -> Batch {
     let mut batch = Batch::new();
     for (sql, names) in [
         (
@@ -209,5 +212,6 @@ fn batch_of(changes: &Changes) -> Batch {
     diagnosis::make_due(&changes.models, &mut batch);
     diagnosis::update(&changes.diagnoses, &mut batch);
     delivery::apply(&changes.outbox, &mut batch);
+    access::apply(&changes.access, &mut batch);
     batch
 }

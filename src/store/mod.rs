@@ -3,6 +3,7 @@
 //! One connection writes ([`Writer`]), a pool reads ([`Store`]). Rows are plain types of this module; converting
 //! them to and from the core's types and the wire's is the pipeline's and the edge's work.
 
+mod access;
 mod alerts;
 mod backup;
 mod batch;
@@ -28,6 +29,7 @@ mod record;
 mod tail;
 mod verdicts;
 
+pub use access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, TokenRow};
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, restore};
 pub use bench::BenchRow;

@@ -41,10 +41,11 @@ pub struct Store {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 5] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 6] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
+    (5, "access", include_str!("../../migrations/sqlite/0005_access.sql")),
     (6, "history_log", include_str!("../../migrations/sqlite/0006_history_log.sql")),
     (7, "diagnoses", include_str!("../../migrations/sqlite/0007_diagnoses.sql")),
 ];
@@ -58,10 +59,7 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     let file = connect.get_filename().to_owned();
     let lock = lock::take(&file)?;
     let mut connection = connect.clone().connect().await?;
-    migrator().run(&mut connection).await.map_err(|error| match error {
-        sqlx::migrate::MigrateError::Execute(error) => error.into(),
-        other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
-    })?;
+    migrate(&mut connection).await?;
     let names = Names::new(load_names(&mut connection).await?);
     let tail = SharedTail::new(Tail::load(&mut connection).await?);
     let last_id = last_id(&mut connection).await?;
@@ -98,6 +96,14 @@ pub(super) fn connect_options(options: &Options) -> Result<SqliteConnectOptions,
     Ok(connect)
 }
 
+/// Brings the schema up to date.
+pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    migrator().run(connection).await.map_err(|error| match error {
+        sqlx::migrate::MigrateError::Execute(error) => error.into(),
+        other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
+    })
+}
+
 fn migrator() -> Migrator {
     let migrations = MIGRATIONS.map(|(version, name, sql)| {
         Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
@@ -124,11 +130,13 @@ async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Res
     Ok(table)
 }
 
-async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
+pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
     let sql = "SELECT max(coalesce((SELECT max(id) FROM record), 0), coalesce((SELECT max(id) FROM bench_result), 0),
                           coalesce((SELECT max(id) FROM event), 0), coalesce((SELECT max(id) FROM alert), 0),
                           coalesce((SELECT max(id) FROM alert_step), 0), coalesce((SELECT max(id) FROM hook), 0),
-                          coalesce((SELECT max(id) FROM delivery), 0), coalesce((SELECT max(id) FROM imu_model), 0))";
+                          coalesce((SELECT max(id) FROM delivery), 0), coalesce((SELECT max(id) FROM imu_model), 0),
+                          coalesce((SELECT max(id) FROM token), 0), coalesce((SELECT max(id) FROM session), 0),
+                          coalesce((SELECT max(id) FROM audit), 0))";
     Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
 }
 

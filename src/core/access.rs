@@ -1,0 +1,40 @@
+//! Roles: what somebody who holds a token may do.
+
+/// Each may do what those before it may.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Role {
+    /// Sends calibrations and reads.
+    Station,
+    /// Says what is to be made of them: acknowledges, silences, marks events, adopts models.
+    Engineer,
+    /// Decides who is told and who may do what.
+    Admin,
+}
+
+impl Role {
+    pub const ALL: [Self; 3] = [Self::Station, Self::Engineer, Self::Admin];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Station => "station",
+            Self::Engineer => "engineer",
+            Self::Admin => "admin",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|role| role.name() == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roles_ascend_and_are_known_by_their_names() {
+        assert!(Role::ALL.is_sorted());
+        assert_eq!(Role::ALL.map(|role| Role::from_name(role.name())), Role::ALL.map(Some));
+        assert_eq!(Role::from_name("Admin"), None);
+    }
+}

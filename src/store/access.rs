@@ -1,0 +1,273 @@
+//! Tokens, the browsers that signed in with them, and the audit trail.
+
+use std::path::Path;
+
+use sqlx::sqlite::SqliteRow;
+use sqlx::{ConnectOptions, Row as _, SqliteConnection};
+
+use super::batch::{Batch, Rows};
+use super::commit::{Changes, batch_of};
+use super::error::StoreError;
+use super::id::{Id, IdSource};
+use super::lock;
+use super::open::{Options, Store, connect_options, last_id, migrate};
+use crate::core::access::Role;
+use crate::core::time::UtcMicros;
+
+/// A token, without its secret.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TokenRow {
+    pub id: Id,
+    pub name: String,
+    pub role: Role,
+    /// The only station that it may send for.
+    pub station: Option<String>,
+    pub secret_sha256: [u8; 32],
+    pub created_at: UtcMicros,
+    pub expires_at: Option<UtcMicros>,
+    pub revoked_at: Option<UtcMicros>,
+}
+
+impl TokenRow {
+    pub fn is_valid(&self, now: UtcMicros) -> bool {
+        self.revoked_at.is_none() && self.expires_at.is_none_or(|until| now < until)
+    }
+}
+
+/// A browser that signed in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SessionRow {
+    pub id: Id,
+    pub token: Id,
+    pub secret_sha256: [u8; 32],
+    pub began_at: UtcMicros,
+    pub expires_at: UtcMicros,
+}
+
+/// One line of the audit trail. `before` and `after` are JSON.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditRow {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub who: String,
+    pub token: Option<Id>,
+    pub source: String,
+    pub action: String,
+    pub subject: String,
+    pub before: Option<String>,
+    pub after: Option<String>,
+}
+
+/// Which lines of the audit trail.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct AuditFilter {
+    pub from: Option<UtcMicros>,
+    pub to: Option<UtcMicros>,
+    pub who: Option<String>,
+    pub action: Option<String>,
+    pub subject: Option<String>,
+}
+
+/// What changes about access; see [`Changes`].
+#[derive(Debug, Default)]
+pub struct AccessChanges {
+    /// New ones, and those that were revoked.
+    pub tokens: Vec<TokenRow>,
+    pub sessions: Vec<SessionRow>,
+    pub ended: Vec<Id>,
+    pub audit: Vec<AuditRow>,
+}
+
+impl AccessChanges {
+    pub fn is_empty(&self) -> bool {
+        self.tokens.is_empty() && self.sessions.is_empty() && self.ended.is_empty() && self.audit.is_empty()
+    }
+}
+
+pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for token in &changes.tokens {
+        rows.row()
+            .integer(token.id.0)
+            .text(&token.name)
+            .text(token.role.name())
+            .optional_text(token.station.as_deref())
+            .bytes(&token.secret_sha256)
+            .integer(token.created_at.0)
+            .optional_integer(token.expires_at.map(|at| at.0))
+            .optional_integer(token.revoked_at.map(|at| at.0));
+    }
+    batch.add(
+        "INSERT INTO token (id, name, role, station, secret_sha256, created_at, expires_at, revoked_at)
+         SELECT value->>0, value->>1, value->>2, value->>3, substr($BYTES, value->>4, value->>5), value->>6, value->>7,
+             value->>8
+         FROM json_each($ROWS) WHERE true
+         ON CONFLICT (id) DO UPDATE SET revoked_at = excluded.revoked_at",
+        rows,
+    );
+    let mut rows = Rows::default();
+    for session in &changes.sessions {
+        rows.row()
+            .integer(session.id.0)
+            .integer(session.token.0)
+            .bytes(&session.secret_sha256)
+            .integer(session.began_at.0)
+            .integer(session.expires_at.0);
+    }
+    batch.add(
+        "INSERT INTO session (id, token, secret_sha256, began_at, expires_at)
+         SELECT value->>0, value->>1, substr($BYTES, value->>2, value->>3), value->>4, value->>5 FROM json_each($ROWS)",
+        rows,
+    );
+    let mut rows = Rows::default();
+    for id in &changes.ended {
+        rows.row().integer(id.0);
+    }
+    batch.add("DELETE FROM session WHERE id IN (SELECT value->>0 FROM json_each($ROWS))", rows);
+    let mut rows = Rows::default();
+    for line in &changes.audit {
+        rows.row()
+            .integer(line.id.0)
+            .integer(line.at.0)
+            .text(&line.who)
+            .optional_integer(line.token.map(|token| token.0))
+            .text(&line.source)
+            .text(&line.action)
+            .text(&line.subject)
+            .optional_text(line.before.as_deref())
+            .optional_text(line.after.as_deref());
+    }
+    batch.add(
+        "INSERT INTO audit (id, at, who, token, source, action, subject, before, after)
+         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7, value->>8
+         FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+fn hash(row: &SqliteRow) -> Result<[u8; 32], StoreError> {
+    let bytes: Vec<u8> = row.try_get("secret_sha256")?;
+    bytes.try_into().map_err(|_| StoreError::Damaged("the hash of a token has another length".to_owned()))
+}
+
+fn token(row: &SqliteRow) -> Result<TokenRow, StoreError> {
+    let id = Id(row.try_get("id")?);
+    let role: String = row.try_get("role")?;
+    let damaged = || StoreError::Damaged(format!("token {id} has the role {role:?}, which is none"));
+    Ok(TokenRow {
+        id,
+        name: row.try_get("name")?,
+        role: Role::from_name(&role).ok_or_else(damaged)?,
+        station: row.try_get("station")?,
+        secret_sha256: hash(row)?,
+        created_at: UtcMicros(row.try_get("created_at")?),
+        expires_at: row.try_get::<Option<i64>, _>("expires_at")?.map(UtcMicros),
+        revoked_at: row.try_get::<Option<i64>, _>("revoked_at")?.map(UtcMicros),
+    })
+}
+
+const TOKENS: &str =
+    "SELECT id, name, role, station, secret_sha256, created_at, expires_at, revoked_at FROM token ORDER BY id";
+
+impl Store {
+    /// Every token there ever was, oldest first.
+    pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
+        sqlx::query(TOKENS).fetch_all(&self.readers).await?.iter().map(token).collect()
+    }
+
+    pub async fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
+        let sql = "SELECT id, token, secret_sha256, began_at, expires_at FROM session ORDER BY id";
+        let rows = sqlx::query(sql).fetch_all(&self.readers).await?;
+        let session = |row: &SqliteRow| {
+            Ok(SessionRow {
+                id: Id(row.try_get("id")?),
+                token: Id(row.try_get("token")?),
+                secret_sha256: hash(row)?,
+                began_at: UtcMicros(row.try_get("began_at")?),
+                expires_at: UtcMicros(row.try_get("expires_at")?),
+            })
+        };
+        rows.iter().map(session).collect()
+    }
+
+    /// Lines of the audit trail, newest first, those before `before`.
+    pub async fn audit(
+        &self,
+        filter: &AuditFilter,
+        before: Option<Id>,
+        limit: u32,
+    ) -> Result<Vec<AuditRow>, StoreError> {
+        let sql = "SELECT id, at, who, token, source, action, subject, before, after FROM audit
+                   WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
+                       AND ($6 IS NULL OR subject = $6)
+                   ORDER BY id DESC LIMIT $7";
+        let rows = sqlx::query(sql)
+            .bind(before.map_or(i64::MAX, |id| id.0))
+            .bind(filter.from.map_or(i64::MIN, |at| at.0))
+            .bind(filter.to.map_or(i64::MAX, |at| at.0))
+            .bind(&filter.who)
+            .bind(&filter.action)
+            .bind(&filter.subject)
+            .bind(limit)
+            .fetch_all(&self.readers)
+            .await?;
+        let line = |row: &SqliteRow| {
+            Ok(AuditRow {
+                id: Id(row.try_get("id")?),
+                at: UtcMicros(row.try_get("at")?),
+                who: row.try_get("who")?,
+                token: row.try_get::<Option<i64>, _>("token")?.map(Id),
+                source: row.try_get("source")?,
+                action: row.try_get("action")?,
+                subject: row.try_get("subject")?,
+                before: row.try_get("before")?,
+                after: row.try_get("after")?,
+            })
+        };
+        rows.iter().map(line).collect()
+    }
+}
+
+/// A database beside the service that may be serving it: for commands that read tokens or write one row.
+#[derive(Debug)]
+pub struct Beside {
+    connection: SqliteConnection,
+    ids: IdSource,
+}
+
+impl Beside {
+    /// Opens the database; where no service holds it, creates it and brings its schema up to date first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn open(options: &Options) -> Result<Self, StoreError> {
+        let connect = connect_options(options)?;
+        let file: &Path = connect.get_filename();
+        let lock = match lock::take(file) {
+            Err(StoreError::InUse(_)) => None,
+            taken => Some(taken?),
+        };
+        let mut connection = connect.connect().await?;
+        if lock.is_some() {
+            migrate(&mut connection).await?;
+        }
+        let ids = IdSource::after(last_id(&mut connection).await?);
+        Ok(Self { connection, ids })
+    }
+
+    pub async fn tokens(&mut self) -> Result<Vec<TokenRow>, StoreError> {
+        sqlx::query(TOKENS).fetch_all(&mut self.connection).await?.iter().map(token).collect()
+    }
+
+    pub fn next_id(&mut self, now: UtcMicros) -> Id {
+        self.ids.next(now)
+    }
+
+    /// Writes in one transaction; on disk when this returns.
+    ///
+    /// # Errors
+    /// [`StoreError`]; then nothing is written.
+    pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
+        batch_of(&Changes { access, ..Changes::default() }).commit(&mut self.connection).await
+    }
+}

@@ -147,7 +147,7 @@ async fn over_http(connections: usize, load: Load) -> (f64, Duration) {
     let router = http::router(app, axum::Router::new());
     let served = tokio::spawn(async move {
         let stop = async move { drop(stopped.await) };
-        http::server::serve(listener, router, &config.server, stop).await;
+        http::server::serve(listener, None, router, &config.server, stop).await;
     });
     let begun = Instant::now();
     let mut senders = JoinSet::new();

@@ -19,6 +19,7 @@ mod restore;
 mod separate;
 mod serve;
 mod simulate;
+mod token;
 
 use std::io;
 use std::process::ExitCode;
@@ -47,6 +48,7 @@ enum Command {
     Blindcheck(blindcheck::Blindcheck),
     Backup(backup::Backup),
     Restore(restore::Restore),
+    Token(token::Token),
 }
 
 impl Command {
@@ -62,6 +64,7 @@ impl Command {
             Self::Blindcheck(blindcheck) => blindcheck.run(),
             Self::Backup(backup) => backup.run(),
             Self::Restore(restore) => restore.run(),
+            Self::Token(token) => token.run(),
         }
     }
 }

@@ -12,6 +12,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 
 use crate::config::{Config, Log, LogFormat};
+use crate::http::tls::Tls;
 use crate::http::{self, App};
 use crate::pages::{self, Pages};
 use crate::pipeline::{Outbox, Pipeline};
@@ -44,6 +45,8 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     let stop = stop_signal()?;
     telemetry::start().context("cannot count metrics")?;
     let config = Arc::new(config);
+    config.server.check_exposure()?;
+    let tls = config.server.tls_files().map(|(certificate, key)| Tls::start(certificate, key)).transpose()?;
     let listener = TcpListener::bind(config.server.listen)
         .await
         .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
@@ -52,14 +55,20 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
+    anyhow::ensure!(
+        address.ip().is_loopback() || pipeline.guard().asks_for_tokens(),
+        "cannot listen on {address} (server.listen): there is no token yet, and without one everybody could do everything; \
+         make one first: gyrowatch token create NAME --role admin"
+    );
     let outbox = Outbox::start(&pipeline).context("cannot deliver to hooks")?;
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: pipeline.clone() };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::router(pages));
     tracing::info!(%address, database = %config.database.url, "listening");
-    println!("gyrowatch listens on http://{address}");
+    let scheme = if tls.is_some() { "https" } else { "http" };
+    println!("gyrowatch listens on {scheme}://{address}");
     ready(address);
-    http::server::serve(listener, router, &config.server, stop).await;
+    http::server::serve(listener, tls, router, &config.server, stop).await;
     outbox.stop().await;
     // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and closes the database.
     writing.await.context("the writer failed")?;

@@ -1,5 +1,6 @@
 //! The configuration: defaults, files, environment, in that order; checked whole before anything starts.
 
+mod access;
 mod alerts;
 mod hooks;
 mod judging;
@@ -16,10 +17,14 @@ use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
 use crate::store::Options;
 
+pub use access::Access;
 pub use alerts::Alerts;
 pub use hooks::Hooks;
 pub use judging::{JudgedMethod, Judging, Override};
 pub use rules::{FixedBaseline, RuleKeys};
+
+/// What `server.plain_http` must say for HTTP beyond this machine.
+pub const PLAIN_HTTP: &str = "anybody on the network can read tokens and records, and change them";
 
 const DEFAULTS: &str = include_str!("../../config/default.toml");
 
@@ -27,6 +32,7 @@ const DEFAULTS: &str = include_str!("../../config/default.toml");
 #[serde(deny_unknown_fields)]
 pub struct Config {
     pub server: Server,
+    pub access: Access,
     pub database: Database,
     pub judging: Judging,
     pub alerts: Alerts,
@@ -39,6 +45,9 @@ pub struct Config {
 #[serde(deny_unknown_fields)]
 pub struct Server {
     pub listen: SocketAddr,
+    pub tls_certificate: Option<PathBuf>,
+    pub tls_key: Option<PathBuf>,
+    pub plain_http: String,
     pub max_body_bytes: usize,
     pub max_import_bytes: usize,
     pub max_import_line_bytes: usize,
@@ -59,6 +68,47 @@ pub struct Database {
     pub checkpoint_pages: u32,
     pub max_waiting_writes: usize,
     pub max_group: usize,
+}
+
+impl Server {
+    /// Whether what travels is encrypted here.
+    pub fn is_encrypted(&self) -> bool {
+        self.tls_certificate.is_some()
+    }
+
+    /// Certificate and key, where there are any.
+    pub fn tls_files(&self) -> Option<(&Path, &Path)> {
+        self.tls_certificate.as_deref().zip(self.tls_key.as_deref())
+    }
+
+    /// Whether the service may be reached at its address by what the configuration says.
+    ///
+    /// # Errors
+    /// [`ConfigError::Key`] where tokens would travel in the open and nobody has said that they may.
+    pub fn check_exposure(&self) -> Result<(), ConfigError> {
+        if self.listen.ip().is_loopback() || self.is_encrypted() || self.plain_http == PLAIN_HTTP {
+            return Ok(());
+        }
+        let detail = format!(
+            "{} is no address of this machine alone, and HTTP would carry tokens and records in the open: name \
+             server.tls_certificate and server.tls_key, or set server.plain_http = \"{PLAIN_HTTP}\"",
+            self.listen
+        );
+        Err(ConfigError::Key { key: "server.listen".into(), detail })
+    }
+
+    fn check(&self) -> Result<(), ConfigError> {
+        let wrong = |key: &str, detail: &str| Err(ConfigError::Key { key: key.into(), detail: detail.into() });
+        match (&self.tls_certificate, &self.tls_key) {
+            (Some(_), None) => return wrong("server.tls_key", "is missing beside server.tls_certificate"),
+            (None, Some(_)) => return wrong("server.tls_certificate", "is missing beside server.tls_key"),
+            _ => {}
+        }
+        if !self.plain_http.is_empty() && self.plain_http != PLAIN_HTTP {
+            return wrong("server.plain_http", &format!("must be empty or say \"{PLAIN_HTTP}\""));
+        }
+        Ok(())
+    }
 }
 
 impl Database {
@@ -179,6 +229,8 @@ impl Config {
                 return Err(ConfigError::Key { key: key.into(), detail: format!("must be positive, is {value}") });
             }
         }
+        self.server.check()?;
+        self.access.check()?;
         self.alerts.check()?;
         self.hooks.check()?;
         self.judging.check()

@@ -13,7 +13,7 @@ use super::document::Document;
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
 use crate::core::record::Name;
-use crate::pipeline::{Accepted, GyroEvent, Submission};
+use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
@@ -99,5 +99,5 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     {
         faults.absorb("", future);
     }
-    faults.or(GyroEvent { serial, at, event: Event::Baseline, reason, author })
+    faults.or(GyroEvent { serial, at, event: Event::Baseline, reason, author, by: Actor::by_caller() })
 }

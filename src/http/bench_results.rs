@@ -1,10 +1,10 @@
 //! `/v1/bench-results`: what single-gyro benches measured.
 
-use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::header::LOCATION;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
 use utoipa::ToSchema;
@@ -13,7 +13,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, idempotency_key};
-use crate::pipeline::{Accepted, Id, Sent, Submission};
+use crate::pipeline::{Accepted, Caller, Id, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
@@ -44,12 +44,19 @@ struct BenchAnswer {
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_bench_result(State(app): State<App>, headers: HeaderMap, body: Document) -> Result<Response, Problem> {
+async fn post_bench_result(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    headers: HeaderMap,
+    body: Document,
+) -> Result<Response, Problem> {
     let bytes = body.0;
     let mut bench = app.pipeline.read_bench_result(&bytes).map_err(|faults| Document::problem(&bytes, faults))?;
     bench.idempotency_key = idempotency_key(&headers)?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
-    let accepted = app.pipeline.submit(Submission::Bench(Box::new(bench))).await?;
+    let submission = Submission::Bench(Box::new(bench));
+    caller.may_submit(&submission)?;
+    let accepted = app.pipeline.submit(submission).await?;
     let status = match accepted {
         Accepted::Stored { .. } => StatusCode::CREATED,
         Accepted::There { .. } => StatusCode::OK,

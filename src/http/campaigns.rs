@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use axum::Json;
 use axum::extract::{FromRequest, Path, Request, State};
 use axum::http::header::{LOCATION, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
@@ -18,7 +18,7 @@ use super::App;
 use super::answer::Answer;
 use super::document::{Document, check_media_type, idempotency_key};
 use super::query::{Parameters, bad};
-use crate::pipeline::{Accepted, Asked, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::pipeline::{Accepted, Asked, Caller, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -61,7 +61,12 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
         (status = 422, description = "what cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_campaign(State(app): State<App>, headers: HeaderMap, body: Dwells) -> Result<Response, Problem> {
+async fn post_campaign(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    headers: HeaderMap,
+    body: Dwells,
+) -> Result<Response, Problem> {
     let Dwells(bytes, form) = body;
     let key = idempotency_key(&headers)?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
@@ -82,6 +87,7 @@ async fn post_campaign(State(app): State<App>, headers: HeaderMap, body: Dwells)
         }
         Submission::Event(_) => return Err(Problem::new(500, "Internal error", "a campaign is no event")),
     };
+    caller.may_submit(&submission)?;
     let accepted = app.pipeline.submit(submission).await?;
     let id = app.pipeline.settle(&accepted, sent).await?;
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];

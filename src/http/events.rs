@@ -15,7 +15,7 @@ use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Accepted, EventRow, GyroEvent, Submission};
+use crate::pipeline::{Accepted, Actor, EventRow, GyroEvent, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
@@ -129,7 +129,7 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     {
         faults.absorb("", future);
     }
-    faults.or(GyroEvent { serial, at, event, reason, author })
+    faults.or(GyroEvent { serial, at, event, reason, author, by: Actor::by_caller() })
 }
 
 /// People write re-installation in more than one way.

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use axum::Extension;
 use axum::body::{Body, BodyDataStream};
 use axum::extract::{Request, State};
 use axum::http::header::CONTENT_TYPE;
@@ -21,7 +22,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type};
-use crate::pipeline::{Accepted, Origin, Pipeline, ReadDocument, Reply, Submission};
+use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::problem::Problem;
 
 pub fn routes() -> OpenApiRouter<App> {
@@ -54,11 +55,15 @@ struct LineAnswer {
     responses(
         (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson"),
         (status = 415, description = "not application/x-ndjson", body = Problem, content_type = "application/problem+json")))]
-async fn post_import(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+async fn post_import(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    request: Request,
+) -> Result<Response, Problem> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
     let (sender, receiver) = mpsc::unbounded_channel();
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
-    tokio::spawn(import(app, request.into_body(), Answers { sender, room }));
+    tokio::spawn(import(app, caller, request.into_body(), Answers { sender, room }));
     let stream = futures::stream::unfold(receiver, |mut receiver| async {
         let (text, _room): (Bytes, OwnedSemaphorePermit) = receiver.recv().await?;
         Some((Ok::<_, std::convert::Infallible>(text), receiver))
@@ -86,13 +91,13 @@ impl Answers {
     }
 }
 
-async fn import(app: App, body: Body, answers: Answers) {
+async fn import(app: App, caller: Caller, body: Body, answers: Answers) {
     let server = &app.config.server;
     let lines = lines(body.into_data_stream(), server.max_import_line_bytes, server.max_import_bytes);
     let pipeline = app.pipeline.clone();
     let read = lines.ready_chunks(LINES_AT_ONCE).map(move |chunk| {
-        let pipeline = pipeline.clone();
-        tokio::task::spawn_blocking(move || Chunk::read(chunk, &pipeline))
+        let (pipeline, caller) = (pipeline.clone(), caller.clone());
+        tokio::task::spawn_blocking(move || Chunk::read(chunk, &pipeline, &caller))
     });
     let pipeline = app.pipeline.clone();
     // Queued one after the other, so that of two lines with the same key the first is the one that counts.
@@ -235,11 +240,12 @@ struct ReadLine {
 
 impl Chunk {
     /// Reads, checks and separates: computing, not waiting.
-    fn read(lines: Vec<Line>, pipeline: &Pipeline) -> Self {
+    fn read(lines: Vec<Line>, pipeline: &Pipeline, caller: &Caller) -> Self {
         let mut chunk = Self { items: Vec::with_capacity(lines.len()), lines: Vec::with_capacity(lines.len()) };
         for (number, line) in lines {
             let read = line
-                .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| Document::problem(&bytes, faults)));
+                .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| Document::problem(&bytes, faults)))
+                .and_then(|read| Ok(caller.may_submit(&read.submission).map(|()| read)?));
             let (problem, origin) = match read {
                 Ok(ReadDocument { submission, origin }) => {
                     chunk.items.push(submission);

@@ -4,9 +4,11 @@
 //! `application/problem+json`; what axum and its layers refuse by themselves is put into that form in one place
 //! ([`problem::as_problem`]).
 
+mod access;
 mod agreement;
 mod alerts;
 mod answer;
+mod audit;
 mod baseline;
 mod bench_results;
 mod campaigns;
@@ -25,6 +27,8 @@ mod query;
 mod records;
 mod refusal;
 pub mod server;
+pub mod tls;
+mod tokens;
 mod trend;
 
 use std::sync::Arc;
@@ -55,8 +59,28 @@ pub struct App {
 
 /// The whole service as one router, the web `pages` included.
 pub fn router(app: App, pages: Router) -> Router {
-    let server = app.config.server.clone();
-    let timed = OpenApiRouter::with_openapi(docs::head())
+    let (server, guarded) = (app.config.server.clone(), app.clone());
+    let timed = answered_soon().layer(TimeoutLayer::with_status_code(
+        StatusCode::SERVICE_UNAVAILABLE,
+        Duration::from_secs_f64(server.request_timeout_s),
+    ));
+    let (router, openapi) = timed.merge(import::routes()).split_for_parts();
+    router.merge(docs::router(openapi)).with_state(app).merge(pages).fallback(problem::no_such_path).layer(
+        // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
+        ServiceBuilder::new()
+            .layer(middleware::from_fn(metrics::count))
+            .layer(CompressionLayer::new())
+            .layer(middleware::from_fn(problem::as_problem))
+            .layer(CatchPanicLayer::new())
+            .layer(middleware::from_fn_with_state(guarded, access::admit))
+            .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
+            .layer(DefaultBodyLimit::max(server.max_body_bytes)),
+    )
+}
+
+/// Every route but the import, which may take as long as it likes.
+fn answered_soon() -> OpenApiRouter<App> {
+    OpenApiRouter::with_openapi(docs::head())
         .routes(routes!(health::healthz))
         .routes(routes!(health::readyz))
         .merge(metrics::routes())
@@ -72,19 +96,27 @@ pub fn router(app: App, pages: Router) -> Router {
         .merge(hooks::routes())
         .merge(events::routes())
         .merge(alerts::routes())
-        .layer(TimeoutLayer::with_status_code(
-            StatusCode::SERVICE_UNAVAILABLE,
-            Duration::from_secs_f64(server.request_timeout_s),
-        ));
-    let (router, openapi) = timed.merge(import::routes()).split_for_parts();
-    router.merge(docs::router(openapi)).with_state(app).merge(pages).fallback(problem::no_such_path).layer(
-        // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
-        ServiceBuilder::new()
-            .layer(middleware::from_fn(metrics::count))
-            .layer(CompressionLayer::new())
-            .layer(middleware::from_fn(problem::as_problem))
-            .layer(CatchPanicLayer::new())
-            .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
-            .layer(DefaultBodyLimit::max(server.max_body_bytes)),
-    )
+        .merge(tokens::routes())
+        .merge(audit::routes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_route_has_a_rule_that_says_who_may_use_it() {
+        let api = answered_soon().merge(import::routes()).into_openapi();
+        let described = serde_json::to_value(&api.paths).unwrap();
+        let mut routes = 0;
+        for (path, operations) in described.as_object().unwrap() {
+            for method in operations.as_object().unwrap().keys() {
+                let method = method.to_uppercase();
+                assert!(access::has_rule(&method, path), "{method} {path} has no rule in http/access/rules.rs");
+                routes += 1;
+            }
+        }
+        assert!(routes > 30);
+        assert!(!access::has_rule("POST", "/v1/unheard-of"));
+    }
 }

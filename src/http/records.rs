@@ -1,10 +1,10 @@
 //! `/v1/records`: calibration records in, and as they are stored.
 
-use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::header::LOCATION;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Redirect, Response};
+use axum::{Extension, Json};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
@@ -14,7 +14,7 @@ use utoipa_axum::routes;
 use super::App;
 use super::answer::Answer;
 use super::document::{Document, idempotency_key};
-use crate::pipeline::{Accepted, Id, Kind, Sent, StoredRecord, Submission};
+use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::problem::Problem;
@@ -41,13 +41,20 @@ pub fn routes() -> OpenApiRouter<App> {
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_record(State(app): State<App>, headers: HeaderMap, body: Document) -> Result<Response, Problem> {
+async fn post_record(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    headers: HeaderMap,
+    body: Document,
+) -> Result<Response, Problem> {
     let bytes = body.0;
     let mut calibration = app.pipeline.read_record(&bytes).map_err(|faults| Document::problem(&bytes, faults))?;
     calibration.idempotency_key = idempotency_key(&headers)?;
     let body = calibration.body.clone();
     let separations = app.pipeline.separations(&calibration.gyros);
-    let accepted = app.pipeline.submit(Submission::Calibration(Box::new(calibration))).await?;
+    let submission = Submission::Calibration(Box::new(calibration));
+    caller.may_submit(&submission)?;
+    let accepted = app.pipeline.submit(submission).await?;
     match &accepted {
         Accepted::Stored { id, judged } => {
             let answer = app.pipeline.answer(*id, separations, judged);

@@ -14,7 +14,7 @@ use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
-use crate::pipeline::{Accepted, GyroEvent, Submission};
+use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;
 
@@ -84,7 +84,7 @@ async fn done(
         return Ok(with_form(viewer, &name, said, |deed| deed.again(viewer, &said.word, &faults)));
     };
     let Word { by, reason, .. } = said.word.clone();
-    let event = GyroEvent { serial: name, at, event, reason, author: Some(by) };
+    let event = GyroEvent { serial: name, at, event, reason, author: Some(by), by: Actor::by_caller() };
     match pages.pipeline.submit(Submission::Event(event)).await? {
         Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))

@@ -3,6 +3,7 @@
 //! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no larger on
 //! the way than it is.
 
+use axum::Extension;
 use axum::extract::State as Held;
 use axum::http::HeaderMap;
 use axum::response::Response;
@@ -16,7 +17,7 @@ use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
+use crate::pipeline::{Accepted, Caller, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 
 /// Documents of one form that are shown; all are read and all are stored.
@@ -34,13 +35,19 @@ pub(super) async fn preview(Held(pages): Held<Pages>, viewer: Viewer, headers: H
     off_the_loop(move || viewer.show(Ok(previewed(&pages, &viewer, &text_of(&form))))).await
 }
 
-pub(super) async fn store(Held(pages): Held<Pages>, viewer: Viewer, headers: HeaderMap, form: String) -> Response {
+pub(super) async fn store(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Extension(caller): Extension<Caller>,
+    headers: HeaderMap,
+    form: String,
+) -> Response {
     if let Err(foreign) = own_form(&headers) {
         return viewer.show(Err(foreign));
     }
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &text_of(&form))).await;
-    let outcomes = submit(&pages.pipeline, read).await;
+    let outcomes = submit(&pages.pipeline, &caller, read).await;
     viewer.show(Ok(outcome(&viewer, &outcomes)))
 }
 
@@ -110,11 +117,19 @@ fn read_all(pipeline: &Pipeline, text: &str) -> Vec<(usize, Result<ReadDocument,
 }
 
 /// Submits all together, so that they share their flushes of the disk.
-async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Outcome)> {
+async fn submit(
+    pipeline: &Pipeline,
+    caller: &Caller,
+    read: Vec<(usize, Result<ReadDocument, Faults>)>,
+) -> Vec<(usize, Outcome)> {
     let (mut outcomes, mut sound, mut submissions) = (Vec::new(), Vec::new(), Vec::new());
     for (line, document) in read {
         match document {
             Ok(ReadDocument { submission, origin }) => {
+                if let Err(refused) = caller.may_submit(&submission) {
+                    outcomes.push((line, Outcome::Refused(refused)));
+                    continue;
+                }
                 let bench = matches!(submission, Submission::Bench(_));
                 sound.push((line, origin, if bench { "v1/bench-results" } else { "records" }));
                 submissions.push(submission);

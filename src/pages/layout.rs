@@ -122,6 +122,9 @@ impl Viewer {
                 a href=(to("language", other)) lang=(other) { (t.other_language) }
                 a.to-dark href=(to("theme", "dark")) { (t.dark) }
                 a.to-light href=(to("theme", "light")) { (t.light) }
+                @if let Some(name) = &self.signed_in {
+                    form.sign-out action="/sign-out" method="post" { button title=(name) { (t.sign_out) } }
+                }
             }
         }
     }

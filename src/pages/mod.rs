@@ -24,6 +24,7 @@ mod plot;
 mod report;
 mod residuals;
 mod separation;
+mod sign_in;
 mod spark;
 mod standing;
 mod stations;
@@ -75,6 +76,8 @@ pub fn router(pages: Pages) -> Router {
         .route("/import", get(import::page))
         .route("/import/preview", post(import::preview))
         .route("/import/store", post(import::store))
+        .route("/sign-in", get(sign_in::page).post(sign_in::enter))
+        .route("/sign-out", post(sign_in::leave))
         .route("/preference", get(viewer::prefer))
         .route("/assets/{name}", get(assets::serve))
         .with_state(pages)

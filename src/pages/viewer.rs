@@ -10,6 +10,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
 use super::text::{Language, Text};
+use crate::pipeline::{By, Caller};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -33,6 +34,8 @@ pub(super) struct Viewer {
     pub theme: Option<Theme>,
     /// Path and query of the page that is looked at.
     pub here: String,
+    /// The name of the token that they have signed in with.
+    pub signed_in: Option<String>,
 }
 
 impl Viewer {
@@ -53,7 +56,9 @@ impl<S: Send + Sync> FromRequestParts<S> for Viewer {
         let chosen = cookie(&parts.headers, "language").and_then(Language::from_name);
         let language = chosen.unwrap_or_else(|| preferred(&parts.headers));
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
-        Ok(Self { language, theme, here })
+        let caller = parts.extensions.get::<Caller>().filter(|caller| matches!(caller.by, By::Session { .. }));
+        let signed_in = caller.map(|caller| caller.name.clone());
+        Ok(Self { language, theme, here, signed_in })
     }
 }
 

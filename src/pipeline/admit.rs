@@ -12,6 +12,7 @@ use crate::store::{
     BenchRow, Changes, EventRow, Figures, HistoryRow, Id, KeyRow, Names, PublishedFigures, RecordRow, Span, States,
     Store, StoreError, StoredVerdict, VerdictSheet, Writer,
 };
+use crate::wire::time;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
 #[derive(Debug, Default)]
@@ -169,6 +170,12 @@ impl Desk<'_> {
             return Ok(Accepted::There { id: event.id, same_bytes });
         }
         let id = self.writer.next_id(self.now);
+        let audited = serde_json::json!({
+            "id": id.to_string(), "event": sent.event.name(), "at": time::format(sent.at), "reason": sent.reason,
+            "author": sent.author,
+        });
+        let (line, what) = (self.writer.next_id(self.now), ("mark event", format!("gyros/{}", sent.serial)));
+        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
         group.changes.events.push(EventRow {
             id,
             gyro,

@@ -14,6 +14,7 @@
 //! The writer takes all that has queued up while the last group was committed, so that many senders share one flush
 //! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival.
 
+mod access;
 mod admit;
 mod agreement;
 mod alerting;
@@ -45,6 +46,10 @@ use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 
+pub use access::{
+    AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
+    revoke_beside,
+};
 pub use agreement::{Compared, Comparison};
 pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep};
 pub use answer::StoredRecord;
@@ -61,8 +66,8 @@ pub use models::{Adoption, InForce};
 pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
-    AlertFilter, BenchRow, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names, RecordHead, Span, StoreError,
-    Tables,
+    AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names,
+    RecordHead, Span, StoreError, Tables, TokenRow,
 };
 pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
 pub use stations::StationEffect;
@@ -79,6 +84,7 @@ pub struct Pipeline {
     /// Moves when a hook has changed or has something new to be told.
     wake: watch::Sender<u64>,
     pulse: outbox::Pulse,
+    guard: Guard,
 }
 
 /// What the writer is asked to do.
@@ -87,15 +93,17 @@ enum Job {
     /// Submissions that are to be answered together, in order.
     Store { items: Vec<Submission>, reply: oneshot::Sender<Vec<Reply>> },
     /// A hook or its queue is to change.
-    Hook { order: Order, reply: oneshot::Sender<Result<Id, Refused>> },
+    Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// An attempt to tell a hook is to be written down.
     Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
     /// A model is to be in force for an IMU.
-    Model { adoption: Box<Adoption>, reply: oneshot::Sender<Result<Accepted, Refused>> },
+    Model { adoption: Box<Adoption>, by: Actor, reply: oneshot::Sender<Result<Accepted, Refused>> },
     /// A diagnosis is to be kept.
     Diagnosed { made: diagnosing::Made, reply: oneshot::Sender<Result<(), Refused>> },
     /// What somebody says of an alert.
-    Alert { order: AlertOrder, reply: oneshot::Sender<Result<AlertBody, Refused>> },
+    Alert { order: AlertOrder, by: Actor, reply: oneshot::Sender<Result<AlertBody, Refused>> },
+    /// Who may use the service is to change.
+    Access { order: AccessOrder, by: Actor, reply: oneshot::Sender<Result<Option<access::Secret>, Refused>> },
     /// Whether it could.
     Probe(oneshot::Sender<Result<(), StoreError>>),
 }
@@ -134,6 +142,12 @@ pub enum Refused {
     UnknownImu { imu: String },
     #[error("there is no hook {id}")]
     NoSuchHook { id: Id },
+    #[error("there is no token {id}")]
+    NoSuchToken { id: Id },
+    #[error("the token is for {station} alone")]
+    OtherStation { station: String },
+    #[error("the operating system gives no random numbers")]
+    NoRandomNumbers,
     #[error("there is no delivery {id}")]
     NoSuchDelivery { id: Id },
     #[error("hook {id} is disabled; enable it first")]
@@ -173,15 +187,16 @@ impl Pipeline {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let wake = watch::Sender::default();
         let models = models::ModelBook::load(&store).await?;
+        let guard = Guard::start(store.clone(), config.access.clone()).await?;
         let (due, watched) = watch::channel(0);
         let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), jobs.downgrade());
-        let after = writer::After { wake: wake.clone(), models: models.clone(), due };
+        let after = writer::After { wake: wake.clone(), models: models.clone(), due, guard: guard.clone() };
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
         tokio::spawn(diagnoser.clone().run(watched));
         let handle = tokio::spawn(task.run(queue));
         let pulse = outbox::Pulse::default();
-        Ok((Self { store, config, clock, jobs, models, diagnoser, wake, pulse }, handle))
+        Ok((Self { store, config, clock, jobs, models, diagnoser, wake, pulse, guard }, handle))
     }
 
     pub fn store(&self) -> &Store {

@@ -5,10 +5,11 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use tokio::sync::oneshot;
 
+use super::access::Actor;
 use super::{Accepted, Job, Pipeline, Refused};
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
-use crate::store::{Changes, Id, ModelRow, Store, StoreError, Writer};
+use crate::store::{AccessChanges, Changes, Id, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
 
@@ -67,6 +68,7 @@ pub(super) async fn adopt(
     clock: &Clock,
     book: &ModelBook,
     adoption: &Adoption,
+    by: &Actor,
 ) -> Result<Accepted, Refused> {
     let unknown = || Refused::UnknownImu { imu: adoption.imu.clone() };
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
@@ -79,8 +81,13 @@ pub(super) async fn adopt(
     let now = clock.now();
     let id = writer.next_id(now);
     let (author, reason) = (adoption.author.clone(), adoption.reason.clone());
+    let audited = serde_json::json!({ "id": id.to_string(), "author": author, "reason": reason, "model": serde_json::from_str::<serde_json::Value>(&body).unwrap_or_default() });
+    let before = book.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
+    let what = ("adopt model", format!("imus/{}/model", adoption.imu));
+    let audit = vec![by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited))];
     let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
-    let changes = Changes { models: vec![row], ..Changes::default() };
+    let access = AccessChanges { audit, ..AccessChanges::default() };
+    let changes = Changes { models: vec![row], access, ..Changes::default() };
     writer.commit(&changes).await?;
     book.note(&changes.models[0])?;
     Ok(Accepted::Stored { id, judged: Vec::new() })
@@ -93,7 +100,7 @@ impl Pipeline {
     /// [`Refused`]; then nothing has changed.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
         let (reply, answer) = oneshot::channel();
-        self.offer(Job::Model { adoption: Box::new(adoption), reply })?;
+        self.offer(Job::Model { adoption: Box::new(adoption), by: Actor::by_caller(), reply })?;
         answer.await.map_err(|_| Refused::Stopping)?
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use sha2::{Digest, Sha256};
 
-use super::Pipeline;
+use super::{Actor, Pipeline};
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::limits::Requirement;
@@ -24,6 +24,17 @@ pub enum Submission {
     Calibration(Box<Calibration>),
     Bench(Box<BenchTest>),
     Event(GyroEvent),
+}
+
+impl Submission {
+    /// The station that it was measured at; none for what people say.
+    pub fn station(&self) -> Option<&str> {
+        match self {
+            Self::Calibration(calibration) => Some(calibration.station.as_str()),
+            Self::Bench(bench) => Some(bench.result.station.as_str()),
+            Self::Event(_) => None,
+        }
+    }
 }
 
 /// An IMU's calibration, separated: from a record, or from a campaign that was fitted here.
@@ -68,6 +79,8 @@ pub struct GyroEvent {
     pub event: Event,
     pub reason: String,
     pub author: Option<String>,
+    /// Who says so.
+    pub by: Actor,
 }
 
 impl Pipeline {

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use tokio::sync::{mpsc, oneshot, watch};
 
+use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
 use super::admit::{Desk, Group, Newest};
 use super::alerting::AlertBook;
 use super::hooks::{Attempted, HookBook, HookDesk, Order};
@@ -45,10 +46,11 @@ pub(super) struct After {
     pub models: ModelBook,
     /// Moves when diagnoses have become due.
     pub due: watch::Sender<u64>,
+    pub guard: Guard,
 }
 
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, oneshot::Sender<Result<Id, Refused>>)>;
+type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
 type Attempts = Vec<(Attempted, oneshot::Sender<Result<(), Refused>>)>;
 
 impl Task {
@@ -82,17 +84,18 @@ impl Task {
             for job in jobs.drain(..) {
                 let job = match job {
                     Job::Store { items, reply } => (items, reply),
-                    Job::Hook { order, reply } => {
-                        orders.push((order, reply));
+                    Job::Hook { order, by, reply } => {
+                        orders.push((order, by, reply));
                         continue;
                     }
                     Job::Attempted { attempted, reply } => {
                         attempts.push((attempted, reply));
                         continue;
                     }
-                    Job::Model { adoption, reply } => {
+                    Job::Model { adoption, by, reply } => {
                         let (store, models) = (&self.store, &self.after.models);
-                        let _gone = reply.send(adopt(store, &mut self.writer, &self.clock, models, &adoption).await);
+                        let _gone =
+                            reply.send(adopt(store, &mut self.writer, &self.clock, models, &adoption, &by).await);
                         self.after.due.send_modify(|moved| *moved += 1);
                         continue;
                     }
@@ -100,8 +103,12 @@ impl Task {
                         let _gone = reply.send(made.keep(&mut self.writer, &self.after.models).await);
                         continue;
                     }
-                    Job::Alert { order, reply } => {
-                        let _gone = reply.send(self.obey(&order).await);
+                    Job::Alert { order, by, reply } => {
+                        let _gone = reply.send(self.obey(&order, &by).await);
+                        continue;
+                    }
+                    Job::Access { order, by, reply } => {
+                        let _gone = reply.send(self.register(&order, &by).await);
                         continue;
                     }
                     Job::Probe(reply) => {
@@ -144,8 +151,8 @@ impl Task {
         let old_secret_until = self.config.hooks.old_secret_until(now);
         let mut desk = HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until };
         let changed = !orders.is_empty() || attempts.iter().any(|(attempted, _)| attempted.gone.is_some());
-        for (order, reply) in orders {
-            let _gone = reply.send(desk.carry_out(&order).await);
+        for (order, by, reply) in orders {
+            let _gone = reply.send(desk.carry_out(&order, &by).await);
         }
         if !attempts.is_empty() {
             let written = desk.write_down(attempts.iter().map(|(attempted, _)| attempted)).await.map_err(Arc::new);
@@ -156,6 +163,13 @@ impl Task {
         if changed {
             self.look_at_hooks().await;
         }
+    }
+
+    /// Changes who may use the service.
+    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, Refused> {
+        let known = self.store.tokens().await?;
+        let (guard, writer, now) = (&self.after.guard, &mut self.writer, self.clock.now());
+        Registrar { guard, writer, now }.carry_out(order, by, &known).await
     }
 
     /// Hooks have changed, or have something new to be told.

@@ -77,7 +77,7 @@ impl Lab {
         let router = http::router(app, axum::Router::new());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(async move {
-            http::server::serve(listener, router, &config.server, async {
+            http::server::serve(listener, None, router, &config.server, async {
                 let _told_or_dropped = stopped.await;
             })
             .await;

@@ -203,7 +203,7 @@ fn spawn(dir: &Path, listen: &str, settings: &[(String, String)]) -> (Child, Str
         .unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-    let Some((_, address)) = line.trim().split_once("http://") else {
+    let Some((_, address)) = line.trim().split_once("://") else {
         let _reaped = child.wait();
         panic!("the service did not start: {line}\n{}", std::fs::read_to_string(dir.join("log")).unwrap());
     };

@@ -324,4 +324,12 @@ catalogue! {
     no_open_alerts: "No alert is open.", "没有未恢复的警报。";
     newest_of: "newest", "最新";
     signature: "Name, date, signature", "姓名、日期、签名";
+
+    // Signing in.
+    sign_in: "Sign in", "登录";
+    sign_out: "Sign out", "退出";
+    sign_in_note: "With a token that an administrator has made for you. It is kept until you sign out or some hours have passed.", "请使用管理员为您创建的令牌登录；退出或数小时后失效。";
+    token: "Token", "令牌";
+    wrong_token: "This token is not valid.", "令牌无效。";
+    too_many_tokens: "Too many attempts. Wait a minute.", "尝试次数过多，请一分钟后再试。";
 }

@@ -2,7 +2,7 @@
 
 use crate::core::notify;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Job, Pipeline, Refused};
+use crate::pipeline::{Actor, Job, Pipeline, Refused};
 use crate::store::{AlertFilter, AlertRow, Id, Remark, StoreError};
 use crate::wire::alert::AlertBody;
 
@@ -25,6 +25,15 @@ pub enum AlertChange {
     Acknowledge,
     /// Nobody is to be told before a time.
     Silence { until: UtcMicros },
+}
+
+impl AlertChange {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Acknowledge => "acknowledge",
+            Self::Silence { .. } => "silence",
+        }
+    }
 }
 
 /// An alert with what became of it.
@@ -94,7 +103,7 @@ impl Pipeline {
     /// [`Refused::UnknownAlert`], [`Refused::AlertResolved`], or as [`Pipeline::submit`].
     pub async fn change_alert(&self, order: AlertOrder) -> Result<AlertBody, Refused> {
         let (reply, answer) = oneshot::channel();
-        self.offer(Job::Alert { order, reply })?;
+        self.offer(Job::Alert { order, by: Actor::by_caller(), reply })?;
         answer.await.map_err(|_| Refused::Stopping)?
     }
 }
@@ -114,14 +123,14 @@ impl AlertBook {
                     row.alert = notify::acknowledge(&row.alert);
                     row.acknowledged = Some(remark.clone());
                 };
-                self.say(order.alert, "acknowledge", &remark, change, pen)
+                self.say(order.alert, order.change.name(), &remark, change, pen)
             }
             AlertChange::Silence { until } => {
                 let change = |row: &mut AlertRow| {
                     row.alert = notify::silence(&row.alert, Some(until));
                     row.silenced = Some(remark.clone());
                 };
-                self.say(order.alert, "silence", &remark, change, pen)
+                self.say(order.alert, order.change.name(), &remark, change, pen)
             }
         };
         changed.ok_or_else(unknown)

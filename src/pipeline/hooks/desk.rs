@@ -1,12 +1,14 @@
 //! What changes hooks and their queues, carried out by the one writer.
 
+use serde::Serialize;
+
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Refused;
+use crate::pipeline::{Actor, Refused};
 use crate::store::{
-    AttemptRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject,
-    Writer,
+    AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
+    Subject, Writer,
 };
 use crate::wire::hook::FilterBody;
 use crate::wire::time;
@@ -25,6 +27,35 @@ pub enum Order {
     Test(Id),
     /// Sends a delivery again that is done, or one that waits at once.
     Redeliver(Id),
+}
+
+/// A hook as the audit trail has it. Of what is secret it says whether it is there; the address may hold a token, so
+/// that only where it leads is said.
+#[derive(Serialize)]
+struct Audited<'a> {
+    name: &'a str,
+    kind: &'a str,
+    origin: String,
+    authorized: bool,
+    signed: bool,
+    filter: &'a str,
+    enabled: bool,
+}
+
+impl<'a> From<&'a HookRow> for Audited<'a> {
+    fn from(hook: &'a HookRow) -> Self {
+        let origin =
+            url::Url::parse(&hook.url).map_or_else(|_| String::new(), |url| url.origin().ascii_serialization());
+        Self {
+            name: &hook.name,
+            kind: &hook.kind,
+            origin,
+            authorized: hook.authorization.is_some(),
+            signed: hook.secret.is_some(),
+            filter: &hook.filter,
+            enabled: hook.enabled,
+        }
+    }
 }
 
 /// An attempt was made.
@@ -53,8 +84,8 @@ pub(in crate::pipeline) struct HookDesk<'a> {
 }
 
 impl HookDesk<'_> {
-    /// Carries out one order; on disk when this returns.
-    pub async fn carry_out(&mut self, order: &Order) -> Result<Id, Refused> {
+    /// Carries out one order; on disk, with its line in the audit trail, when this returns.
+    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
         let mut changes = Changes::default();
         let about = match order {
             Order::Create(new) => self.create(new, &mut changes).await?,
@@ -68,8 +99,27 @@ impl HookDesk<'_> {
             Order::Test(hook) => self.test(*hook, &mut changes).await?,
             Order::Redeliver(delivery) => self.redeliver(*delivery, &mut changes.outbox).await?,
         };
+        let line = self.audited(order, by, about, &changes).await?;
+        changes.access.audit.push(line);
         self.writer.commit(&changes).await?;
         Ok(about)
+    }
+
+    async fn audited(&mut self, order: &Order, by: &Actor, about: Id, changes: &Changes) -> Result<AuditRow, Refused> {
+        let (action, subject) = match order {
+            Order::Create(_) => ("create hook", format!("hooks/{about}")),
+            Order::Change(..) => ("change hook", format!("hooks/{about}")),
+            Order::Delete(_) => ("delete hook", format!("hooks/{about}")),
+            Order::Test(hook) => ("test hook", format!("hooks/{hook}")),
+            Order::Redeliver(_) => ("redeliver", format!("deliveries/{about}")),
+        };
+        let before = match order {
+            Order::Change(id, _) | Order::Delete(id) => self.store.hook(*id).await?,
+            Order::Create(_) | Order::Test(_) | Order::Redeliver(_) => None,
+        };
+        let after = changes.hooks.first().filter(|hook| hook.deleted_at.is_none());
+        let (before, after) = (before.as_ref().map(Audited::from), after.map(Audited::from));
+        Ok(by.line(self.writer.next_id(self.now), self.now, (action, subject), before.as_ref(), after.as_ref()))
     }
 
     /// Writes down many attempts in one transaction.

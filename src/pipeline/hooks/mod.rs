@@ -13,6 +13,7 @@ pub(super) use desk::{Attempted, HookDesk};
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
 
+use super::access::Actor;
 use super::{Job, Pipeline, Refused};
 use crate::alert::sign::Secret;
 use crate::core::fault::Faults;
@@ -52,7 +53,7 @@ impl Pipeline {
     /// [`Refused`]; then nothing has changed.
     pub async fn order(&self, order: Order) -> Result<Id, Refused> {
         let (reply, answer) = oneshot::channel();
-        self.offer(Job::Hook { order, reply })?;
+        self.offer(Job::Hook { order, by: Actor::by_caller(), reply })?;
         answer.await.map_err(|_| Refused::Stopping)?
     }
 

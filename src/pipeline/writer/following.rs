@@ -7,11 +7,11 @@ use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::Task;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Refused;
 use crate::pipeline::agreement::{Agreement, agreement_after};
 use crate::pipeline::alerting::{AlertOrder, Naming, Pen, follow_clock, follow_group};
 use crate::pipeline::judging::Judged;
 use crate::pipeline::read::Calibration;
+use crate::pipeline::{Actor, Refused};
 use crate::store::{Changes, Id, NewDelivery, StoreError, Subject};
 use crate::wire::alert::AlertBody;
 
@@ -101,16 +101,20 @@ impl Task {
     }
 
     /// Does what somebody has said of an alert.
-    pub(super) async fn obey(&mut self, order: &AlertOrder) -> Result<AlertBody, Refused> {
+    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, Refused> {
         self.alerts.refresh(&self.store).await?;
         let now = self.clock.now();
-        let body = {
+        let (before, body) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
+            let before = self.alerts.alert(order.alert).map(|row| naming.alert(row, now)).transpose()?;
             let mut pen = Pen { now, writer: &mut self.writer, naming };
             let row = self.alerts.obey(order, &mut pen)?;
-            naming.alert(&row, now)?
+            (before, naming.alert(&row, now)?)
         };
         let mut changes = Changes::default();
+        let (line, action) = (self.writer.next_id(now), order.change.name());
+        let audit = by.line(line, now, (action, format!("alerts/{}", order.alert)), before.as_ref(), Some(&body));
+        changes.access.audit.push(audit);
         let noted = self.note(&mut changes, now);
         let written = if noted.is_ok() { self.commit(&changes).await } else { noted };
         if written.is_err() {

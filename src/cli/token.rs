@@ -1,0 +1,134 @@
+//! `token`: who may use the service. Works on the database itself, so that the first token can be made before the service runs
+//! and nobody is locked out.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use clap::{Args, Subcommand};
+
+use super::{block_on, document};
+use crate::config::Config;
+use crate::core::access::Role;
+use crate::core::fault::Faults;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Beside, NewToken, TokenRow, create_beside, revoke_beside};
+use crate::system::Clock;
+use crate::wire::{text, time};
+
+/// Make, list and revoke access tokens
+#[derive(Debug, Args)]
+pub struct Token {
+    #[command(subcommand)]
+    order: Order,
+    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
+    #[arg(long = "config", value_name = "FILE", global = true)]
+    config: Vec<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Order {
+    /// Make a token and print it, this once
+    Create {
+        /// Who or what will use it
+        name: String,
+        /// What it may do: station (send and read), engineer (acknowledge, mark events, adopt models), admin (all)
+        #[arg(long, value_parser = role)]
+        role: Role,
+        /// The only station that it may send for
+        #[arg(long)]
+        station: Option<String>,
+        /// When it ends, RFC 3339
+        #[arg(long, value_name = "TIME", conflicts_with = "days")]
+        expires_at: Option<String>,
+        /// After how many days it ends
+        #[arg(long, value_name = "DAYS")]
+        days: Option<u32>,
+    },
+    /// List every token there ever was
+    List,
+    /// Revoke a token for good
+    Revoke {
+        /// Identifier, as `list` shows it
+        id: String,
+    },
+}
+
+fn role(name: &str) -> Result<Role, String> {
+    Role::from_name(name).ok_or_else(|| format!("must be one of {}", Role::ALL.map(Role::name).join(", ")))
+}
+
+impl Token {
+    pub fn run(self) -> anyhow::Result<()> {
+        let database = Config::load(&self.config, std::env::vars())?.database;
+        let (order, options) = (self.order, database.options());
+        let work = async {
+            let mut beside = Beside::open(&options).await?;
+            order.carry_out(&mut beside, Clock::System.now()).await
+        };
+        block_on(work).with_context(|| format!("the database {}", database.url))
+    }
+}
+
+impl Order {
+    async fn carry_out(self, database: &mut Beside, now: UtcMicros) -> anyhow::Result<()> {
+        match self {
+            Self::Create { name, role, station, expires_at, days } => {
+                let new = checked(name, role, station, expiry(expires_at.as_deref(), days, now)?, now)?;
+                let secret = create_beside(database, &new, now).await?;
+                eprintln!("token {} ({}, {}): keep it now, it is shown this once", secret.id, new.name, role.name());
+                document::print(&secret.reveal())
+            }
+            Self::List => document::print(&table(&database.tokens().await?, now)),
+            Self::Revoke { id } => {
+                let id = id.parse().with_context(|| format!("{id} is no identifier of a token"))?;
+                let now_revoked = revoke_beside(database, id, now).await?;
+                document::print(&format!(
+                    "token {id} {}",
+                    if now_revoked { "is revoked" } else { "was revoked before" }
+                ))
+            }
+        }
+    }
+}
+
+fn expiry(at: Option<&str>, days: Option<u32>, now: UtcMicros) -> anyhow::Result<Option<UtcMicros>> {
+    if let Some(at) = at {
+        return match time::parse(at) {
+            Ok(at) => Ok(Some(at)),
+            Err(why) => bail!("--expires-at {why}"),
+        };
+    }
+    Ok(days.map(|days| UtcMicros(now.0 + i64::from(days) * UtcMicros::DAY)))
+}
+
+fn checked(
+    name: String,
+    role: Role,
+    station: Option<String>,
+    expires_at: Option<UtcMicros>,
+    now: UtcMicros,
+) -> Result<NewToken, Faults> {
+    let mut faults = Faults::default();
+    let name = text::required_short("/name", name, &mut faults);
+    let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
+    if expires_at.is_some_and(|at| at <= now) {
+        faults.push("/expires_at", "must lie in the future");
+    }
+    faults.or(NewToken { name, role, station, expires_at })
+}
+
+fn table(tokens: &[TokenRow], now: UtcMicros) -> String {
+    let mut table = document::table(["id", "name", "role", "station", "made", "state"], 0..0);
+    for token in tokens {
+        let state = match (token.revoked_at, token.expires_at) {
+            (Some(at), _) => format!("revoked {}", time::format(at)),
+            (None, Some(at)) if at <= now => format!("expired {}", time::format(at)),
+            (None, Some(at)) => format!("until {}", time::format(at)),
+            (None, None) => "valid".to_owned(),
+        };
+        let station = token.station.clone().unwrap_or_else(|| "any".to_owned());
+        let made = time::format(token.created_at);
+        table.add_row([token.id.to_string(), token.name.clone(), token.role.name().into(), station, made, state]);
+    }
+    table.to_string()
+}

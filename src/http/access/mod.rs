@@ -1,0 +1,179 @@
+//! Who may do what: every request passes here before it is handled.
+
+mod rules;
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::time::Duration;
+
+use axum::extract::{ConnectInfo, MatchedPath, Request, State};
+use axum::http::header::{ACCEPT, AUTHORIZATION, COOKIE, HOST, LOCATION, ORIGIN, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use super::App;
+use crate::core::access::Role;
+use crate::pipeline::{By, Denied, SESSION_COOKIE};
+use crate::wire::problem::Problem;
+use rules::Least;
+
+/// Lets a request through to its handler as its caller, or answers it 401, 403 or 429.
+pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> Response {
+    let Some(route) = request.extensions().get::<MatchedPath>().cloned() else {
+        return next.run(request).await; // Nothing is there: the fallback says so.
+    };
+    let least = rules::least(request.method(), route.as_str());
+    let origin = Origin::of(request.method(), request.headers());
+    let source = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|ConnectInfo(peer)| peer.ip());
+    // Without an address (a request that came over no connection) it is nobody's, and certainly not this machine's.
+    let source = source.unwrap_or(IpAddr::V4(Ipv4Addr::UNSPECIFIED));
+    let headers = request.headers();
+    let credentials = (bearer(headers), session(headers));
+    let caller = match app.pipeline.guard().caller(credentials, source, app.clock.now()).await {
+        Ok(caller) => caller,
+        Err(_) if least == Least::Anyone && origin != Origin::Foreign => return next.run(request).await,
+        Err(_) if least == Least::Anyone => return foreign().into_response(),
+        Err(denied) => return refuse(&denied, &request),
+    };
+    let by_cookie = matches!(caller.by, By::Session { .. });
+    let by_token = matches!(caller.by, By::Token(_));
+    // A page of another site can make a browser send its cookie, or reach this machine; it cannot make it send a token.
+    if (origin == Origin::Foreign && !by_token) || (origin == Origin::Unsaid && by_cookie) {
+        return foreign().into_response();
+    }
+    let needed = match least {
+        Least::Anyone => None,
+        Least::Role(role) => Some(role).filter(|role| caller.role < *role),
+        // Most likely a method that the route does not take, which its handler says; where it does take it, the rule is missing.
+        Least::Nobody => Some(Role::Admin).filter(|role| caller.role < *role),
+    };
+    if let Some(role) = needed {
+        let detail = format!("this takes the role {}; the token has the role {}", role.name(), caller.role.name());
+        return challenged(Problem::new(403, "Not allowed", detail), "Bearer error=\"insufficient_scope\"");
+    }
+    request.extensions_mut().insert(caller.clone());
+    caller.during(next.run(request)).await
+}
+
+/// Whether a request that changes something was sent by a page of this service.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    Own,
+    Foreign,
+    /// No browser, or an old one.
+    Unsaid,
+}
+
+impl Origin {
+    /// By the browser's word, which no page can forge. What changes nothing may come from anywhere.
+    fn of(method: &Method, headers: &HeaderMap) -> Self {
+        if method.is_safe() {
+            return Self::Own;
+        }
+        let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+        match (text(HeaderName::from_static("sec-fetch-site")), text(ORIGIN)) {
+            (Some("same-origin" | "none"), _) => Self::Own,
+            (Some(_), _) => Self::Foreign,
+            (None, Some(origin)) if origin.split_once("://").map(|(_, host)| host) == text(HOST) => Self::Own,
+            (None, Some(_)) => Self::Foreign,
+            (None, None) => Self::Unsaid,
+        }
+    }
+}
+
+fn foreign() -> Problem {
+    Problem::new(403, "Foreign page", "the request was sent by a page of another site")
+}
+
+/// The token of `Authorization: Bearer`.
+fn bearer(headers: &HeaderMap) -> Option<&str> {
+    let (scheme, token) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
+    scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
+}
+
+fn session(headers: &HeaderMap) -> Option<&str> {
+    let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
+    let mut pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    pairs.find(|(name, _)| *name == SESSION_COOKIE).map(|(_, value)| value)
+}
+
+/// A person who looks at a page is sent to where to sign in; everybody else is told why.
+fn refuse(denied: &Denied, request: &Request) -> Response {
+    let wants_page =
+        request.headers().get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/html"));
+    let could_sign_in = matches!(denied, Denied::NoToken | Denied::SignedOut | Denied::Revoked | Denied::Expired);
+    if wants_page && could_sign_in && request.method() == Method::GET && bearer(request.headers()).is_none() {
+        return (StatusCode::SEE_OTHER, [(LOCATION, sign_in_for(request.uri()))]).into_response();
+    }
+    denied_response(denied)
+}
+
+fn sign_in_for(uri: &Uri) -> String {
+    let here = uri.path_and_query().map_or("/", |here| here.as_str());
+    let back = url::form_urlencoded::byte_serialize(here.as_bytes()).collect::<String>();
+    format!("/sign-in?back={back}")
+}
+
+fn denied_response(denied: &Denied) -> Response {
+    let detail = denied.to_string();
+    match denied {
+        Denied::NoToken | Denied::SignedOut => {
+            challenged(Problem::new(401, "Token needed", detail), "Bearer realm=\"gyrowatch\"")
+        }
+        Denied::Wrong | Denied::Revoked | Denied::Expired => challenged(
+            Problem::new(401, "Token not valid", detail),
+            "Bearer realm=\"gyrowatch\", error=\"invalid_token\"",
+        ),
+        Denied::NotHere => Problem::new(403, "Not allowed", detail).into_response(),
+        Denied::TooManyFailures { wait } => later(Problem::new(429, "Too many wrong tokens", detail), *wait),
+        Denied::TooManyRequests { wait } => later(Problem::new(429, "Too many requests", detail), *wait),
+        Denied::Unreadable => Problem::new(503, "Try again", detail).into_response(),
+    }
+}
+
+fn challenged(problem: Problem, challenge: &'static str) -> Response {
+    let mut response = problem.into_response();
+    response.headers_mut().insert(WWW_AUTHENTICATE, HeaderValue::from_static(challenge));
+    response
+}
+
+fn later(problem: Problem, wait: Duration) -> Response {
+    let mut response = problem.into_response();
+    let seconds = wait.as_secs_f64().ceil().max(1.0) as u64;
+    response.headers_mut().insert(RETRY_AFTER, HeaderValue::from(seconds));
+    response
+}
+
+#[cfg(test)]
+pub(super) use rules::has as has_rule;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn origin(method: Method, headers: &[(&'static str, &str)]) -> Origin {
+        let mut map = HeaderMap::new();
+        map.insert(HOST, "gyros.example:8080".parse().unwrap());
+        for (name, value) in headers {
+            map.insert(*name, value.parse().unwrap());
+        }
+        Origin::of(&method, &map)
+    }
+
+    #[test]
+    fn only_pages_of_this_service_change_anything_with_a_browsers_hands() {
+        for (headers, expected) in [
+            (&[][..], Origin::Unsaid),
+            (&[("sec-fetch-site", "same-origin")], Origin::Own),
+            (&[("sec-fetch-site", "cross-site")], Origin::Foreign),
+            (&[("sec-fetch-site", "same-site")], Origin::Foreign),
+            (&[("origin", "https://gyros.example:8080")], Origin::Own),
+            (&[("origin", "https://evil.example")], Origin::Foreign),
+            (&[("origin", "null")], Origin::Foreign),
+            (&[("sec-fetch-site", "cross-site"), ("origin", "https://gyros.example:8080")], Origin::Foreign),
+        ] {
+            assert_eq!(origin(Method::POST, headers), expected, "{headers:?}");
+            assert_eq!(origin(Method::GET, headers), Origin::Own, "{headers:?}");
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Which role each route takes at the least. A route without a rule is nobody's: a test fails until it has one.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+use axum::http::Method;
+
+use crate::core::access::Role;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Least {
+    /// Without a token too.
+    Anyone,
+    Role(Role),
+    /// There is no rule.
+    Nobody,
+}
+
+const ANYONE: Least = Least::Anyone;
+const STATION: Least = Least::Role(Role::Station);
+const ENGINEER: Least = Least::Role(Role::Engineer);
+const ADMIN: Least = Least::Role(Role::Admin);
+
+/// Method, route, and who may use it. Administrators decide where data leave to (hooks) and who comes in (tokens).
+const RULES: &[(&str, &str, Least)] = &[
+    // The service.
+    ("GET", "/healthz", ANYONE),
+    ("GET", "/readyz", ANYONE),
+    ("GET", "/metrics", STATION),
+    ("GET", "/openapi.json", STATION),
+    ("GET", "/docs", STATION),
+    ("GET", "/docs/", STATION),
+    ("GET", "/docs/{*rest}", STATION),
+    // What is measured.
+    ("POST", "/v1/records", STATION),
+    ("GET", "/v1/records/{id}", STATION),
+    ("GET", "/v1/records/{id}/diagnosis", STATION),
+    ("POST", "/v1/campaigns", STATION),
+    ("GET", "/v1/campaigns/{id}", STATION),
+    ("GET", "/v1/campaigns/{id}/diagnosis", STATION),
+    ("POST", "/v1/bench-results", STATION),
+    ("GET", "/v1/bench-results/{id}", STATION),
+    ("POST", "/v1/import", STATION),
+    ("GET", "/v1/gyros", STATION),
+    ("GET", "/v1/gyros/{serial}", STATION),
+    ("GET", "/v1/gyros/{serial}/trend", STATION),
+    ("GET", "/v1/gyros/{serial}/agreement", STATION),
+    ("GET", "/v1/gyros/{serial}/diagnosis", STATION),
+    ("GET", "/v1/gyros/{serial}/events", STATION),
+    ("GET", "/v1/imus/{imu}/model", STATION),
+    ("GET", "/v1/alerts", STATION),
+    ("GET", "/v1/alerts/{id}", STATION),
+    // What is made of it.
+    ("POST", "/v1/gyros/{serial}/events", ENGINEER),
+    ("POST", "/v1/gyros/{serial}/baseline", ENGINEER),
+    ("POST", "/v1/imus/{imu}/model", ENGINEER),
+    ("POST", "/v1/alerts/{id}/acknowledge", ENGINEER),
+    ("POST", "/v1/alerts/{id}/silence", ENGINEER),
+    ("GET", "/v1/hooks", ENGINEER),
+    ("GET", "/v1/hooks/{id}", ENGINEER),
+    ("GET", "/v1/hooks/{id}/deliveries", ENGINEER),
+    ("GET", "/v1/deliveries/{id}", ENGINEER),
+    ("POST", "/v1/deliveries/{id}/redeliver", ENGINEER),
+    ("POST", "/v1/hooks/{id}/test", ENGINEER),
+    // Where it goes, and who comes in.
+    ("POST", "/v1/hooks", ADMIN),
+    ("PATCH", "/v1/hooks/{id}", ADMIN),
+    ("DELETE", "/v1/hooks/{id}", ADMIN),
+    ("GET", "/v1/tokens", ADMIN),
+    ("POST", "/v1/tokens", ADMIN),
+    ("DELETE", "/v1/tokens/{id}", ADMIN),
+    ("GET", "/v1/audit", ADMIN),
+    // Pages.
+    ("GET", "/sign-in", ANYONE),
+    ("POST", "/sign-in", ANYONE),
+    ("POST", "/sign-out", ANYONE),
+    ("GET", "/preference", ANYONE),
+    ("GET", "/assets/{name}", ANYONE),
+    ("GET", "/", STATION),
+    ("GET", "/gyros/{serial}", STATION),
+    ("GET", "/gyros/{serial}/report", STATION),
+    ("GET", "/gyros/{serial}/events/new", ENGINEER),
+    ("POST", "/gyros/{serial}/events/new", ENGINEER),
+    ("GET", "/imus/{imu}", STATION),
+    ("GET", "/imus/{imu}/report", STATION),
+    ("GET", "/alerts", STATION),
+    ("GET", "/alerts/{id}/{deed}", ENGINEER),
+    ("POST", "/alerts/{id}/{deed}", ENGINEER),
+    ("GET", "/hooks", ENGINEER),
+    ("GET", "/hooks/{id}", ENGINEER),
+    ("POST", "/hooks/{id}/test", ENGINEER),
+    ("POST", "/hooks/{id}/redeliver", ENGINEER),
+    ("POST", "/hooks/{id}/deliveries/{delivery}/redeliver", ENGINEER),
+    ("GET", "/hooks/new", ADMIN),
+    ("POST", "/hooks/new", ADMIN),
+    ("POST", "/hooks/{id}/enabled", ADMIN),
+    ("GET", "/hooks/{id}/delete", ADMIN),
+    ("POST", "/hooks/{id}/delete", ADMIN),
+    ("GET", "/records/{id}", STATION),
+    ("GET", "/campaigns/{id}", STATION),
+    ("GET", "/campaigns/{id}/diagnosis", STATION),
+    ("GET", "/stations", STATION),
+    ("GET", "/import", STATION),
+    ("POST", "/import/preview", STATION),
+    ("POST", "/import/store", STATION),
+];
+
+static LEAST: LazyLock<HashMap<(&str, &str), Least>> =
+    LazyLock::new(|| RULES.iter().map(|&(method, route, least)| ((method, route), least)).collect());
+
+/// Who may use a method of a route.
+pub(super) fn least(method: &Method, route: &str) -> Least {
+    let method = if *method == Method::HEAD { "GET" } else { method.as_str() };
+    LEAST.get(&(method, route)).copied().unwrap_or(Least::Nobody)
+}
+
+#[cfg(test)]
+pub(in crate::http) fn has(method: &str, route: &str) -> bool {
+    LEAST.contains_key(&(method, route))
+}

@@ -1,0 +1,139 @@
+//! `/v1/audit`: who did what, when and from where.
+
+use axum::extract::State;
+use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK};
+use axum::http::{HeaderMap, Uri};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::answer::Answer;
+use super::query::{self, Parameters};
+use crate::pipeline::{AuditFilter, AuditRow, Id};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_audit))
+}
+
+const MOST_LINES: usize = 10_000;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct AuditQuery {
+    /// Not before this time, RFC 3339.
+    from: Option<String>,
+    /// Not after this time, RFC 3339.
+    to: Option<String>,
+    /// Only what the holder of the token of this name did.
+    who: Option<String>,
+    /// Only this kind of act, such as `acknowledge` or `revoke token`.
+    action: Option<String>,
+    /// Only acts on this, such as `gyros/LFG-0101`.
+    subject: Option<String>,
+    /// At most so many; 100 unless it is given.
+    limit: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+    /// `json` or `csv`; without it, `Accept` decides.
+    format: Option<String>,
+}
+
+/// One act.
+#[derive(Serialize, ToSchema)]
+struct AuditLine {
+    id: String,
+    at: String,
+    /// Name of the token; `local` before there was one, `command line`, or `service`.
+    who: String,
+    /// Identifier of the token.
+    token: Option<String>,
+    /// The address that it came from.
+    source: String,
+    action: String,
+    subject: String,
+    /// What it was about, as it was; null where it was not.
+    #[schema(value_type = Option<Object>)]
+    before: Option<Box<RawValue>>,
+    /// What it became; null where it is no more.
+    #[schema(value_type = Option<Object>)]
+    after: Option<Box<RawValue>>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct Audit {
+    /// Newest first.
+    lines: Vec<AuditLine>,
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+/// The audit trail, newest first. It is only ever added to.
+#[utoipa::path(get, path = "/v1/audit", tag = "access", params(AuditQuery),
+    responses(
+        (status = 200, description = "the lines", content((Audit = "application/json"), (String = "text/csv")),
+            headers(("Link" = Option<String>, description = "where it goes on"))),
+        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+async fn get_audit(
+    State(app): State<App>,
+    headers: HeaderMap,
+    uri: Uri,
+    Parameters(asked): Parameters<AuditQuery>,
+) -> Result<Response, Problem> {
+    let csv = match asked.format.as_deref() {
+        Some("csv") => true,
+        Some("json") => false,
+        Some(other) => return Err(query::bad(&format!("format must be json or csv, is {other}"))),
+        None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
+    };
+    let limit = query::limit(asked.limit, 100, MOST_LINES)?;
+    let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
+    let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
+    let AuditQuery { who, action, subject, .. } = asked;
+    let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
+    let mut rows = app.pipeline.audit(&filter, before, limit as u32 + 1).await?;
+    let more = rows.len() > limit;
+    rows.truncate(limit);
+    let next = rows.last().filter(|_| more).map(|last| query::cursor(last.id.0));
+    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    if csv {
+        let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "Internal error", "the trail cannot be written"))?;
+        return Ok((link, [(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
+    }
+    let lines = rows.into_iter().map(line).collect::<Result<_, _>>()?;
+    Ok((link, Answer(Audit { lines, next })).into_response())
+}
+
+fn line(row: AuditRow) -> Result<AuditLine, Problem> {
+    let damaged = |_| Problem::new(500, "Damaged database", format!("line {} of the audit trail is no JSON", row.id));
+    let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
+    Ok(AuditLine {
+        before: json(row.before)?,
+        after: json(row.after)?,
+        id: row.id.to_string(),
+        at: time::format(row.at),
+        who: row.who,
+        token: row.token.map(|token| token.to_string()),
+        source: row.source,
+        action: row.action,
+        subject: row.subject,
+    })
+}
+
+fn as_csv(rows: &[AuditRow]) -> Option<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(["id", "at", "who", "token", "source", "action", "subject", "before", "after"]).ok()?;
+    for row in rows {
+        let (id, at, token) = (row.id.to_string(), time::format(row.at), row.token.map(|token| token.to_string()));
+        let (before, after) = (row.before.as_deref().unwrap_or(""), row.after.as_deref().unwrap_or(""));
+        let token = token.as_deref().unwrap_or("");
+        writer.write_record([&id, &at, &row.who, token, &row.source, &row.action, &row.subject, before, after]).ok()?;
+    }
+    writer.into_inner().ok()
+}

@@ -1,0 +1,131 @@
+//! `/v1/tokens`: who may use the service.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::document::Document;
+use crate::core::access::Role;
+use crate::core::fault::Faults;
+use crate::pipeline::{AccessOrder, Id, NewToken, TokenRow};
+use crate::wire::problem::Problem;
+use crate::wire::{json, text, time};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(get_tokens, post_token)).routes(routes!(delete_token))
+}
+
+/// A token. Its secret is in the answer to its making, and nowhere else.
+#[derive(Serialize, ToSchema)]
+struct TokenBody {
+    id: String,
+    name: String,
+    /// `station`, `engineer` or `admin`.
+    role: &'static str,
+    /// The only station that it may send for; null for any.
+    station: Option<String>,
+    created_at: String,
+    expires_at: Option<String>,
+    revoked_at: Option<String>,
+    /// To be sent as `Authorization: Bearer`. Shown this once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    token: Option<String>,
+}
+
+impl From<&TokenRow> for TokenBody {
+    fn from(row: &TokenRow) -> Self {
+        Self {
+            id: row.id.to_string(),
+            name: row.name.clone(),
+            role: row.role.name(),
+            station: row.station.clone(),
+            created_at: time::format(row.created_at),
+            expires_at: row.expires_at.map(time::format),
+            revoked_at: row.revoked_at.map(time::format),
+            token: None,
+        }
+    }
+}
+
+#[derive(Serialize, ToSchema)]
+struct Tokens {
+    /// Oldest first, those that were revoked or have expired too.
+    tokens: Vec<TokenBody>,
+}
+
+/// Every token, without its secret.
+#[utoipa::path(get, path = "/v1/tokens", tag = "access", responses((status = 200, description = "the tokens", body = Tokens)))]
+async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
+    let rows = app.pipeline.tokens().await?;
+    Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
+}
+
+/// For whom, and what they may do.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct NewTokenBody {
+    /// Who or what will use it.
+    #[schema(min_length = 1, max_length = 128)]
+    name: String,
+    /// `station`, `engineer` or `admin`.
+    role: String,
+    /// The only station that it may send for.
+    #[serde(default)]
+    station: Option<String>,
+    /// RFC 3339; never, where it is left out.
+    #[serde(default)]
+    expires_at: Option<String>,
+}
+
+/// Makes a token. From the first one on, every request needs one.
+#[utoipa::path(post, path = "/v1/tokens", tag = "access", request_body = NewTokenBody, responses(
+    (status = 201, description = "made; its secret is shown this once", body = TokenBody, headers(("Location" = String, description = "where it is"))),
+    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+    (status = 422, description = "an unknown role, an expiry in the past …; the places are named", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+    let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let lost = || Problem::new(500, "Internal error", "the token was made and cannot be read back; revoke it");
+    let secret = app.pipeline.order_access(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
+    let rows = app.pipeline.tokens().await?;
+    let row = rows.iter().find(|row| row.id == secret.id).ok_or_else(lost)?;
+    let body = TokenBody { token: Some(secret.reveal()), ..TokenBody::from(row) };
+    Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/tokens/{}", row.id))], Json(body)).into_response())
+}
+
+/// Revokes a token, at once and for good. Whoever has signed in with it is signed out.
+#[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access", params(("id" = String, Path, description = "identifier of the token")),
+    responses(
+        (status = 204, description = "revoked, now or before"),
+        (status = 404, description = "no such token", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    let id: Id = id.parse().map_err(|_| Problem::new(404, "No such token", format!("there is no token {id}")))?;
+    app.pipeline.order_access(AccessOrder::Revoke(id)).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+fn read(app: &App, bytes: &[u8]) -> Result<NewToken, Faults> {
+    let NewTokenBody { name, role, station, expires_at } = json::parse(bytes)?;
+    let mut faults = Faults::default();
+    let role = Role::from_name(&role).unwrap_or_else(|| {
+        let names = Role::ALL.map(Role::name).join(", ");
+        faults.push("/role", format!("must be one of {names}; is {role:?}"));
+        Role::Station
+    });
+    let name = text::required_short("/name", name, &mut faults);
+    let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
+    let expires_at = expires_at.map(|at| text::instant("/expires_at", &at, &mut faults));
+    if expires_at.is_some_and(|at| at <= app.clock.now()) {
+        faults.push("/expires_at", "must lie in the future");
+    }
+    faults.or(NewToken { name, role, station, expires_at })
+}

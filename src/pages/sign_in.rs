@@ -1,0 +1,91 @@
+//! Signing in with a token, and out again.
+
+use std::net::SocketAddr;
+
+use axum::Form;
+use axum::extract::{ConnectInfo, Query, State as Held};
+use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE};
+use axum::http::{HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use maud::html;
+use serde::Deserialize;
+
+use super::Pages;
+use super::layout::{Page, Section};
+use super::viewer::{Viewer, is_local};
+use crate::pipeline::{Denied, SESSION_COOKIE};
+use crate::wire::problem::Problem;
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Asked {
+    back: Option<String>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Shown {
+    token: String,
+    back: Option<String>,
+}
+
+pub(super) async fn page(viewer: Viewer, Query(asked): Query<Asked>) -> Response {
+    viewer.show(Ok(form(&viewer, asked.back.as_deref(), None)))
+}
+
+/// Takes the token for a cookie that no script reads and no other site's page has sent along.
+pub(super) async fn enter(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    ConnectInfo(peer): ConnectInfo<SocketAddr>,
+    Form(shown): Form<Shown>,
+) -> Response {
+    let back = shown.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
+    let t = viewer.text();
+    match pages.pipeline.sign_in(&shown.token, peer.ip()).await {
+        Ok(Ok(signed_in)) => {
+            let cookie = session_cookie(&pages, &signed_in.cookie.reveal(), signed_in.seconds);
+            (StatusCode::SEE_OTHER, [(LOCATION, header(back)), (SET_COOKIE, header(&cookie))]).into_response()
+        }
+        Ok(Err(Denied::TooManyFailures { wait } | Denied::TooManyRequests { wait })) => {
+            let page = form(&viewer, Some(back), Some(t.too_many_tokens));
+            let mut response = viewer.respond(StatusCode::TOO_MANY_REQUESTS, &page);
+            response.headers_mut().insert(RETRY_AFTER, HeaderValue::from(wait.as_secs().max(1)));
+            response
+        }
+        Ok(Err(_)) => viewer.respond(StatusCode::UNAUTHORIZED, &form(&viewer, Some(back), Some(t.wrong_token))),
+        Err(refused) => viewer.show(Err(Problem::new(503, "Try again", refused.to_string()))),
+    }
+}
+
+pub(super) async fn leave(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
+    match pages.pipeline.sign_out().await {
+        Ok(()) => {
+            let gone = session_cookie(&pages, "", 0);
+            (StatusCode::SEE_OTHER, [(LOCATION, header("/sign-in")), (SET_COOKIE, header(&gone))]).into_response()
+        }
+        Err(refused) => viewer.show(Err(Problem::new(503, "Try again", refused.to_string()))),
+    }
+}
+
+fn session_cookie(pages: &Pages, value: &str, seconds: i64) -> String {
+    let secure = if pages.config.server.is_encrypted() { "; Secure" } else { "" };
+    format!("{SESSION_COOKIE}={value}; Path=/; Max-Age={seconds}; HttpOnly; SameSite=Strict{secure}")
+}
+
+fn header(text: &str) -> HeaderValue {
+    HeaderValue::from_str(text).unwrap_or_else(|_| HeaderValue::from_static("/"))
+}
+
+fn form(viewer: &Viewer, back: Option<&str>, fault: Option<&str>) -> Page {
+    let t = viewer.text();
+    let body = html! {
+        h1 { (t.sign_in) }
+        p.lead { (t.sign_in_note) }
+        @if let Some(fault) = fault { p.fault role="alert" { (fault) } }
+        form.sign-in action="/sign-in" method="post" {
+            label { (t.token) " " input type="password" name="token" autocomplete="current-password" required autofocus; }
+            @if let Some(back) = back { input type="hidden" name="back" value=(back); }
+            button.primary { (t.sign_in) }
+        }
+    };
+    Page { title: t.sign_in.into(), section: Section::None, plots: false, body }
+}

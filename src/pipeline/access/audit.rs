@@ -1,0 +1,121 @@
+//! Who is at work, and the line that their doings leave in the audit trail.
+//!
+//! Who asks accompanies a request as its task does ([`Caller::during`]), so that whatever changes something down the line can
+//! say who it was without every function on the way handing them on. Without anybody it was the service itself.
+
+use std::net::IpAddr;
+
+use serde::Serialize;
+
+use crate::core::access::Role;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Refused, Submission};
+use crate::store::{AuditRow, Id};
+
+tokio::task_local! {
+    static CALLER: Caller;
+}
+
+/// By what somebody is known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum By {
+    /// There is no token yet, and they are on this machine.
+    Presence,
+    /// A token sent along.
+    Token(Id),
+    /// A cookie, after signing in with a token.
+    Session { session: Id, token: Id },
+}
+
+/// Who asks for something.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Caller {
+    pub name: String,
+    pub role: Role,
+    /// The only station that they may send for.
+    pub station: Option<String>,
+    pub by: By,
+    pub source: IpAddr,
+}
+
+impl Caller {
+    pub fn token(&self) -> Option<Id> {
+        match self.by {
+            By::Presence => None,
+            By::Token(token) | By::Session { token, .. } => Some(token),
+        }
+    }
+
+    /// Whether they may send what is measured where this was.
+    ///
+    /// # Errors
+    /// [`Refused::OtherStation`].
+    pub fn may_submit(&self, item: &Submission) -> Result<(), Refused> {
+        match (&self.station, item.station()) {
+            (Some(own), Some(station)) if own != station => Err(Refused::OtherStation { station: own.clone() }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Does `work` as this caller.
+    pub async fn during<T>(self, work: impl Future<Output = T>) -> T {
+        CALLER.scope(self, work).await
+    }
+
+    /// Who asks for what this task does.
+    pub fn current() -> Option<Self> {
+        CALLER.try_with(Self::clone).ok()
+    }
+}
+
+/// Who did something, as the audit trail has it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Actor {
+    who: String,
+    token: Option<Id>,
+    source: String,
+}
+
+impl Actor {
+    /// Begins a line about what this task's caller does.
+    pub fn by_caller() -> Self {
+        Caller::current().map_or_else(Self::by_service, |caller| Self::by(&caller))
+    }
+
+    pub fn by(caller: &Caller) -> Self {
+        Self { who: caller.name.clone(), token: caller.token(), source: caller.source.to_string() }
+    }
+
+    pub fn by_command_line() -> Self {
+        Self { who: "command line".to_owned(), token: None, source: String::new() }
+    }
+
+    fn by_service() -> Self {
+        Self { who: "service".to_owned(), token: None, source: String::new() }
+    }
+
+    pub fn line(
+        &self,
+        id: Id,
+        at: UtcMicros,
+        (action, subject): (&str, String),
+        before: Option<&impl Serialize>,
+        after: Option<&impl Serialize>,
+    ) -> AuditRow {
+        AuditRow {
+            id,
+            at,
+            who: self.who.clone(),
+            token: self.token,
+            source: self.source.clone(),
+            action: action.to_owned(),
+            subject,
+            before: before.map(text),
+            after: after.map(text),
+        }
+    }
+}
+
+fn text(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("what is audited has text keys and finite numbers")
+}

@@ -1,0 +1,229 @@
+//! Lets callers in, or says why not.
+
+use std::collections::HashMap;
+use std::net::IpAddr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
+use std::time::{Duration, Instant};
+
+use super::REREAD;
+use super::audit::{By, Caller};
+use super::limits::{Allowance, Failures};
+use super::secret::Secret;
+use crate::config::Access;
+use crate::core::access::Role;
+use crate::core::time::UtcMicros;
+use crate::store::{Id, SessionRow, Store, StoreError, TokenRow};
+
+/// Why somebody is not let in.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Denied {
+    #[error("a token is needed: send Authorization: Bearer, or sign in")]
+    NoToken,
+    #[error("no token was ever made, and until then the service answers this machine alone")]
+    NotHere,
+    #[error("the token is none of this service")]
+    Wrong,
+    #[error("the token was revoked")]
+    Revoked,
+    #[error("the token has expired")]
+    Expired,
+    #[error("the sign-in is over; sign in again")]
+    SignedOut,
+    #[error("too many wrong tokens came from this address")]
+    TooManyFailures { wait: Duration },
+    #[error("this token asks for more than it may in a second")]
+    TooManyRequests { wait: Duration },
+    #[error("who may come in cannot be read now")]
+    Unreadable,
+}
+
+#[derive(Debug, Default)]
+struct Book {
+    tokens: HashMap<Id, TokenRow>,
+    sessions: HashMap<Id, SessionRow>,
+}
+
+/// Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Guard(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    store: Store,
+    settings: Access,
+    book: RwLock<Book>,
+    failures: Mutex<Failures>,
+    allowances: Mutex<HashMap<Id, Allowance>>,
+    /// When the book was last begun to be read.
+    reading: tokio::sync::Mutex<Instant>,
+}
+
+impl Guard {
+    /// Reads the book, and goes on reading it as long as a clone is alive.
+    pub async fn start(store: Store, settings: Access) -> Result<Self, StoreError> {
+        let failures = Mutex::new(Failures::new(settings.failures_per_minute));
+        let guard = Self(Arc::new(Inner {
+            store,
+            settings,
+            book: RwLock::default(),
+            failures,
+            allowances: Mutex::default(),
+            reading: tokio::sync::Mutex::new(Instant::now()),
+        }));
+        guard.read_again().await?;
+        tokio::spawn(keep_reading(Arc::downgrade(&guard.0)));
+        Ok(guard)
+    }
+
+    /// Takes over what the database says.
+    pub async fn read_again(&self) -> Result<(), StoreError> {
+        let tokens = self.0.store.tokens().await?.into_iter().map(|token| (token.id, token)).collect();
+        let sessions = self.0.store.sessions().await?.into_iter().map(|session| (session.id, session)).collect();
+        *self.0.book.write().unwrap_or_else(PoisonError::into_inner) = Book { tokens, sessions };
+        Ok(())
+    }
+
+    /// Whether a token was ever made. Revoking the last one does not open the doors again.
+    pub fn asks_for_tokens(&self) -> bool {
+        !self.book().tokens.is_empty()
+    }
+
+    /// Who asks: by the token that was sent along, or else by the cookie.
+    ///
+    /// # Errors
+    /// [`Denied`].
+    pub async fn caller(
+        &self,
+        (token, cookie): (Option<&str>, Option<&str>),
+        source: IpAddr,
+        now: UtcMicros,
+    ) -> Result<Caller, Denied> {
+        let arrived = Instant::now();
+        match (token, cookie) {
+            _ if !self.asks_for_tokens() && source.to_canonical().is_loopback() => Ok(present(source)),
+            _ if !self.asks_for_tokens() => Err(Denied::NotHere),
+            (Some(token), _) => {
+                let row = self.by_token(token, source, arrived).await?;
+                self.admit(row, By::Token, source, now, arrived)
+            }
+            (None, Some(cookie)) => {
+                let session =
+                    self.by_cookie(cookie).filter(|session| now < session.expires_at).ok_or(Denied::SignedOut)?;
+                let row = self.book().tokens.get(&session.token).cloned().ok_or(Denied::SignedOut)?;
+                self.admit(row, |token| By::Session { session: session.id, token }, source, now, arrived)
+            }
+            (None, None) => Err(Denied::NoToken),
+        }
+    }
+
+    /// The caller that a token typed into the sign-in page stands for.
+    ///
+    /// # Errors
+    /// [`Denied`].
+    pub async fn sign_in(&self, token: &str, source: IpAddr, now: UtcMicros) -> Result<Caller, Denied> {
+        let arrived = Instant::now();
+        let row = self.by_token(token.trim(), source, arrived).await?;
+        self.admit(row, By::Token, source, now, arrived)
+    }
+
+    fn admit(
+        &self,
+        row: TokenRow,
+        by: impl FnOnce(Id) -> By,
+        source: IpAddr,
+        now: UtcMicros,
+        arrived: Instant,
+    ) -> Result<Caller, Denied> {
+        if row.revoked_at.is_some() {
+            return Err(Denied::Revoked);
+        }
+        if !row.is_valid(now) {
+            return Err(Denied::Expired);
+        }
+        let per_second = self.0.settings.requests_per_second;
+        let mut allowances = lock(&self.0.allowances);
+        let allowance = allowances.entry(row.id).or_insert_with(|| Allowance::full(per_second, arrived));
+        allowance.take(per_second, arrived).map_err(|wait| Denied::TooManyRequests { wait })?;
+        drop(allowances);
+        Ok(Caller { name: row.name, role: row.role, station: row.station, by: by(row.id), source })
+    }
+
+    /// A right token is let in whatever wrong ones came from its address: a guess has one chance in 2^256, and stations
+    /// behind one address must not be able to shut each other out.
+    async fn by_token(&self, text: &str, source: IpAddr, arrived: Instant) -> Result<TokenRow, Denied> {
+        let secret = Secret::read(text);
+        let find = |guard: &Self| {
+            let secret = secret.as_ref()?;
+            let book = guard.book();
+            let row = book.tokens.get(&secret.id);
+            secret.is(row.map(|row| &row.secret_sha256)).then(|| row.cloned()).flatten()
+        };
+        if let Some(row) = find(self) {
+            return Ok(row);
+        }
+        if let Some(wait) = lock(&self.0.failures).wait(source, arrived) {
+            return Err(Denied::TooManyFailures { wait });
+        }
+        if secret.is_some() {
+            self.read_since(arrived).await.map_err(|error| {
+                tracing::error!(%error, "the tokens cannot be read");
+                Denied::Unreadable
+            })?;
+            if let Some(row) = find(self) {
+                return Ok(row);
+            }
+        }
+        lock(&self.0.failures).note(source, arrived);
+        tracing::warn!(%source, "a wrong token");
+        Err(Denied::Wrong)
+    }
+
+    /// Reads the book unless that was begun after `arrived`: of many who wait for it one reads for all.
+    async fn read_since(&self, arrived: Instant) -> Result<(), StoreError> {
+        let mut reading = self.0.reading.lock().await;
+        if *reading < arrived {
+            *reading = Instant::now();
+            self.read_again().await?;
+        }
+        Ok(())
+    }
+
+    fn by_cookie(&self, cookie: &str) -> Option<SessionRow> {
+        let secret = Secret::read(cookie)?;
+        let book = self.book();
+        let row = book.sessions.get(&secret.id);
+        secret.is(row.map(|row| &row.secret_sha256)).then(|| row.cloned()).flatten()
+    }
+
+    /// Sessions that are over.
+    pub(super) fn ended_sessions(&self, now: UtcMicros) -> Vec<Id> {
+        self.book().sessions.values().filter(|session| session.expires_at <= now).map(|session| session.id).collect()
+    }
+
+    pub(super) fn session_us(&self) -> i64 {
+        (self.0.settings.session_hours * 3.6e9) as i64
+    }
+
+    fn book(&self) -> RwLockReadGuard<'_, Book> {
+        self.0.book.read().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+async fn keep_reading(guard: Weak<Inner>) {
+    loop {
+        tokio::time::sleep(REREAD).await;
+        let Some(inner) = guard.upgrade() else { return };
+        if let Err(error) = Guard(inner).read_again().await {
+            tracing::debug!(%error, "the tokens cannot be read; those known before count");
+        }
+    }
+}
+
+/// Somebody on this machine, before there are tokens.
+fn present(source: IpAddr) -> Caller {
+    Caller { name: "local".to_owned(), role: Role::Admin, station: None, by: By::Presence, source }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,254 @@
+//! What changes who may use the service: asked for here, carried out by the one writer.
+
+use std::net::IpAddr;
+
+use serde::Serialize;
+use tokio::sync::oneshot;
+
+use super::audit::{Actor, By, Caller};
+use super::guard::{Denied, Guard};
+use super::secret::Secret;
+use crate::core::access::Role;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Job, Pipeline, Refused};
+use crate::store::{
+    AccessChanges, AuditFilter, AuditRow, Beside, Changes, Id, SessionRow, StoreError, TokenRow, Writer,
+};
+use crate::wire::time;
+
+/// A token to be made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewToken {
+    pub name: String,
+    pub role: Role,
+    pub station: Option<String>,
+    pub expires_at: Option<UtcMicros>,
+}
+
+#[derive(Debug)]
+pub enum AccessOrder {
+    Create(NewToken),
+    Revoke(Id),
+    /// A browser may go on as the token that it has shown.
+    SignIn {
+        token: Id,
+    },
+    SignOut {
+        session: Id,
+    },
+}
+
+/// A browser has signed in.
+#[derive(Debug, Clone)]
+pub struct SignedIn {
+    /// What the browser is to send along.
+    pub cookie: Secret,
+    pub seconds: i64,
+}
+
+/// A token as the audit trail has it.
+#[derive(Serialize)]
+struct Audited<'a> {
+    id: String,
+    name: &'a str,
+    role: &'static str,
+    station: Option<&'a str>,
+    expires_at: Option<String>,
+    revoked_at: Option<String>,
+}
+
+impl<'a> From<&'a TokenRow> for Audited<'a> {
+    fn from(row: &'a TokenRow) -> Self {
+        Self {
+            id: row.id.to_string(),
+            name: &row.name,
+            role: row.role.name(),
+            station: row.station.as_deref(),
+            expires_at: row.expires_at.map(time::format),
+            revoked_at: row.revoked_at.map(time::format),
+        }
+    }
+}
+
+/// The writer at work on orders about access.
+pub(in crate::pipeline) struct Registrar<'a> {
+    pub guard: &'a Guard,
+    pub writer: &'a mut Writer,
+    pub now: UtcMicros,
+}
+
+impl Registrar<'_> {
+    /// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.
+    pub async fn carry_out(
+        &mut self,
+        order: &AccessOrder,
+        by: &Actor,
+        known: &[TokenRow],
+    ) -> Result<Option<Secret>, Refused> {
+        let (now, mut access) = (self.now, AccessChanges::default());
+        let line = self.writer.next_id(now);
+        let mut drawn = None;
+        match order {
+            AccessOrder::Create(new) => {
+                let secret = draw(self.writer.next_id(now))?;
+                let row = token_row(new, &secret, now);
+                access.audit.push(created(by, line, &row));
+                access.tokens.push(row);
+                drawn = Some(secret);
+            }
+            AccessOrder::Revoke(id) => {
+                let row = known.iter().find(|row| row.id == *id).ok_or(Refused::NoSuchToken { id: *id })?;
+                let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
+                access.tokens.push(row);
+                access.audit.push(audit);
+            }
+            AccessOrder::SignIn { token } => {
+                let secret = draw(self.writer.next_id(now))?;
+                let expires_at = UtcMicros(now.0.saturating_add(self.guard.session_us()));
+                let id = secret.id;
+                access.sessions.push(SessionRow {
+                    id,
+                    token: *token,
+                    secret_sha256: secret.sha256(),
+                    began_at: now,
+                    expires_at,
+                });
+                access.ended = self.guard.ended_sessions(now);
+                access.audit.push(by.line(line, now, ("sign in", format!("sessions/{id}")), NOTHING, NOTHING));
+                drawn = Some(secret);
+            }
+            AccessOrder::SignOut { session } => {
+                access.ended.push(*session);
+                access.audit.push(by.line(line, now, ("sign out", format!("sessions/{session}")), NOTHING, NOTHING));
+            }
+        }
+        self.writer.commit(&Changes { access, ..Changes::default() }).await?;
+        self.guard.read_again().await?;
+        Ok(drawn)
+    }
+}
+
+const NOTHING: Option<&()> = None;
+
+fn draw(id: Id) -> Result<Secret, Refused> {
+    Secret::draw(id).map_err(|error| {
+        tracing::error!(%error, "the operating system gives no random numbers");
+        Refused::NoRandomNumbers
+    })
+}
+
+fn token_row(new: &NewToken, secret: &Secret, now: UtcMicros) -> TokenRow {
+    let NewToken { name, role, station, expires_at } = new.clone();
+    let secret_sha256 = secret.sha256();
+    TokenRow { id: secret.id, name, role, station, secret_sha256, created_at: now, expires_at, revoked_at: None }
+}
+
+fn created(by: &Actor, line: Id, row: &TokenRow) -> AuditRow {
+    let what = ("create token", format!("tokens/{}", row.id));
+    by.line(line, row.created_at, what, NOTHING, Some(&Audited::from(row)))
+}
+
+/// None where it was revoked before.
+fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(TokenRow, AuditRow)> {
+    if row.revoked_at.is_some() {
+        return None;
+    }
+    let after = TokenRow { revoked_at: Some(now), ..row.clone() };
+    let what = ("revoke token", format!("tokens/{}", row.id));
+    let audit = by.line(line, now, what, Some(&Audited::from(row)), Some(&Audited::from(&after)));
+    Some((after, audit))
+}
+
+/// Makes a token in a database that a service may be serving.
+///
+/// # Errors
+/// [`Refused`]; then there is no new token.
+pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, Refused> {
+    let secret = draw(database.next_id(now))?;
+    let row = token_row(new, &secret, now);
+    let audit = vec![created(&Actor::by_command_line(), database.next_id(now), &row)];
+    database.commit(AccessChanges { tokens: vec![row], audit, ..AccessChanges::default() }).await?;
+    Ok(secret)
+}
+
+/// Revokes a token in a database that a service may be serving; false where it was revoked before.
+///
+/// # Errors
+/// [`Refused::NoSuchToken`], or what the database says.
+pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, Refused> {
+    let known = database.tokens().await?;
+    let row = known.iter().find(|row| row.id == id).ok_or(Refused::NoSuchToken { id })?;
+    let Some((row, audit)) = revoked(&Actor::by_command_line(), database.next_id(now), row, now) else {
+        return Ok(false);
+    };
+    let access = AccessChanges { tokens: vec![row], audit: vec![audit], ..AccessChanges::default() };
+    database.commit(access).await?;
+    Ok(true)
+}
+
+impl Pipeline {
+    pub fn guard(&self) -> &Guard {
+        &self.guard
+    }
+
+    /// Has the writer carry out an order about access.
+    ///
+    /// # Errors
+    /// [`Refused`]; then nothing has changed.
+    pub async fn order_access(&self, order: AccessOrder) -> Result<Option<Secret>, Refused> {
+        self.order_access_by(order, Actor::by_caller()).await
+    }
+
+    async fn order_access_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, Refused> {
+        let (reply, answer) = oneshot::channel();
+        self.offer(Job::Access { order, by, reply })?;
+        answer.await.map_err(|_| Refused::Stopping)?
+    }
+
+    /// Signs a browser in with a token; what it is then to send along comes back.
+    ///
+    /// # Errors
+    /// [`Denied`] where the token is not right, else why it cannot be written down.
+    pub async fn sign_in(&self, token: &str, source: IpAddr) -> Result<Result<SignedIn, Denied>, Refused> {
+        let caller = match self.guard.sign_in(token, source, self.clock.now()).await {
+            Ok(caller) => caller,
+            Err(denied) => return Ok(Err(denied)),
+        };
+        let Some(token) = caller.token() else { return Ok(Err(Denied::Wrong)) };
+        let drawn = self.order_access_by(AccessOrder::SignIn { token }, Actor::by(&caller)).await?;
+        let cookie = drawn.ok_or(Refused::Stopping)?;
+        Ok(Ok(SignedIn { cookie, seconds: self.guard.session_us() / UtcMicros::SECOND }))
+    }
+
+    /// Ends the session of this task's caller, if it is one.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub async fn sign_out(&self) -> Result<(), Refused> {
+        if let Some(Caller { by: By::Session { session, .. }, .. }) = Caller::current() {
+            self.order_access(AccessOrder::SignOut { session }).await?;
+        }
+        Ok(())
+    }
+
+    /// Every token there ever was, oldest first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
+        self.store.tokens().await
+    }
+
+    /// The audit trail, newest first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn audit(
+        &self,
+        filter: &AuditFilter,
+        before: Option<Id>,
+        limit: u32,
+    ) -> Result<Vec<AuditRow>, StoreError> {
+        self.store.audit(filter, before, limit).await
+    }
+}

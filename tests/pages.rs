@@ -213,7 +213,7 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let firing = page(&server, "/alerts", &[]).await;
     assert!(firing.contains(r#"href="/gyros/JUMP%2F1""#) && !firing.contains("STEADY"), "{firing}");
     for empty in
-        ["/alerts?state=resolved", "/alerts?serial=STEADY&state=all", "/alerts?serial=nobody", "/alerts?rule=overdue"]
+        ["/alerts?state=silenced", "/alerts?serial=STEADY&state=all", "/alerts?serial=nobody", "/alerts?rule=overdue"]
     {
         assert!(page(&server, empty, &[]).await.contains("No alert fits"), "{empty}");
     }

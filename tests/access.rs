@@ -18,7 +18,12 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 19] = [
+const ENGINEERS: [&str; 24] = [
+    "POST /v1/bench-results/{id}/void",
+    "POST /v1/campaigns/{id}/revise",
+    "POST /v1/campaigns/{id}/void",
+    "POST /v1/records/{id}/revise",
+    "POST /v1/records/{id}/void",
     "GET /alerts/{id}/{deed}",
     "GET /gyros/{serial}/events/new",
     "GET /hooks",
@@ -393,6 +398,7 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
     let server = Server::start().await;
     let (admin, admin_id) = token(&server, "", "admin", json!({})).await;
     let (engineer, engineer_id) = token(&server, &admin, "engineer", json!({})).await;
+    let mut newest = String::new();
     for (at, shift) in [("2026-03-01T08:00:00Z", 0.0), ("2026-03-08T08:00:00Z", 0.5)] {
         let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
         record["calibrated_at"] = at.into();
@@ -400,6 +406,7 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
         record["gyros"][0]["g_pulse_per_s_g0"][0] = (g + shift).into();
         let answer = call(&server, "POST", "/v1/records", &engineer, &record.to_string()).await;
         assert_eq!(answer.status, 201, "{}", answer.text());
+        newest = answer.json()["id"].as_str().unwrap().to_owned();
     }
     let alerts = call(&server, "GET", "/v1/alerts", &engineer, "").await.json();
     let alert = alerts["alerts"][0]["id"].as_str().unwrap_or_else(|| panic!("{alerts}")).to_owned();
@@ -413,6 +420,7 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
         ),
         ("POST", "/v1/gyros/LFG-0101/baseline".into(), json!({ "reason": "repaired" }), 201),
         ("POST", "/v1/gyros/LFG-0101/events".into(), json!({ "event": "transport", "reason": "moved" }), 201),
+        ("POST", format!("/v1/records/{newest}/void"), json!({ "author": "Li", "reason": "wrong table" }), 200),
     ];
     for (method, path, body, status) in &doings {
         let answer = call(&server, method, path, &engineer, &body.to_string()).await;
@@ -436,6 +444,7 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
         "silence",
         "mark event",
         "mark event",
+        "void",
         "create hook",
         "change hook",
         "delete hook",

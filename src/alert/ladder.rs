@@ -57,7 +57,7 @@ impl Ladder {
     /// * `jitter`: from 0 to 1, drawn by the caller.
     pub fn next(&self, attempts: u32, tried_for: Duration, retry_after: Option<Duration>, jitter: f64) -> Next {
         let climbed = attempts as usize;
-        if climbed > self.0.len() && tried_for >= self.0.iter().sum() {
+        if climbed > self.0.len() && tried_for >= self.0.iter().sum::<Duration>() {
             return Next::Dead;
         }
         let rung = climbed.clamp(1, self.0.len()) - 1;

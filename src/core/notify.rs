@@ -4,7 +4,7 @@
 //! that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the telling;
 //! nothing here knows a clock, a person or a hook.
 
-use super::judge::{Finding, Rule, Severity, State, Verdict};
+use super::judge::{Rule, Severity, State, Verdict};
 use super::time::UtcMicros;
 
 /// How an alert behaves between verdicts.
@@ -235,7 +235,8 @@ fn go_on(alert: &Alert, verdict: &Verdict, record_at: UtcMicros, now: UtcMicros,
                 !of_requirement && verdict.value.is_some_and(|value| value <= policy.resolve_below * verdict.limit);
             if far_within || within >= policy.resolve_after { end(alert, now) } else { alert }
         }
-        State::Indeterminate if matches!(verdict.finding, Finding::TooFew { .. }) => end(alert, now),
+        // There were too few records.
+        State::Indeterminate if verdict.value.is_none() => end(alert, now),
         State::Indeterminate => alert,
     }
 }

@@ -12,6 +12,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
+use super::corrections::{StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use crate::pipeline::{Accepted, Caller, Id, Sent, Submission};
 use crate::wire::bench::BenchBody;
@@ -70,6 +71,8 @@ async fn post_bench_result(
 #[derive(Serialize, ToSchema)]
 struct StoredBench {
     id: String,
+    #[serde(flatten)]
+    standing: StandingBody,
     received_at: String,
     /// The result word for word as it was sent; of raw dwells, what was fitted to them.
     #[schema(value_type = BenchBody)]
@@ -99,5 +102,6 @@ async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Res
         }
         DocumentKind::Record | DocumentKind::Bench => (body, None),
     };
-    Ok(Json(StoredBench { id: number.to_string(), received_at: time::format(row.received_at), bench_result, campaign }))
+    let (standing, received_at) = (standing(&app, number).await?, time::format(row.received_at));
+    Ok(Json(StoredBench { id: number.to_string(), standing, received_at, bench_result, campaign }))
 }

@@ -16,9 +16,12 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::answer::Answer;
+use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
 use super::query::{Parameters, bad};
-use crate::pipeline::{Accepted, Asked, Caller, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::pipeline::{
+    Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
+};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -72,21 +75,17 @@ async fn post_campaign(
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
     let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
-    let ReadCampaign { submission, answer, body } = read.map_err(|faults| match form {
+    let ReadCampaign { fitted, answer, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
         Form::Json => Document::problem(&bytes, faults),
     })?;
-    let (submission, sent, place) = match submission {
-        Submission::Bench(mut bench) => {
-            bench.idempotency_key = key;
-            (Submission::Bench(bench), Sent::Bench(&body), "bench-results")
-        }
-        Submission::Calibration(mut calibration) => {
-            calibration.idempotency_key = key;
-            (Submission::Calibration(calibration), Sent::Calibration(Kind::Campaign, &body), "campaigns")
-        }
-        Submission::Event(_) => return Err(Problem::new(500, "Internal error", "a campaign is no event")),
+    let is_bench = matches!(fitted, Fitted::Bench(_));
+    let (sent, place) = if is_bench {
+        (Sent::Bench(&body), "bench-results")
+    } else {
+        (Sent::Calibration(Kind::Campaign, &body), "campaigns")
     };
+    let submission = Submission::from(fitted.with_key(key));
     caller.may_submit(&submission)?;
     let accepted = app.pipeline.submit(submission).await?;
     let id = app.pipeline.settle(&accepted, sent).await?;
@@ -97,10 +96,13 @@ async fn post_campaign(
             Ok((StatusCode::CREATED, location, Answer(answer)).into_response())
         }
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        Accepted::There { .. } if place == "bench-results" => {
+        Accepted::There { .. } if is_bench => {
             Ok((location, Json(app.pipeline.campaign_answer(id, answer, &[]))).into_response())
         }
-        Accepted::There { .. } => Ok((location, Answer(stored(&app, id).await?.answer)).into_response()),
+        Accepted::There { .. } => {
+            let (answer, standing) = (stored(&app, id).await?.answer, standing(&app, id).await?);
+            Ok((location, Answer(Standing { answer, standing })).into_response())
+        }
     }
 }
 
@@ -109,6 +111,8 @@ async fn post_campaign(
 struct StoredCampaignBody {
     #[serde(flatten)]
     answer: CampaignAnswer,
+    #[serde(flatten)]
+    standing: StandingBody,
     received_at: String,
     /// The campaign word for word as it was sent; one sent as CSV, as the JSON that says the same.
     #[schema(value_type = CampaignBody)]
@@ -126,7 +130,8 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of campaign {id} is no JSON")))?;
-    Ok(Json(StoredCampaignBody { answer, received_at: time::format(row.received_at), campaign }))
+    let standing = standing(&app, id).await?;
+    Ok(Json(StoredCampaignBody { answer, standing, received_at: time::format(row.received_at), campaign }))
 }
 
 /// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot be told.

@@ -110,7 +110,7 @@ struct GyroDetail {
     /// What was done to it, oldest first.
     events: Vec<EventBody>,
     /// How many calibrations and bench results there are.
-    calibrations: i64,
+    calibrations: usize,
     bench_results: usize,
 }
 

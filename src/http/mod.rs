@@ -12,6 +12,7 @@ mod audit;
 mod baseline;
 mod bench_results;
 mod campaigns;
+mod corrections;
 mod docs;
 mod document;
 mod events;
@@ -87,6 +88,7 @@ fn answered_soon() -> OpenApiRouter<App> {
         .merge(records::routes())
         .merge(campaigns::routes())
         .merge(bench_results::routes())
+        .merge(corrections::routes())
         .merge(gyros::routes())
         .merge(gyro_diagnosis::routes())
         .merge(trend::routes())

@@ -13,6 +13,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::answer::Answer;
+use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
@@ -63,7 +64,8 @@ async fn post_record(
         Accepted::There { .. } => {
             let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
             let stored = stored(&app, id).await?;
-            Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(stored.answer)).into_response())
+            let answer = Standing { answer: stored.answer, standing: standing(&app, id).await? };
+            Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
         }
     }
 }
@@ -73,6 +75,8 @@ async fn post_record(
 struct StoredRecordBody {
     #[serde(flatten)]
     answer: RecordAnswer,
+    #[serde(flatten)]
+    standing: StandingBody,
     received_at: String,
     /// The record word for word as it was sent.
     #[schema(value_type = RecordBody)]
@@ -96,7 +100,8 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
     }
     let record = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
-    Ok(Json(StoredRecordBody { answer, received_at: time::format(row.received_at), record }).into_response())
+    let standing = standing(&app, id).await?;
+    Ok(Json(StoredRecordBody { answer, standing, received_at: time::format(row.received_at), record }).into_response())
 }
 
 /// What the closure of the record says: D_O, which D_I and D_S cannot explain, and what would tell its causes apart.

@@ -1,6 +1,6 @@
 //! Which failure of the pipeline or the store leaves as which status, said once.
 
-use crate::pipeline::{Refused, StoreError};
+use crate::pipeline::{Kind, Refused, StoreError};
 use crate::wire::problem::{Place, Problem};
 
 impl From<Refused> for Problem {
@@ -20,7 +20,21 @@ impl From<Refused> for Problem {
                     .with_existing(existing)
                     .with_place(place)
             }
-            Refused::UnknownGyro { .. } => Self::new(404, "Unknown gyro", detail),
+            Refused::UnknownRecord { .. } => Self::new(404, "No such record", detail),
+            Refused::UnknownBench { .. } => Self::new(404, "No such bench result", detail),
+            Refused::AlreadyCorrected { existing, .. } => {
+                Self::new(409, "Already voided or revised", detail).with_existing(existing)
+            }
+            Refused::AnotherImu => {
+                let place = Place { pointer: "/imu".into(), detail: detail.clone() };
+                Self::new(422, "Cannot be stored as it is", detail).with_place(place)
+            }
+            Refused::TimeTaken { existing, kind } => {
+                let member = if kind == Kind::Record { "calibrated_at" } else { "measured_at" };
+                let place = Place { pointer: format!("/{member}"), detail: detail.clone() };
+                Self::new(409, "Another stands at that time", detail).with_existing(existing).with_place(place)
+            }
+            Refused::UnknownGyro { serial } => Self::unknown_gyro(&serial),
             Refused::UnknownImu { .. } => Self::new(404, "Unknown IMU", detail),
             Refused::NoSuchHook { .. } => Self::new(404, "No such hook", detail),
             Refused::NoSuchToken { .. } => Self::new(404, "No such token", detail),

@@ -1,5 +1,7 @@
 //! `/v1/gyros/{serial}/trend`: the history of one coefficient.
 
+mod csv;
+
 use std::fmt::Write as _;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -51,6 +53,8 @@ struct TrendQuery {
     cursor: Option<String>,
     /// `json` or `csv`; without it, `Accept` decides.
     format: Option<String>,
+    /// `include` shows what was voided or revised as well, each point flagged; such points are left out otherwise.
+    voided: Option<String>,
 }
 
 /// The history of one coefficient, oldest first.
@@ -84,6 +88,9 @@ struct Point<'a> {
     record: String,
     /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
     state: Option<&'static str>,
+    /// True where it does not count any more; shown where voided points are asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    voided: Option<bool>,
 }
 
 fn stamp<S: serde::Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
@@ -124,28 +131,25 @@ async fn get_trend(
     let body = match request.method {
         Method::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
-            tag = etag(
-                &request,
-                &seen(&mut rows.iter().map(|f| (f.record.0, f.states.worst().map(Judgement::name)))),
-                &next,
-            );
+            tag = etag(&request, &seen(&mut rows.iter().map(Row::seen)), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let names = app.pipeline.store().names();
             request.written(&serial, names, &done, next, |tables| {
-                rows.iter().map(|f| separated_point(f, request.coefficient, method, tables)).collect()
+                rows.iter().map(|row| separated_point(row, request.coefficient, method, tables)).collect()
             })?
         }
         Method::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
-            tag = etag(&request, &seen(&mut rows.iter().map(|row| (row.id.0, None))), &next);
+            tag = etag(&request, &seen(&mut rows.iter().map(|row| (row.id.0, row.voided.then_some("voided")))), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let names = app.pipeline.store().names();
             request.written(&serial, names, &done, next, |tables| {
-                rows.iter().filter_map(|row| bench_point(row, request.coefficient, tables)).collect()
+                let flag = |row: &BenchRow| request.voided.then_some(row.voided);
+                rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient, tables)).collect()
             })?
         }
     };
@@ -160,7 +164,21 @@ struct Request {
     span: Span,
     limit: usize,
     newest: bool,
+    voided: bool,
     csv: bool,
+}
+
+/// A record of the gyro; whether it does not count any more, where that is asked for.
+struct Row {
+    figures: Figures,
+    voided: Option<bool>,
+}
+
+impl Row {
+    fn seen(&self) -> Seen {
+        let judged = self.figures.states.worst().map(Judgement::name);
+        (self.figures.record.0, if self.voided == Some(true) { Some("voided") } else { judged })
+    }
 }
 
 /// The points as text.
@@ -190,6 +208,11 @@ impl Request {
             Some(other) => return Err(bad(&format!("format must be json or csv, is {other}"))),
             None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
         };
+        let voided = match asked.voided.as_deref() {
+            None | Some("exclude") => false,
+            Some("include") => true,
+            Some(other) => return Err(bad(&format!("voided must be include or exclude, is {other}"))),
+        };
         if asked.last.is_some() && (asked.limit.is_some() || asked.cursor.is_some()) {
             return Err(bad("last goes with neither limit nor cursor"));
         }
@@ -199,18 +222,37 @@ impl Request {
         if let Some(cursor) = &asked.cursor {
             span.from = span.from.max(UtcMicros(query::position(cursor)?.saturating_add(1)));
         }
-        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), csv })
+        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, csv })
     }
 
     /// One page of rows, and where the next begins.
-    async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Figures>, Option<String>), Problem> {
+    async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Row>, Option<String>), Problem> {
         let store = app.pipeline.store();
-        if self.newest {
-            return Ok((store.newest_history(gyro, self.span, self.limit).await?, None));
+        let counting = match self.newest {
+            true => store.newest_history(gyro, self.span, self.limit).await?,
+            false => store.history(gyro, self.span, self.limit + 1).await?,
+        };
+        let flag = |voided: bool| self.voided.then_some(voided);
+        let mut rows: Vec<Row> = counting.into_iter().map(|figures| Row { figures, voided: flag(false) }).collect();
+        if self.voided {
+            // What lies beyond the last row of a page that is full belongs to a later page.
+            let full = !self.newest && rows.len() > self.limit;
+            let end = rows.last().filter(|_| full).map_or(self.span.to, |last| last.figures.at);
+            let voided = store.voided_history(gyro, Span { to: end, ..self.span }).await?;
+            rows.extend(voided.into_iter().map(|figures| Row { figures, voided: flag(true) }));
+            rows.sort_by_key(|row| (row.figures.at, row.figures.record));
         }
-        let mut rows = store.history(gyro, self.span, self.limit + 1).await?;
-        let next = cut(&mut rows, self.limit, |figures| figures.at);
+        let next = self.page(&mut rows, |row| row.figures.at);
         Ok((rows, next))
+    }
+
+    /// Leaves one page; the cursor of the next, where something is left.
+    fn page<T>(&self, rows: &mut Vec<T>, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
+        if self.newest {
+            rows.drain(..rows.len().saturating_sub(self.limit));
+            return None;
+        }
+        cut(rows, self.limit, at)
     }
 
     async fn benches(
@@ -219,13 +261,9 @@ impl Request {
         gyro: u32,
         method: BenchMethod,
     ) -> Result<(Vec<BenchRow>, Option<String>), Problem> {
-        let mut rows = app.pipeline.store().bench_results(gyro, self.span).await?;
-        rows.retain(|row| row.method == method);
-        if self.newest {
-            rows.drain(..rows.len().saturating_sub(self.limit));
-            return Ok((rows, None));
-        }
-        let next = cut(&mut rows, self.limit, |row| row.measured_at);
+        let mut rows = app.pipeline.store().all_bench_results(gyro, self.span).await?;
+        rows.retain(|row| row.method == method && (self.voided || !row.voided));
+        let next = self.page(&mut rows, |row| row.measured_at);
         Ok((rows, next))
     }
 
@@ -246,7 +284,7 @@ impl Request {
             events,
             next: next.clone(),
         };
-        let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
+        let text = if self.csv { csv::written(&trend, self.voided) } else { serde_json::to_vec(&trend).ok() };
         let text = text.ok_or_else(|| Problem::new(500, "Internal error", "the points could not be written"))?;
         Ok(Written { text, csv: self.csv, next })
     }
@@ -254,15 +292,19 @@ impl Request {
 
 /// Cuts one page off; the cursor of the next, where something is left.
 fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
-    if rows.len() <= limit {
-        return None;
-    }
-    rows.truncate(limit);
-    rows.last().map(|last| query::cursor(at(last).0))
+    let (last, first_left) = (rows.get(limit.checked_sub(1)?)?, rows.get(limit)?);
+    // The next page begins after an instant: what is of the same instant stays together.
+    let end = match at(last) == at(first_left) {
+        true => rows.iter().skip(limit).position(|row| at(row) != at(last)).map_or(rows.len(), |more| limit + more),
+        false => limit,
+    };
+    let next = (end < rows.len()).then(|| query::cursor(at(last).0));
+    rows.truncate(end);
+    next
 }
 
 fn separated_point<'t>(
-    figures: &Figures,
+    Row { figures, voided }: &Row,
     coefficient: Coefficient,
     method: JudgedMethod,
     tables: &'t Tables,
@@ -283,10 +325,16 @@ fn separated_point<'t>(
         station: tables.stations.name(figures.station).map_or("", |name| &**name),
         record: figures.record.to_string(),
         state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
+        voided: *voided,
     }
 }
 
-fn bench_point<'t>(row: &BenchRow, coefficient: Coefficient, tables: &'t Tables) -> Option<Point<'t>> {
+fn bench_point<'t>(
+    row: &BenchRow,
+    voided: Option<bool>,
+    coefficient: Coefficient,
+    tables: &'t Tables,
+) -> Option<Point<'t>> {
     let column = coefficient.column().filter(|&column| column < 2)?;
     Some(Point {
         calibrated_at: row.measured_at,
@@ -298,46 +346,17 @@ fn bench_point<'t>(row: &BenchRow, coefficient: Coefficient, tables: &'t Tables)
         station: tables.stations.name(row.station).map_or("", |name| &**name),
         record: row.id.to_string(),
         state: None,
+        voided,
     })
 }
 
-/// RFC 4180: one header line, times in UTC, every point at full precision.
-fn csv(trend: &Trend<'_>) -> Option<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer
-        .write_record([
-            "serial",
-            "coefficient",
-            "unit",
-            "calibrated_at",
-            "value",
-            "sd",
-            "method",
-            "imu",
-            "slot",
-            "station",
-            "record",
-            "state",
-        ])
-        .ok()?;
-    for point in &trend.points {
-        let (at, value) = (Stamp::of(point.calibrated_at), point.value.to_string());
-        let sd = point.sd.map(|sd| sd.to_string()).unwrap_or_default();
-        let (imu, slot) = (point.imu.unwrap_or_default(), point.slot.unwrap_or_default());
-        let state = point.state.unwrap_or_default();
-        let head = [trend.serial, trend.coefficient, trend.unit, at.as_str(), &value, &sd, point.method];
-        writer.write_record(head.into_iter().chain([imu, slot, point.station, &point.record, state])).ok()?;
-    }
-    writer.into_inner().ok()
-}
-
-/// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
 /// A record or an event that an answer holds, and how the record is judged.
 type Seen = (i64, Option<&'static str>);
 
+/// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
 fn etag(request: &Request, seen: &[Seen], next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
-    (request.coefficient, request.csv, next, format!("{:?}", request.method)).hash(&mut hasher);
+    (request.coefficient, request.csv, request.voided, next, format!("{:?}", request.method)).hash(&mut hasher);
     seen.hash(&mut hasher);
     let mut tag = String::new();
     write!(tag, "\"{:016x}\"", hasher.finish()).expect("writing to a string cannot fail");

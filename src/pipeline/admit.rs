@@ -1,8 +1,12 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
+mod correcting;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::compare::benches_agree;
+use super::judging;
 use super::read::{BenchTest, Calibration, GyroEvent, Submission};
 use super::{Accepted, Refused};
 use crate::core::bench::BenchMethod;
@@ -42,7 +46,7 @@ impl Newest {
     }
 
     /// Takes note of what has been committed.
-    pub fn learn(&mut self, changes: &Changes) {
+    pub fn learn(&mut self, changes: &Changes, found: &[judging::Newest]) {
         for record in &changes.records {
             let newest = self.imus.entry(record.imu).or_insert(record.calibrated_at);
             *newest = record.calibrated_at.max(*newest);
@@ -51,6 +55,12 @@ impl Newest {
             let seen = (row.figures.at, row.figures.imu);
             let newest = self.gyros.entry(row.gyro).or_insert(seen);
             *newest = seen.max(*newest);
+        }
+        for gyro in changes.withdrawn.gyros() {
+            match found.iter().rfind(|newest| newest.gyro == gyro) {
+                Some(newest) => self.gyros.insert(gyro, (newest.figures.at, newest.figures.imu)),
+                None => self.gyros.remove(&gyro),
+            };
         }
     }
 
@@ -75,6 +85,7 @@ impl Desk<'_> {
             Submission::Calibration(calibration) => self.calibration(calibration, group).await,
             Submission::Bench(bench) => self.bench(bench, group).await,
             Submission::Event(event) => self.event(event, group).await,
+            Submission::Correction(correction) => self.correction(correction, group).await,
         }
     }
 
@@ -82,11 +93,20 @@ impl Desk<'_> {
         if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
             return Ok(there);
         }
-        let at = sent.calibrated_at;
         let imu = self.number(Table::Imus, sent.imu.as_str(), group);
-        if let Some((id, hash)) = self.record_at(imu, at, group).await? {
+        if let Some((id, hash)) = self.counting_at(imu, sent.calibrated_at, group).await? {
             return Ok(Accepted::There { id, same_bytes: hash == sent.body_sha256 });
         }
+        if let Some(id) = self.voided_alike(imu, sent, group).await? {
+            return Ok(Accepted::There { id, same_bytes: true });
+        }
+        let id = self.enter(sent, group).await?;
+        Ok(Accepted::Stored { id, judged: Vec::new() })
+    }
+
+    /// Takes a calibration in at an instant at which its IMU has none.
+    async fn enter(&mut self, sent: &Calibration, group: &mut Group) -> Result<Id, Refused> {
+        let at = sent.calibrated_at;
         for gyro in &sent.gyros {
             let known = self.number(Table::Gyros, gyro.serial.as_str(), group);
             if let Some(existing) = self.row_at(known, at, group).await? {
@@ -119,7 +139,7 @@ impl Desk<'_> {
             body_sha256: sent.body_sha256,
             verdicts: sheet,
         });
-        Ok(Accepted::Stored { id, judged: Vec::new() })
+        Ok(id)
     }
 
     async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
@@ -129,12 +149,16 @@ impl Desk<'_> {
         let result = &sent.result;
         let (at, method) = (result.measured_at, result.method);
         if let Some(gyro) = self.number(Table::Gyros, result.serial.as_str(), group) {
-            let there = match group.benches.get(&(gyro, at, method)) {
-                Some((id, hash)) => Some((*id, hash.to_vec())),
-                None => self.store.bench_result_at(gyro, at, method).await?,
-            };
-            if let Some((id, hash)) = there {
-                return Ok(Accepted::There { id, same_bytes: hash == sent.body_sha256 });
+            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
+                return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
+            }
+            for there in self.store.bench_results_at(gyro, at, method).await? {
+                let same_bytes = there.hash == sent.body_sha256;
+                let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
+                // What was voided and is sent again stays as it is: the sender does not know.
+                if counts || same_bytes || self.is_alike(there.id, &sent.body).await? {
+                    return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts });
+                }
             }
         }
         let id = self.writer.next_id(self.now);
@@ -150,6 +174,7 @@ impl Desk<'_> {
             method,
             d: [result.d_i, result.d_s],
             sd: [result.d_i_sd, result.d_s_sd],
+            voided: false,
             received_at: self.now,
             body: Arc::clone(&sent.body),
             body_sha256: sent.body_sha256,
@@ -201,20 +226,8 @@ impl Desk<'_> {
         }
     }
 
-    async fn record_at(
-        &self,
-        imu: Option<u32>,
-        at: UtcMicros,
-        group: &Group,
-    ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
-        let Some(imu) = imu else { return Ok(None) };
-        if let Some((id, hash)) = group.records.get(&(imu, at)) {
-            return Ok(Some((*id, hash.to_vec())));
-        }
-        if self.newest.imus.get(&imu).is_none_or(|newest| *newest < at) {
-            return Ok(None);
-        }
-        self.store.record_at(imu, at).await
+    async fn is_alike(&self, bench: Id, body: &str) -> Result<bool, StoreError> {
+        Ok(self.store.bench_result(bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
     }
 
     /// The record that holds a row of the gyro at that very instant.
@@ -227,7 +240,7 @@ impl Desk<'_> {
             return Ok(None);
         }
         let row = self.store.history(gyro, Span { from: at, to: at }, 1).await?;
-        Ok(row.first().map(|figures| figures.record))
+        Ok(row.first().map(|figures| figures.record).filter(|record| !group.withdraws(*record)))
     }
 
     fn number(&self, table: Table, name: &str, group: &Group) -> Option<u32> {
@@ -324,6 +337,7 @@ fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, stat
         rigid_sd: rigid.sd(),
         published,
         states: States::default(),
+        voided: false,
     }
 }
 

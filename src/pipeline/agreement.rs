@@ -120,16 +120,21 @@ async fn made_to_be_compared(
     changes: &Changes,
 ) -> Result<(Vec<BenchRow>, Vec<Figures>), StoreError> {
     let mut benches = store.bench_results(gyro, Span::EVER).await?;
+    benches.retain(|bench| !changes.withdrawn.benches.contains(&(bench.id, gyro)));
     benches.extend(changes.benches.iter().filter(|bench| bench.gyro == gyro).cloned());
     benches.sort_by_key(|bench| (bench.measured_at, bench.method.name()));
     let newest_bench = benches.last().map(|bench| bench.measured_at);
     let stored = match newest_bench {
+        _ if changes.withdrawn.gyros().contains(&gyro) => {
+            let mut left = store.history(gyro, Span::EVER, usize::MAX).await?;
+            left.retain(|figures| !changes.withdrawn.records.contains(&figures.record));
+            left.into_iter().min_by_key(|figures| nearness(figures, newest_bench))
+        }
         Some(at) => nearest(store, gyro, at).await?,
         None => store.newest_history(gyro, Span::EVER, 1).await?.pop(),
     };
     let new_rows = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
-    let distance = |figures: &Figures| newest_bench.map_or(0, |at| (figures.at.0 - at.0).abs());
-    let separation = new_rows.chain(stored).min_by_key(|figures| (distance(figures), -figures.at.0));
+    let separation = new_rows.chain(stored).min_by_key(|figures| nearness(figures, newest_bench));
     let mut marks = load_marks(store, gyro).await?;
     let new_marks = changes.events.iter().filter(|event| event.gyro == gyro);
     marks.extend(new_marks.map(|event| Mark { at: event.at, event: event.event }));
@@ -142,6 +147,11 @@ async fn made_to_be_compared(
         around_it(of_method, around)
     });
     Ok((benches.collect(), separation.into_iter().collect()))
+}
+
+/// How far from an instant, and of two as near the later first; without one, the newest first.
+fn nearness(figures: &Figures, to: Option<UtcMicros>) -> (i64, i64) {
+    (to.map_or(0, |at| (figures.at.0 - at.0).abs()), -figures.at.0)
 }
 
 /// The last repair up to `at`: what was before belongs, in effect, to another gyro.

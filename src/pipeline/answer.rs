@@ -2,7 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
-use super::campaign::Fitted;
+use super::campaign::FittedAgain;
 use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
 use super::{Judged, Pipeline};
@@ -27,7 +27,7 @@ pub(super) struct Reread {
     pub row: RecordRow,
     pub calibration: Calibration,
     /// Of a campaign.
-    pub fitted: Option<Fitted>,
+    pub fitted: Option<FittedAgain>,
 }
 
 impl Pipeline {
@@ -92,18 +92,23 @@ impl Pipeline {
         calibration: &Calibration,
     ) -> Result<Vec<(VerdictBody, Option<Verdict>)>, StoreError> {
         let mut bodies = Vec::new();
+        let counts = self.store.corrections(row.id).await?.iter().all(|correction| correction.item != row.id);
         for (number, stored) in &row.verdicts.0 {
             let serial = self.store.names().read().gyros.name(*number).cloned();
             let Some(serial) = serial else {
                 return Err(StoreError::Damaged(format!("gyro number {number} has no name")));
             };
             let limits = self.config.judging.limits(calibration.imu.as_str(), &serial);
+            if !counts {
+                bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &[], VOIDED)));
+                continue;
+            }
             let line =
                 Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), self.config.judging.method);
             let mut again = line.await?.judge_newest(&limits);
             let gyro = calibration.gyros.iter().find(|gyro| gyro.serial.as_str() == serial.as_ref());
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
-            bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &again)));
+            bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &again, CHANGED)));
         }
         Ok(bodies)
     }
@@ -113,7 +118,16 @@ pub(super) fn verdict_bodies(judged: &[Judged]) -> Vec<VerdictBody> {
     judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v))).collect()
 }
 
-fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {
+/// What is said where judging again finds other figures.
+const CHANGED: &str = "As it was decided when the record was judged; the limits or the history have changed since.";
+const VOIDED: &str = "As it was decided before the record was voided or revised: it does not count any more.";
+
+fn in_words(
+    serial: &str,
+    stored: &StoredVerdict,
+    again: &[Verdict],
+    otherwise: &'static str,
+) -> (VerdictBody, Option<Verdict>) {
     let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
     let body = match &seen {
         Some(verdict) => VerdictBody::of(serial, verdict),
@@ -127,8 +141,7 @@ fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (Verdict
             sd: stored.sd,
             probability: stored.probability,
             confirmed: stored.confirmed,
-            reason: "As it was decided when the record was judged; the limits or the history have changed since."
-                .into(),
+            reason: otherwise.into(),
         },
     };
     (body, seen)

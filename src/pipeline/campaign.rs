@@ -18,13 +18,41 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 
-/// A campaign that can be stored: what is submitted, and the answer but for its id and verdicts.
+/// A campaign that can be stored: what was fitted to it, and the answer but for its id and verdicts.
 #[derive(Debug, Clone)]
 pub struct ReadCampaign {
-    pub submission: Submission,
+    pub fitted: Fitted,
     pub answer: CampaignAnswer,
     /// As it is kept: JSON, whichever form it came in.
     pub body: Arc<str>,
+}
+
+/// What dwells become.
+#[derive(Debug, Clone)]
+pub enum Fitted {
+    /// Of an IMU.
+    Calibration(Box<Calibration>),
+    /// Of a single gyro on a bench.
+    Bench(Box<BenchTest>),
+}
+
+impl Fitted {
+    pub fn with_key(mut self, key: Option<String>) -> Self {
+        match &mut self {
+            Self::Calibration(calibration) => calibration.idempotency_key = key,
+            Self::Bench(bench) => bench.idempotency_key = key,
+        }
+        self
+    }
+}
+
+impl From<Fitted> for Submission {
+    fn from(fitted: Fitted) -> Self {
+        match fitted {
+            Fitted::Calibration(calibration) => Self::Calibration(calibration),
+            Fitted::Bench(bench) => Self::Bench(bench),
+        }
+    }
 }
 
 /// A stored campaign with its answer.
@@ -38,7 +66,7 @@ pub struct StoredCampaign {
 
 /// A stored campaign as it was fitted when it came.
 #[derive(Debug, Clone)]
-pub(super) struct Fitted {
+pub(super) struct FittedAgain {
     pub campaign: Campaign,
     pub outcome: Outcome,
     pub model: Option<Id>,
@@ -65,32 +93,32 @@ impl Pipeline {
         let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
         let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
         answer.imu_model = in_force.id.map(|id| id.to_string());
-        let submission = match &outcome {
+        let fitted = match &outcome {
             Outcome::Imu { .. } => {
                 let fitted = self.calibration_of(&campaign, &outcome, in_force.id, (body.clone(), body_sha256));
-                Submission::Calibration(Box::new(fitted))
+                Fitted::Calibration(Box::new(fitted))
             }
-            Outcome::Bench(bench) => Submission::Bench(Box::new(BenchTest {
+            Outcome::Bench(bench) => Fitted::Bench(Box::new(BenchTest {
                 result: bench.result(&campaign),
                 body: body.clone(),
                 body_sha256,
                 idempotency_key: None,
             })),
         };
-        Ok(ReadCampaign { submission, answer, body })
+        Ok(ReadCampaign { fitted, answer, body })
     }
 
     /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
-    pub(super) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<Fitted, Faults>, StoreError> {
+    pub(super) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<FittedAgain, Faults>, StoreError> {
         let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
         let work = tokio::task::spawn_blocking(move || {
             let (campaign, outcome) = evaluated(&body, &model)?;
-            Ok(Fitted { campaign, outcome, model: model.id })
+            Ok(FittedAgain { campaign, outcome, model: model.id })
         });
         work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
     }
 
-    pub(super) fn calibration_again(&self, row: &RecordRow, fitted: &Fitted) -> Calibration {
+    pub(super) fn calibration_again(&self, row: &RecordRow, fitted: &FittedAgain) -> Calibration {
         let kept = (Arc::clone(&row.body), row.body_sha256);
         self.calibration_of(&fitted.campaign, &fitted.outcome, fitted.model, kept)
     }

@@ -48,6 +48,16 @@ impl Pipeline {
     }
 }
 
+/// Whether two calibrations of the same kind say the same, however they are written.
+pub(super) fn says_the_same(kind: Kind, a: &str, b: &str) -> bool {
+    first_difference(&value_of(kind, a), &value_of(kind, b)).is_none()
+}
+
+/// Whether two bench results say the same, however they are written.
+pub(super) fn benches_agree(a: &str, b: &str) -> bool {
+    first_difference(&bench_value(a), &bench_value(b)).is_none()
+}
+
 /// A calibration's document in its one canonical form.
 fn value_of(kind: Kind, body: &str) -> Value {
     let canonical = match kind {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Accepted, Id, Kind, Pipeline, ReadCampaign, Refused, Sent, Submission};
+use super::{Accepted, Fitted, Id, Kind, Pipeline, ReadCampaign, Refused, Sent, Submission};
 use crate::core::fault::Faults;
 use crate::wire::campaign::Form;
 use crate::wire::document::DocumentKind;
@@ -54,10 +54,12 @@ impl Pipeline {
     /// # Errors
     /// Every fault, by its pointer, or its line and column.
     pub fn read_campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
-        let ReadCampaign { submission, body, .. } = self.read_campaign(bytes, form)?;
-        let bench = matches!(submission, Submission::Bench(_));
-        let kind = if bench { OriginKind::Bench } else { OriginKind::Campaign };
-        Ok(ReadDocument { submission, origin: Origin { kind, body } })
+        let ReadCampaign { fitted, body, .. } = self.read_campaign(bytes, form)?;
+        let kind = match fitted {
+            Fitted::Calibration(_) => OriginKind::Campaign,
+            Fitted::Bench(_) => OriginKind::Bench,
+        };
+        Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
     }
 
     /// The id of what was submitted: newly stored, or there already with the same content.

@@ -1,12 +1,15 @@
 //! Judging a group in its end state: each gyro that it touches, once.
 
+mod undoing;
+
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::alerting::Naming;
 use super::line::{Line, baseline_of, load_marks, sample_of};
 use crate::config::Judging;
-use crate::core::judge::history::{History, Mark, Need, Sample, baseline_since};
+use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Need, Sample, baseline_since};
 use crate::core::judge::{Coefficient, Finding, Limits, Rule, Verdict, judge};
+use crate::core::notify::Policy;
 use crate::core::time::UtcMicros;
 use crate::store::{Changes, Figures, HistoryRow, Id, Span, States, Store, StoreError, StoredVerdict, VerdictSheet};
 
@@ -18,6 +21,7 @@ const MAX_SAMPLES: usize = 400_000;
 pub(super) struct Judge {
     store: Store,
     judging: Judging,
+    policy: Policy,
     lines: HashMap<u32, Line>,
 }
 
@@ -31,6 +35,17 @@ pub(super) struct Judged {
     pub verdicts: Verdicts,
     /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest after all.
     pub newest: Vec<Newest>,
+    /// Gyros of which something counts no more.
+    pub undone: BTreeMap<u32, Undone>,
+}
+
+/// What has become of a gyro's alerts now that something counts no more, and who said so, and why.
+#[derive(Debug)]
+pub(super) struct Undone {
+    /// What would fire if nothing but what counts now had ever come; none where only a bench result was voided.
+    pub fires: Option<HashSet<(Coefficient, Rule)>>,
+    pub author: String,
+    pub reason: String,
 }
 
 /// A gyro's newest calibration.
@@ -41,8 +56,8 @@ pub(super) struct Newest {
 }
 
 impl Judge {
-    pub fn new(store: Store, judging: Judging) -> Self {
-        Self { store, judging, lines: HashMap::new() }
+    pub fn new(store: Store, judging: Judging, policy: Policy) -> Self {
+        Self { store, judging, policy, lines: HashMap::new() }
     }
 
     /// Judges the new rows of `changes` and what they alter, and enters states and verdict sheets.
@@ -56,13 +71,18 @@ impl Judge {
         for event in &changes.events {
             rows.entry(event.gyro).or_default();
         }
+        let shrunk = changes.withdrawn.gyros();
+        for gyro in &shrunk {
+            rows.entry(*gyro).or_default();
+        }
         for (gyro, mut indices) in rows {
             indices.sort_by_key(|&i| changes.history[i].figures.at);
             let oldest = indices.first().map(|&i| changes.history[i].figures.at);
             let has_events = changes.events.iter().any(|event| event.gyro == gyro);
             self.load(gyro, changes).await?;
             let newest = self.lines.get(&gyro).and_then(Line::newest);
-            if !has_events && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
+            let in_order = !has_events && !shrunk.contains(&gyro);
+            if in_order && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
                 self.append(gyro, &indices, changes, &mut judged);
             } else {
                 self.insert(gyro, &indices, changes, &mut judged, &mut sheets).await?;
@@ -70,6 +90,8 @@ impl Judge {
         }
         changes.rejudged.sheets = sheets.into_iter().collect();
         enter(&judged.verdicts, changes);
+        self.undo(changes, &mut judged).await?;
+        Self::mark(changes);
         Ok(judged)
     }
 
@@ -125,19 +147,27 @@ impl Judge {
         sheets: &mut HashMap<Id, VerdictSheet>,
     ) -> Result<(), StoreError> {
         let method = self.judging.method;
-        let stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
+        let mut stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
         let mut marks = load_marks(&self.store, gyro).await?;
         let new_events = changes.events.iter().filter(|event| event.gyro == gyro);
         let new_marks: Vec<Mark> = new_events.map(|event| Mark { at: event.at, event: event.event }).collect();
         marks.extend(&new_marks);
         marks.sort_by_key(|mark| mark.at);
-        let arrived: Vec<UtcMicros> = indices.iter().map(|&i| changes.history[i].figures.at).collect();
+        let mut altered = withdrawn_from(gyro, &mut stored, &marks, changes);
+        let shrunk = !altered.is_empty();
+        altered.extend(indices.iter().map(|&i| Altered::Inserted { at: changes.history[i].figures.at }));
+        altered.extend(
+            new_marks.iter().map(|mark| Altered::Marked { at: mark.at, baseline: mark.event.resets_baseline() }),
+        );
         let mut samples: Vec<Sample> = stored.iter().map(|figures| sample_of(figures, method)).collect();
         samples.extend(indices.iter().map(|&i| sample_of(&changes.history[i].figures, method)));
         samples.sort_by_key(|sample| sample.at);
 
         let need = Need::of(&self.limits(None));
-        for k in affected(&samples, &marks, &arrived, &new_marks, need) {
+        let mut again = affected(&samples, &marks, &altered, need);
+        // What is the newest now is what alerts follow.
+        again.extend(samples.len().checked_sub(1).filter(|last| shrunk && again.last() != Some(last)));
+        for k in again {
             let at = samples[k].at;
             let mut judged = Vec::with_capacity(16);
             let history = History { samples: &samples, baseline: baseline_of(&samples, &marks, at), marks: &marks };
@@ -223,18 +253,49 @@ impl Judge {
     }
 }
 
-/// Indices of the records whose verdicts change when records at `arrived` and `new_marks` come in: themselves, those
-/// whose rules look back to them, and, where a baseline's records change, all that are compared with it.
-fn affected(samples: &[Sample], marks: &[Mark], arrived: &[UtcMicros], new_marks: &[Mark], need: Need) -> Vec<usize> {
+/// Something that alters verdicts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Altered {
+    /// A record came in.
+    Inserted { at: UtcMicros },
+    /// A record was taken out; it may have been one of its baseline's.
+    Removed { at: UtcMicros, baseline: bool },
+    /// Something was done to the gyro; a new baseline may begin.
+    Marked { at: UtcMicros, baseline: bool },
+}
+
+/// Takes the records that count no more out of what is stored of a gyro, and tells what that alters.
+fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes: &Changes) -> Vec<Altered> {
+    let of_gyro = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
+    let gone: HashSet<Id> = of_gyro.map(|row| row.figures.record).collect();
+    if gone.is_empty() {
+        return Vec::new();
+    }
+    let at: Vec<UtcMicros> = stored.iter().map(|figures| figures.at).collect();
+    let removed = stored.iter().enumerate().filter(|(_, figures)| gone.contains(&figures.record));
+    let altered = removed.map(|(k, figures)| {
+        let start = baseline_since(marks, figures.at).map_or(0, |since| at.partition_point(|at| *at < since));
+        Altered::Removed { at: figures.at, baseline: k < start + BASELINE_RECORDS }
+    });
+    let altered = altered.collect();
+    stored.retain(|figures| !gone.contains(&figures.record));
+    altered
+}
+
+/// Indices of the records whose verdicts change by what is `altered`: what came in, those whose rules look back to
+/// it, and, where a baseline's records change, all that are compared with it. `samples` are those that count now.
+fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need) -> Vec<usize> {
     let mut found = HashSet::new();
-    let changes = arrived.iter().map(|at| (*at, false));
-    let resets = new_marks.iter().map(|mark| (mark.at, mark.event.resets_baseline()));
-    for (at, starts_baseline) in changes.chain(resets) {
+    for &change in altered {
+        let (Altered::Inserted { at } | Altered::Removed { at, .. } | Altered::Marked { at, .. }) = change;
         let start = samples.partition_point(|sample| sample.at < at);
-        let later: Vec<UtcMicros> = samples[start..].iter().map(|sample| sample.at).collect();
-        found.extend(start..start + need.reach(at, &later).max(1).min(later.len()));
-        let in_baseline = baseline_of(samples, marks, at).iter().any(|sample| sample.at == at);
-        if starts_baseline || in_baseline {
+        let (itself, in_baseline) = match change {
+            Altered::Inserted { at } => (1, baseline_of(samples, marks, at).iter().any(|sample| sample.at == at)),
+            Altered::Removed { baseline, .. } | Altered::Marked { baseline, .. } => (0, baseline),
+        };
+        let later: Vec<UtcMicros> = samples[start + itself..].iter().map(|sample| sample.at).collect();
+        found.extend(start..start + itself + need.reach(at, &later));
+        if in_baseline {
             let since = baseline_since(marks, at);
             let same_baseline = |k: &usize| baseline_since(marks, samples[*k].at) == since;
             found.extend((start..samples.len()).take_while(same_baseline));
@@ -269,7 +330,7 @@ fn enter(verdicts: &Verdicts, changes: &mut Changes) {
 mod tests {
     use super::*;
     use crate::core::judge::Event;
-    use crate::core::judge::history::{BASELINE_RECORDS, Measured};
+    use crate::core::judge::history::Measured;
 
     fn day(day: i64) -> UtcMicros {
         UtcMicros(day * UtcMicros::DAY)
@@ -285,9 +346,23 @@ mod tests {
     fn a_late_record_alters_those_that_look_back_to_it() {
         let all = samples(&[0, 100, 200, 300, 305, 311, 400, 500, 600]);
         assert_eq!(BASELINE_RECORDS, 3);
-        assert_eq!(affected(&all, &[], &[day(300)], &[], NEED), [3, 4], "two records on, or ten days");
-        assert_eq!(affected(&all, &[], &[day(600)], &[], NEED), [8]);
-        assert_eq!(affected(&all, &[], &[day(200)], &[], NEED), [2, 3, 4, 5, 6, 7, 8], "it is one of the baseline's");
+        let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        assert_eq!(late(300), [3, 4, 5], "two records on");
+        assert_eq!(late(400), [6, 7, 8]);
+        assert_eq!(late(600), [8]);
+        assert_eq!(late(200), [2, 3, 4, 5, 6, 7, 8], "it is one of the baseline's");
+        let dense = samples(&[0, 100, 200, 300, 301, 302, 303, 309, 311]);
+        let late = |at| affected(&dense, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        assert_eq!(late(300), [3, 4, 5, 6, 7], "ten days on");
+    }
+
+    #[test]
+    fn a_record_that_is_taken_out_alters_those_that_looked_back_to_it() {
+        let left = samples(&[0, 100, 200, 305, 311, 400, 500, 600]);
+        let gone = |at, baseline| affected(&left, &[], &[Altered::Removed { at: day(at), baseline }], NEED);
+        assert_eq!(gone(300, false), [3, 4]);
+        assert_eq!(gone(700, false), [] as [usize; 0]);
+        assert_eq!(gone(250, true), [3, 4, 5, 6, 7]);
     }
 
     #[test]
@@ -295,8 +370,8 @@ mod tests {
         let all = samples(&[0, 100, 200, 300, 400, 500]);
         let mark = |at, event| Mark { at: day(at), event };
         let marks = [mark(150, Event::Baseline), mark(450, Event::Repair)];
-        assert_eq!(affected(&all, &marks, &[], &marks[..1], NEED), [2, 3, 4]);
+        assert_eq!(affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED), [2, 3, 4]);
         let note = [mark(150, Event::Note)];
-        assert_eq!(affected(&all, &note, &[], &note, NEED), [2, 3]);
+        assert_eq!(affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED), [2, 3]);
     }
 }

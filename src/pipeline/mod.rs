@@ -53,7 +53,7 @@ pub use access::{
 pub use agreement::{Compared, Comparison};
 pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep};
 pub use answer::StoredRecord;
-pub use campaign::{ReadCampaign, StoredCampaign};
+pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
 pub use compare::Sent;
 pub use course::{Baseline, Course};
 pub use diagnosing::{Asked, Diagnosed, NotSplit};
@@ -66,10 +66,10 @@ pub use models::{Adoption, InForce};
 pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
-    AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, DeliveryState, EventRow, Figures, Id, Kind, ModelRow, Names,
-    RecordHead, Span, StoreError, Tables, TokenRow,
+    AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures, Id, Kind,
+    ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
-pub use read::{BenchTest, CalibratedGyro, Calibration, GyroEvent, Submission};
+pub use read::{BenchTest, CalibratedGyro, Calibration, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;
 
 /// The way in, and the way back to what is stored. Cheap to clone.
@@ -136,6 +136,16 @@ pub enum Refused {
     KeyReused { existing: Id },
     #[error("gyro {serial} has another calibration at the same time (id {existing})")]
     GyroElsewhere { existing: Id, index: usize, serial: String },
+    #[error("there is no record {id}")]
+    UnknownRecord { id: Id },
+    #[error("there is no bench result {id}")]
+    UnknownBench { id: Id },
+    #[error("{id} has been voided or revised already, in other words")]
+    AlreadyCorrected { id: Id, existing: Id },
+    #[error("is of another IMU than what it is to replace")]
+    AnotherImu,
+    #[error("another calibration of the IMU stands at that time (id {existing})")]
+    TimeTaken { existing: Id, kind: Kind },
     #[error("no gyro with the serial {serial} is known")]
     UnknownGyro { serial: String },
     #[error("no IMU {imu} is known")]

@@ -24,15 +24,55 @@ pub enum Submission {
     Calibration(Box<Calibration>),
     Bench(Box<BenchTest>),
     Event(GyroEvent),
+    Correction(Box<Correction>),
 }
 
 impl Submission {
+    /// The calibration that it brings.
+    pub fn calibration(&self) -> Option<&Calibration> {
+        match self {
+            Self::Calibration(calibration) => Some(calibration),
+            Self::Correction(correction) => correction.replacement.as_ref(),
+            Self::Bench(_) | Self::Event(_) => None,
+        }
+    }
+
     /// The station that it was measured at; none for what people say.
     pub fn station(&self) -> Option<&str> {
         match self {
             Self::Calibration(calibration) => Some(calibration.station.as_str()),
             Self::Bench(bench) => Some(bench.result.station.as_str()),
+            Self::Correction(correction) => correction.replacement.as_ref().map(|new| new.station.as_str()),
             Self::Event(_) => None,
+        }
+    }
+}
+
+/// A stored item is to count no more: it is voided, or revised by what stands in its place.
+#[derive(Debug, Clone)]
+pub struct Correction {
+    pub item: Corrected,
+    pub author: String,
+    pub reason: String,
+    pub replacement: Option<Calibration>,
+    pub by: Actor,
+}
+
+/// What is corrected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Corrected {
+    /// A record, or a campaign; of a certain kind, where one is named.
+    Calibration {
+        id: Id,
+        kind: Option<Kind>,
+    },
+    Bench(Id),
+}
+
+impl Corrected {
+    pub fn id(self) -> Id {
+        match self {
+            Self::Calibration { id, .. } | Self::Bench(id) => id,
         }
     }
 }

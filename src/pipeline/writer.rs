@@ -63,7 +63,7 @@ impl Task {
     ) -> Result<Self, StoreError> {
         let newest = Newest::load(&store).await?;
         let hooks = HookBook::load(&store).await?;
-        let judge = Judge::new(store.clone(), config.judging.clone());
+        let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
         let alerts = AlertBook::load(&store, config.alerts.policy()).await?;
         let benched = store.gyros_on_benches().await?.into_iter().collect();
         Ok(Self { store, writer, clock, config, newest, judge, alerts, benched, hooks, after })
@@ -234,11 +234,11 @@ impl Task {
             self.commit(&group.changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
             metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
-            self.newest.learn(&group.changes);
+            self.newest.learn(&group.changes, &found.newest);
             self.benched.extend(group.changes.benches.iter().map(|bench| bench.gyro));
         }
         for (item, reply) in items.iter().zip(&mut replies) {
-            if let (Submission::Calibration(sent), Ok(Accepted::Stored { id, judged })) = (item, reply) {
+            if let (Some(sent), Ok(Accepted::Stored { id, judged })) = (item.calibration(), reply) {
                 *judged = self.judged(sent, *id, &found.verdicts);
                 if sent.kind == Kind::Campaign {
                     self.after.due.send_modify(|moved| *moved += 1);
@@ -262,8 +262,8 @@ impl Task {
 
 /// The calibrations that are new, by the identifiers that they were given.
 fn sent<'a>(items: &[&'a Submission], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
-    let new = |(item, reply): (&&'a Submission, &Reply)| match (*item, reply) {
-        (Submission::Calibration(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, &**sent)),
+    let new = |(item, reply): (&&'a Submission, &Reply)| match (item.calibration(), reply) {
+        (Some(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, sent)),
         _ => None,
     };
     items.iter().zip(replies).filter_map(new).collect()
@@ -278,6 +278,7 @@ fn count(items: &[&Submission], replies: &[Reply]) {
             Submission::Calibration(_) => "calibration",
             Submission::Bench(_) => "bench_result",
             Submission::Event(_) => "event",
+            Submission::Correction(_) => "correction",
         };
         let outcome = match reply {
             Ok(Accepted::Stored { .. }) => "stored",

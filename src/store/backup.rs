@@ -149,8 +149,9 @@ async fn contents(store: &Store) -> Result<Holdings, StoreError> {
     for gyro in gyros {
         holdings.gyros += 1;
         holdings.figures += store.history(gyro, Span::EVER, usize::MAX).await?.len();
+        store.voided_history(gyro, Span::EVER).await?;
         store.events(gyro).await?;
-        for row in store.bench_results(gyro, Span::EVER).await? {
+        for row in store.all_bench_results(gyro, Span::EVER).await? {
             unchanged("bench result", row.id, &row.body, row.body_sha256)?;
             holdings.bench_results += 1;
         }

@@ -7,6 +7,7 @@ use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
 use super::open::Store;
+use super::record::RecordAt;
 use crate::core::bench::BenchMethod;
 use crate::core::time::UtcMicros;
 
@@ -20,6 +21,8 @@ pub struct BenchRow {
     /// D_I and D_S, deg/(h g0).
     pub d: [f64; 2],
     pub sd: [Option<f64>; 2],
+    /// It does not count any more.
+    pub voided: bool,
     pub received_at: UtcMicros,
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
@@ -53,10 +56,10 @@ pub(super) fn insert(benches: &[BenchRow], batch: &mut Batch) {
     );
 }
 
-type Row = (i64, u32, u32, i64, String, f64, f64, Option<f64>, Option<f64>, i64, String, Vec<u8>);
+type Row = (i64, u32, u32, i64, String, f64, f64, Option<f64>, Option<f64>, bool, i64, String, Vec<u8>);
 
 fn row(row: Row) -> Result<BenchRow, StoreError> {
-    let (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, hash) = row;
+    let (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided, received_at, body, hash) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("bench result {id}: {what}"));
     Ok(BenchRow {
@@ -67,6 +70,7 @@ fn row(row: Row) -> Result<BenchRow, StoreError> {
         method: BenchMethod::from_name(&method).ok_or_else(|| damaged("unknown method"))?,
         d: [d_i, d_s],
         sd: [d_i_sd, d_s_sd],
+        voided,
         received_at: UtcMicros(received_at),
         body: body.into(),
         body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
@@ -76,7 +80,8 @@ fn row(row: Row) -> Result<BenchRow, StoreError> {
 impl Store {
     pub async fn bench_result(&self, id: Id) -> Result<Option<BenchRow>, StoreError> {
         let sql =
-            "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256
+            "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
+                          body_sha256
                    FROM bench_result WHERE id = $1";
         let found: Option<Row> = sqlx::query_as(sql).bind(id.0).fetch_optional(&self.readers).await?;
         found.map(row).transpose()
@@ -87,26 +92,34 @@ impl Store {
         Ok(sqlx::query_scalar("SELECT DISTINCT gyro FROM bench_result").fetch_all(&self.readers).await?)
     }
 
-    /// Bench results of a gyro within `span`, oldest first.
+    /// Bench results of a gyro within `span` that count, oldest first.
     pub async fn bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
-        let sql =
-            "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256
-                   FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method";
+        let mut rows = self.all_bench_results(gyro, span).await?;
+        rows.retain(|row| !row.voided);
+        Ok(rows)
+    }
+
+    /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
+    pub async fn all_bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
+        let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
+                          body_sha256
+                   FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
         let rows: Vec<Row> =
             sqlx::query_as(sql).bind(gyro).bind(span.from.0).bind(span.to.0).fetch_all(&self.readers).await?;
         rows.into_iter().map(row).collect()
     }
 
-    /// The result of a gyro by one method at an instant: its id and the hash of its body.
-    pub async fn bench_result_at(
+    /// The results of a gyro by one method at an instant: the one that counts first, then those that do not.
+    pub async fn bench_results_at(
         &self,
         gyro: u32,
         at: UtcMicros,
         method: BenchMethod,
-    ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
-        let sql = "SELECT id, body_sha256 FROM bench_result WHERE gyro = $1 AND measured_at = $2 AND method = $3";
-        let found: Option<(i64, Vec<u8>)> =
-            sqlx::query_as(sql).bind(gyro).bind(at.0).bind(method.name()).fetch_optional(&self.readers).await?;
-        Ok(found.map(|(id, hash)| (Id(id), hash)))
+    ) -> Result<Vec<RecordAt>, StoreError> {
+        let sql = "SELECT id, body_sha256, voided <> 0 FROM bench_result
+                   WHERE gyro = $1 AND measured_at = $2 AND method = $3 ORDER BY voided";
+        let found: Vec<(i64, Vec<u8>, bool)> =
+            sqlx::query_as(sql).bind(gyro).bind(at.0).bind(method.name()).fetch_all(&self.readers).await?;
+        Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
     }
 }

@@ -7,6 +7,7 @@ use super::alerts::{self, AlertRow, StepRow};
 use super::batch::{Batch, Rows};
 use super::bench::{self, BenchRow};
 use super::checkpoint::Checkpoints;
+use super::correction::{self, CorrectionRow, Withdrawn};
 use super::delivery::{self, OutboxChanges};
 use super::diagnosis::{self, DiagnosisRow};
 use super::error::StoreError;
@@ -33,6 +34,9 @@ pub struct Changes {
     pub history: Vec<HistoryRow>,
     /// Stored rows that are judged anew.
     pub rejudged: Rejudged,
+    /// What does not count any more.
+    pub withdrawn: Withdrawn,
+    pub corrections: Vec<CorrectionRow>,
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
     pub keys: Vec<KeyRow>,
@@ -63,6 +67,7 @@ impl Changes {
 
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
+            && self.corrections.is_empty()
             && self.benches.is_empty()
             && self.events.is_empty()
             && self.keys.is_empty()
@@ -198,7 +203,9 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
         }
         batch.add(sql, rows);
     }
+    correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);
+    correction::insert(&changes.corrections, &mut batch);
     record::update_verdicts(&changes.rejudged.sheets, &mut batch);
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);

@@ -8,7 +8,7 @@
 //! | 0 | version, 1 |
 //! | 1 | slot, 0 to 2 |
 //! | 2 | number of the published equation, 8 to 13; 0 where the method is not defined |
-//! | 3 | states of D_I, D_S, D_O, two bits each: 0 not judged, 1 within, 2 indeterminate, 3 exceeded |
+//! | 3 | states of D_I, D_S, D_O, two bits each: 0 not judged, 1 within, 2 indeterminate, 3 exceeded; bit 6: voided |
 //! | 4-11 | numbers of the IMU and of the station |
 //! | 12-27 | instant (us UTC) and record |
 //! | 28-75 | rigid D_I, D_S, D_O and their standard deviations, deg/(h g0) |
@@ -25,6 +25,8 @@ use crate::core::time::UtcMicros;
 
 pub(super) const PACKED_LEN: usize = 120;
 const VERSION: u8 = 1;
+/// In the byte of the states.
+const VOIDED: u8 = 1 << 6;
 
 /// One gyro in one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +41,8 @@ pub struct Figures {
     pub rigid_sd: Option<[f64; 3]>,
     pub published: Option<PublishedFigures>,
     pub states: States,
+    /// Its record counts no more.
+    pub voided: bool,
 }
 
 /// Eqs. (8)-(13), the errata applied.
@@ -86,7 +90,12 @@ impl Figures {
     pub(super) fn pack(&self, gyro: u32, out: &mut Vec<u8>) {
         let start = out.len();
         let published = self.published.as_ref();
-        out.extend([VERSION, self.slot.index() as u8, published.map_or(0, |p| p.branch), self.states.packed()]);
+        out.extend([
+            VERSION,
+            self.slot.index() as u8,
+            published.map_or(0, |p| p.branch),
+            self.states.packed() | if self.voided { VOIDED } else { 0 },
+        ]);
         out.extend(self.imu.to_le_bytes());
         out.extend(self.station.to_le_bytes());
         out.extend(self.at.0.to_le_bytes());
@@ -116,6 +125,7 @@ impl Figures {
             rigid_sd: known(reader.figures()),
             published: reader.published(branch),
             states: States::unpacked(states),
+            voided: states & VOIDED != 0,
         };
         let sum = u32::from_le_bytes(reader.take());
         if version != VERSION || sum != checksum(gyro, &bytes[..PACKED_LEN - 4]) {
@@ -177,6 +187,7 @@ mod tests {
                 sd: Some([1e-4, 2e-4]),
             }),
             states: States([Some(State::Within), Some(State::Exceeded), None]),
+            voided: false,
         }
     }
 
@@ -189,7 +200,7 @@ mod tests {
     #[test]
     fn figures_come_back_as_they_went_in() {
         let with_sd = Figures { rigid_sd: Some([1e-4, 2e-4, 3e-4]), published: None, ..figures() };
-        for figures in [figures(), with_sd] {
+        for figures in [figures(), with_sd, Figures { voided: true, ..figures() }] {
             assert_eq!(Figures::unpack(9, &packed(&figures)).unwrap(), figures);
         }
     }

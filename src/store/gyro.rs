@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
+use super::history::Span;
 use super::open::Store;
 
 impl Store {
-    /// The newest row of each gyro whose number is greater than `after`, by number, at most `limit`; none for a gyro that only
+    /// The newest row that counts of each gyro whose number is greater than `after`, by number, at most `limit`; none for a gyro that only
     /// a bench has seen.
     pub async fn newest_of_gyros(&self, after: u32, limit: u32) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
         // Before the database is asked: see `SharedTail::read`.
@@ -17,13 +18,18 @@ impl Store {
                    FROM gyro WHERE id > $1 ORDER BY id LIMIT $2";
         let rows: Vec<(u32, Option<Vec<u8>>)> =
             sqlx::query_as(sql).bind(after).bind(limit).fetch_all(&self.readers).await?;
-        let newest = |(gyro, packed): (u32, Option<Vec<u8>>)| {
+        let mut newest = Vec::with_capacity(rows.len());
+        for (gyro, packed) in rows {
             let folded = packed.map(|bytes| one(gyro, &bytes)).transpose()?;
             let waiting = waiting.get(&gyro).copied();
             // Of two with one instant the last is taken: the one that waits.
-            Ok((gyro, folded.into_iter().chain(waiting).max_by_key(|figures| figures.at)))
-        };
-        rows.into_iter().map(newest).collect()
+            let mut figures = folded.into_iter().chain(waiting).max_by_key(|figures| figures.at);
+            if figures.is_some_and(|figures| figures.voided) {
+                figures = self.newest_history(gyro, Span::EVER, 1).await?.pop();
+            }
+            newest.push((gyro, figures));
+        }
+        Ok(newest)
     }
 }
 

@@ -32,11 +32,11 @@ pub(super) fn upsert(history: &[HistoryRow], batch: &mut Batch) {
         "INSERT INTO history (gyro, calibrated_at, record, figures)
          SELECT value->>0, value->>1, value->>2, substr($BYTES, value->>3, value->>4) FROM json_each($ROWS) WHERE true
          ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures",
-        rows(history),
+        rows(history.iter()),
     );
 }
 
-fn rows(history: &[HistoryRow]) -> Rows {
+pub(super) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
     let mut rows = Rows::default();
     for HistoryRow { gyro, figures } in history {
         rows.row()
@@ -48,8 +48,9 @@ fn rows(history: &[HistoryRow]) -> Rows {
     rows
 }
 
-/// Folded rows of `gyro` within `span`: the oldest `limit` of them, oldest first; or the newest, newest first.
-async fn read(
+/// Folded rows of `gyro` within `span`, whether they count or not: the oldest `limit` of them, oldest first; or the newest,
+/// newest first.
+async fn read_folded(
     readers: &SqlitePool,
     gyro: u32,
     span: Span,
@@ -107,32 +108,72 @@ fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit
 }
 
 impl Store {
-    /// The oldest `limit` rows of a gyro within `span`, oldest first.
+    /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
     pub async fn history(&self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        let waiting = self.tail.read().of(gyro, span).iter().take(limit).copied().collect();
-        let folded = read(&self.readers, gyro, span, limit, false).await?;
-        Ok(merged(folded, waiting, false, limit))
+        self.counting(gyro, span, limit, false).await
     }
 
-    /// The newest `limit` rows of a gyro within `span`, oldest first.
+    /// The newest `limit` rows of a gyro within `span` that count, oldest first.
     pub async fn newest_history(&self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        let waiting = self.tail.read().of(gyro, span).iter().rev().take(limit).copied().collect();
-        let folded = read(&self.readers, gyro, span, limit, true).await?;
-        let mut rows = merged(folded, waiting, true, limit);
+        let mut rows = self.counting(gyro, span, limit, true).await?;
         rows.reverse();
         Ok(rows)
     }
 
-    /// How many rows a gyro has.
-    pub async fn count_history(&self, gyro: u32) -> Result<i64, StoreError> {
-        let waiting: Vec<i64> = self.tail.read().of(gyro, Span::EVER).iter().map(|row| row.at.0).collect();
-        // A row that was judged again waits although it is in its place.
-        let sql = "SELECT count(*) + json_array_length($2)
-                   - (SELECT count(*) FROM json_each($2) AS waiting JOIN history AS there
-                      ON there.gyro = $1 AND there.calibrated_at = waiting.value)
-                   FROM history WHERE gyro = $1";
-        let waiting = serde_json::Value::from(waiting).to_string();
-        Ok(sqlx::query_scalar(sql).bind(gyro).bind(waiting).fetch_one(&self.readers).await?)
+    async fn counting(
+        &self,
+        gyro: u32,
+        mut span: Span,
+        limit: usize,
+        newest_first: bool,
+    ) -> Result<Vec<Figures>, StoreError> {
+        let mut counting = Vec::new();
+        loop {
+            let wanted = limit - counting.len();
+            let rows = self.marked(gyro, span, wanted, newest_first).await?;
+            let (full, last) = (rows.len() == wanted, rows.last().map(|figures| figures.at));
+            counting.extend(rows.into_iter().filter(|figures| !figures.voided));
+            match last {
+                Some(last) if full && counting.len() < limit && newest_first => span.to = UtcMicros(last.0 - 1),
+                Some(last) if full && counting.len() < limit => span.from = UtcMicros(last.0 + 1),
+                _ => return Ok(counting),
+            }
+        }
+    }
+
+    /// With the rows that count no more.
+    async fn marked(
+        &self,
+        gyro: u32,
+        span: Span,
+        limit: usize,
+        newest_first: bool,
+    ) -> Result<Vec<Figures>, StoreError> {
+        let waiting = {
+            let tail = self.tail.read();
+            let rows = tail.of(gyro, span);
+            if newest_first {
+                rows.iter().rev().take(limit).copied().collect()
+            } else {
+                rows.iter().take(limit).copied().collect()
+            }
+        };
+        let folded = read_folded(&self.readers, gyro, span, limit, newest_first).await?;
+        Ok(merged(folded, waiting, newest_first, limit))
+    }
+
+    /// The rows of a gyro within `span` that do not count any more, oldest first.
+    pub async fn voided_history(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
+        let sql = "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM voided_history
+                   WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at, record)";
+        let packed: Option<Vec<u8>> =
+            sqlx::query_scalar(sql).bind(gyro).bind(span.from.0).bind(span.to.0).fetch_one(&self.readers).await?;
+        unpack(gyro, &packed.unwrap_or_default())
+    }
+
+    /// How many rows a gyro has that count.
+    pub async fn count_history(&self, gyro: u32) -> Result<usize, StoreError> {
+        Ok(self.history(gyro, Span::EVER, usize::MAX).await?.len())
     }
 
     /// The temperature of each of a gyro's records that states one; of a campaign that does not, the mean of its dwells.

@@ -10,6 +10,7 @@ mod batch;
 mod bench;
 mod checkpoint;
 mod commit;
+mod correction;
 mod delivery;
 mod diagnosis;
 mod error;
@@ -34,6 +35,7 @@ pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
+pub use correction::{CorrectionRow, Withdrawn};
 pub use delivery::{
     AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,
 };
@@ -48,7 +50,7 @@ pub use keys::KeyRow;
 pub use model::ModelRow;
 pub use names::{Names, Tables};
 pub use open::{Options, Store, open};
-pub use record::{Kind, RecordHead, RecordRow};
+pub use record::{Kind, RecordAt, RecordHead, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 
 #[cfg(test)]

@@ -55,6 +55,16 @@ pub struct RecordHead {
     pub calibrated_at: UtcMicros,
 }
 
+/// An item at an instant that was asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordAt {
+    pub id: Id,
+    /// SHA-256 of its text.
+    pub hash: Vec<u8>,
+    /// It does not count any more.
+    pub voided: bool,
+}
+
 pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for record in records {
@@ -118,12 +128,13 @@ impl Store {
         found.map(row).transpose()
     }
 
-    /// The record of an IMU at an instant: its id and the hash of its body.
-    pub async fn record_at(&self, imu: u32, at: UtcMicros) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
-        let sql = "SELECT id, body_sha256 FROM record WHERE imu = $1 AND calibrated_at = $2";
-        let found: Option<(i64, Vec<u8>)> =
-            sqlx::query_as(sql).bind(imu).bind(at.0).fetch_optional(&self.readers).await?;
-        Ok(found.map(|(id, hash)| (Id(id), hash)))
+    /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
+    pub async fn records_at(&self, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
+        let sql =
+            "SELECT id, body_sha256, voided <> 0 FROM record WHERE imu = $1 AND calibrated_at = $2 ORDER BY voided";
+        let found: Vec<(i64, Vec<u8>, bool)> =
+            sqlx::query_as(sql).bind(imu).bind(at.0).fetch_all(&self.readers).await?;
+        Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
     }
 
     /// The newest record's instant of each IMU.
@@ -151,10 +162,10 @@ impl Store {
         rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
     }
 
-    /// The newest `limit` records of an IMU, newest first, without their bodies.
+    /// The newest `limit` records of an IMU that count, newest first, without their bodies.
     pub async fn records_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
-        let sql =
-            "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 ORDER BY calibrated_at DESC LIMIT $2";
+        let sql = "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
+                   ORDER BY calibrated_at DESC LIMIT $2";
         let rows: Vec<(i64, i64, u32, i64)> =
             sqlx::query_as(sql).bind(imu).bind(limit).fetch_all(&self.readers).await?;
         let head = |(id, kind, station, at)| {

@@ -52,7 +52,7 @@ async fn check(store: &Store, expected: &Expected, random: &mut ChaCha8Rng) {
     for gyro in 1..=GYROS {
         let all: Vec<Figures> = expected.range((gyro, 0)..=(gyro, i64::MAX)).map(|(_, row)| *row).collect();
         assert_eq!(store.history(gyro, Span::EVER, usize::MAX).await.unwrap(), all);
-        assert_eq!(store.count_history(gyro).await.unwrap(), all.len() as i64);
+        assert_eq!(store.count_history(gyro).await.unwrap(), all.len());
         let (a, b) = (random.random_range(0..20_000), random.random_range(0..20_000));
         let (from, to) = (a.min(b), a.max(b));
         let limit = random.random_range(1..300);

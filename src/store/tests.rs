@@ -50,6 +50,7 @@ pub(super) fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
         rigid_sd: None,
         published: None,
         states: States::default(),
+        voided: false,
     };
     HistoryRow { gyro, figures }
 }
@@ -76,6 +77,7 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
         method: BenchMethod::TorqueFeedback,
         d: [4.193101, -0.1 - 0.2],
         sd: [Some(3e-4), None],
+        voided: false,
         received_at: UtcMicros(9),
         body: "{\"é\": \"\\u0000\"}".into(),
         body_sha256: [9; 32],
@@ -119,7 +121,8 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     assert_eq!(store.bench_results(2, Span::EVER).await.unwrap(), [bench]);
     assert_eq!(store.events(2).await.unwrap(), [event]);
     assert_eq!(store.key("k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
-    assert_eq!(store.record_at(1, UtcMicros(100)).await.unwrap(), Some((ids[1], vec![7; 32])));
+    let there = RecordAt { id: ids[1], hash: vec![7; 32], voided: false };
+    assert_eq!(store.records_at(1, UtcMicros(100)).await.unwrap(), [there]);
     assert_eq!(store.newest_of_imus().await.unwrap(), [(1, UtcMicros(200))]);
 }
 

@@ -7,7 +7,7 @@
 
 use super::error::StoreError;
 use super::id::Id;
-use crate::core::judge::{Coefficient, Rule, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 
 const VERSION: u8 = 1;
 
@@ -28,6 +28,15 @@ impl From<&Verdict> for StoredVerdict {
     fn from(verdict: &Verdict) -> Self {
         let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, finding: _ } = *verdict;
         Self { coefficient, rule, state, value, limit, sd, probability, confirmed }
+    }
+}
+
+impl StoredVerdict {
+    /// The verdict without what its rule saw, which is not kept: for alerts to follow it, never for its reason.
+    pub fn without_words(&self) -> Verdict {
+        let Self { coefficient, rule, state, value, limit, sd, probability, confirmed } = *self;
+        let finding = Finding::TooFew { have: 0, need: 0 };
+        Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, finding }
     }
 }
 

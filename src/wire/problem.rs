@@ -35,6 +35,10 @@ impl Problem {
         Self { title: title.to_owned(), status, detail: detail.into(), errors: Vec::new(), existing: None }
     }
 
+    pub fn unknown_gyro(serial: &str) -> Self {
+        Self::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known"))
+    }
+
     /// A body that is no JSON (400) or says what cannot be stored (422).
     pub fn of_faults(status: u16, title: &str, faults: Faults) -> Self {
         let detail = faults.to_string();

@@ -1,5 +1,5 @@
 use super::*;
-use crate::core::judge::{Coefficient, Rule};
+use crate::core::judge::{Coefficient, Finding, Rule};
 
 const POLICY: Policy = Policy { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2 };
 

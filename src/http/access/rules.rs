@@ -51,6 +51,11 @@ const RULES: &[(&str, &str, Least)] = &[
     ("GET", "/v1/alerts", STATION),
     ("GET", "/v1/alerts/{id}", STATION),
     // What is made of it.
+    ("POST", "/v1/records/{id}/void", ENGINEER),
+    ("POST", "/v1/records/{id}/revise", ENGINEER),
+    ("POST", "/v1/campaigns/{id}/void", ENGINEER),
+    ("POST", "/v1/campaigns/{id}/revise", ENGINEER),
+    ("POST", "/v1/bench-results/{id}/void", ENGINEER),
     ("POST", "/v1/gyros/{serial}/events", ENGINEER),
     ("POST", "/v1/gyros/{serial}/baseline", ENGINEER),
     ("POST", "/v1/imus/{imu}/model", ENGINEER),

@@ -6,6 +6,7 @@ use super::body::{Naming, Origin, text};
 use crate::core::judge::{Rule, Verdict};
 use crate::core::notify::{self, Action, Decision, Policy, Status};
 use crate::core::time::UtcMicros;
+use crate::pipeline::judging::Undone;
 use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
 
 /// Every alert by gyro, and those that the transaction under construction changes.
@@ -19,6 +20,9 @@ pub(in crate::pipeline) struct AlertBook {
     /// What is in memory is ahead of what is stored.
     stale: bool,
 }
+
+/// Who said something that became a step, and why.
+type Said = (Option<String>, Option<String>);
 
 /// What it takes to write an entry: the time, identifiers, names.
 pub(in crate::pipeline) struct Pen<'a> {
@@ -106,7 +110,7 @@ impl AlertBook {
             }
         };
         self.alerts.entry(gyro).or_default()[place].finding = finding();
-        self.enter((gyro, place), decision, began, pen);
+        self.enter((gyro, place), decision, began, (None, None), pen);
     }
 
     /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut off.
@@ -115,7 +119,19 @@ impl AlertBook {
             let row = &self.alerts[&gyro][place];
             if row.alert.status == Status::Firing && ends(row) {
                 let decision = notify::reset(&row.alert, pen.now);
-                self.enter((gyro, place), decision, false, pen);
+                self.enter((gyro, place), decision, false, (None, None), pen);
+            }
+        }
+    }
+
+    /// Ends what fires where `ends` says so, because of what somebody has said of a record or bench result.
+    pub fn undo(&mut self, gyro: u32, ends: impl Fn(&AlertRow) -> bool, undone: &Undone, pen: &mut Pen<'_>) {
+        for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
+            let row = &self.alerts[&gyro][place];
+            if row.alert.status == Status::Firing && ends(row) {
+                let decision = notify::reset(&row.alert, pen.now);
+                let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
+                self.enter((gyro, place), decision, false, said, pen);
             }
         }
     }
@@ -127,7 +143,7 @@ impl AlertBook {
                 let row = &self.alerts[&gyro][place];
                 let decision = notify::tick(&row.alert, pen.now, &self.policy);
                 if decision.alert != Some(row.alert) {
-                    self.enter((gyro, place), decision, false, pen);
+                    self.enter((gyro, place), decision, false, (None, None), pen);
                 }
             }
         }
@@ -167,7 +183,7 @@ impl AlertBook {
     }
 
     /// Makes a decision the alert's state, and a step of it, where it changes how the alert stands or tells somebody.
-    fn enter(&mut self, (gyro, place): (u32, usize), decision: Decision, began: bool, pen: &mut Pen<'_>) {
+    fn enter(&mut self, (gyro, place): (u32, usize), decision: Decision, began: bool, said: Said, pen: &mut Pen<'_>) {
         let Some(alert) = decision.alert else { return };
         let row = &mut self.alerts.entry(gyro).or_default()[place];
         let earlier = (!began).then_some(row.alert);
@@ -179,18 +195,11 @@ impl AlertBook {
         self.changed.insert((gyro, place));
         let action = if decision.action == Action::Silent { untold(earlier, alert) } else { Some(decision.action) };
         if let Some(action) = action {
-            self.step(&row, action.name(), decision.action != Action::Silent, (None, None), pen);
+            self.step(&row, action.name(), decision.action != Action::Silent, said, pen);
         }
     }
 
-    fn step(
-        &mut self,
-        row: &AlertRow,
-        action: &str,
-        told: bool,
-        (author, reason): (Option<String>, Option<String>),
-        pen: &mut Pen<'_>,
-    ) {
+    fn step(&mut self, row: &AlertRow, action: &str, told: bool, (author, reason): Said, pen: &mut Pen<'_>) {
         // The finding was written by this program, in this run or an earlier one; the next look at the alert names the damage.
         let body = pen.naming.alert(row, pen.now).map(|body| text(&body)).unwrap_or_default();
         let id = pen.writer.next_id(pen.now);

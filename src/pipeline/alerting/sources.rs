@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::body::Origin;
 use super::book::{AlertBook, Pen};
-use crate::core::judge::{Rule, Verdict, overdue};
+use crate::core::judge::{Rule, State, Verdict, overdue};
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::Agreement;
 use crate::pipeline::judging::{Judge, Judged, Newest};
@@ -22,6 +22,24 @@ pub(in crate::pipeline) fn follow_group(
     agreements: &[Agreement],
     pen: &mut Pen<'_>,
 ) {
+    for (gyro, undone) in &judged.undone {
+        let fires = undone.fires.as_ref();
+        let is_undone = |row: &AlertRow| match row.rule {
+            Rule::Agreement => {
+                let compared = agreements.iter().filter(|agreement| agreement.gyro == *gyro);
+                let mut verdicts = compared.flat_map(|agreement| &agreement.verdicts);
+                !verdicts.any(|verdict| verdict.coefficient == row.coefficient && verdict.state == State::Exceeded)
+            }
+            // Where nothing is left, nothing can be overdue; else the clock says what is.
+            Rule::Overdue => fires.is_some() && judged.newest.iter().all(|newest| newest.gyro != *gyro),
+            rule => fires.is_some_and(|fires| !fires.contains(&(row.coefficient, rule))),
+        };
+        book.undo(*gyro, is_undone, undone, pen);
+        // The newest that counts may be older than before.
+        if let Some(Newest { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
+            follow_clock(book, judge, *gyro, figures.at, figures.imu, pen);
+        }
+    }
     for newest in &judged.newest {
         follow_newest(book, judge, judged, newest, sent, pen);
     }

@@ -18,9 +18,10 @@ use crate::wire::alert::AlertBody;
 impl Task {
     /// How the methods agree on the gyros of a group that benches have measured.
     pub(super) async fn agreements(&self, changes: &Changes) -> Result<Vec<Agreement>, StoreError> {
-        let measured: BTreeSet<u32> = changes.benches.iter().map(|bench| bench.gyro).collect();
+        let withdrawn = changes.withdrawn.benches.iter().map(|(_, gyro)| *gyro);
+        let measured: BTreeSet<u32> = changes.benches.iter().map(|bench| bench.gyro).chain(withdrawn).collect();
         let touched = changes.history.iter().map(|row| row.gyro).chain(changes.events.iter().map(|event| event.gyro));
-        let known = touched.filter(|gyro| self.benched.contains(gyro));
+        let known = touched.chain(changes.withdrawn.gyros()).filter(|gyro| self.benched.contains(gyro));
         let mut agreements = Vec::new();
         for gyro in known.chain(measured.iter().copied()).collect::<BTreeSet<_>>() {
             agreements.extend(agreement_after(&self.store, &self.config.judging, gyro, changes).await?);

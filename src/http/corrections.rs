@@ -1,0 +1,322 @@
+//! `…/void` and `…/revise`: what was stored counts no more, or another stands in its place. Nothing is deleted.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::answer::Answer;
+use super::document::Document;
+use crate::core::fault::{Fault, Faults};
+use crate::pipeline::{
+    Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Id, Kind, Submission,
+};
+use crate::wire::answer::RecordAnswer;
+use crate::wire::calibration::CampaignAnswer;
+use crate::wire::campaign::{CampaignBody, Form};
+use crate::wire::problem::Problem;
+use crate::wire::record::RecordBody;
+use crate::wire::{json, text, time};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(void_record))
+        .routes(routes!(revise_record))
+        .routes(routes!(void_campaign))
+        .routes(routes!(revise_campaign))
+        .routes(routes!(void_bench_result))
+}
+
+/// How a record, campaign or bench result stands.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct StandingBody {
+    /// `valid`, `voided` or `revised`; only what is valid counts.
+    state: &'static str,
+    voided: Option<RemarkBody>,
+    /// What stands in its place.
+    revised_by: Option<RevisionBody>,
+    /// In whose place it stands.
+    revises: Option<RevisionBody>,
+}
+
+/// Who said so, when and why.
+#[derive(Debug, Serialize, ToSchema)]
+struct RemarkBody {
+    at: String,
+    author: String,
+    reason: String,
+}
+
+#[derive(Debug, Serialize, ToSchema)]
+struct RevisionBody {
+    /// Identifier of the other record.
+    record: String,
+    #[serde(flatten)]
+    remark: RemarkBody,
+}
+
+/// An answer, with how the item stands.
+#[derive(Serialize, ToSchema)]
+pub struct Standing<T> {
+    #[serde(flatten)]
+    pub answer: T,
+    #[serde(flatten)]
+    pub standing: StandingBody,
+}
+
+/// A record or bench result that counts no more.
+#[derive(Serialize, ToSchema)]
+struct CorrectedBody {
+    id: String,
+    #[serde(flatten)]
+    standing: StandingBody,
+}
+
+impl From<&CorrectionRow> for RemarkBody {
+    fn from(row: &CorrectionRow) -> Self {
+        Self { at: time::format(row.at), author: row.author.clone(), reason: row.reason.clone() }
+    }
+}
+
+/// How a stored item stands.
+pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
+    let said = app.pipeline.store().corrections(id).await?;
+    let voided = said.iter().find(|row| row.item == id && row.replaced_by.is_none()).map(RemarkBody::from);
+    let link = |row: &CorrectionRow, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
+    let revised_by = said.iter().filter(|row| row.item == id).find_map(|row| Some(link(row, row.replaced_by?)));
+    let revises = said.iter().find(|row| row.replaced_by == Some(id)).map(|row| link(row, row.item));
+    let state = match (&revised_by, &voided) {
+        (Some(_), _) => "revised",
+        (None, Some(_)) => "voided",
+        (None, None) => "valid",
+    };
+    Ok(StandingBody { state, voided, revised_by, revises })
+}
+
+/// Who says so, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct VoidOrder {
+    #[schema(min_length = 1, max_length = 128)]
+    author: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+impl VoidOrder {
+    fn read(bytes: &[u8]) -> Result<Self, Faults> {
+        let mut faults = Faults::default();
+        let order = json::parse::<Self>(bytes)?.checked(&mut faults);
+        faults.or(order)
+    }
+
+    fn checked(self, faults: &mut Faults) -> Self {
+        let author = text::required_short("/author", self.author, faults);
+        Self { author, reason: text::required_note("/reason", self.reason, faults) }
+    }
+}
+
+/// A record counts no more: it is kept, with who said so and why, and what depends on it is judged again.
+#[utoipa::path(post, path = "/v1/records/{id}/void", tag = "records", request_body = VoidOrder,
+    params(("id" = String, Path, description = "identifier of the record")),
+    responses(
+        (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was voided or revised before, in other words", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn void_record(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<CorrectedBody>, Problem> {
+    void(&app, Corrected::Calibration { id: named(&id, "record")?, kind: None }, &body.0).await
+}
+
+/// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
+#[utoipa::path(post, path = "/v1/campaigns/{id}/void", tag = "campaigns", request_body = VoidOrder,
+    params(("id" = String, Path, description = "identifier of the campaign")),
+    responses(
+        (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was voided or revised before, in other words", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn void_campaign(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<CorrectedBody>, Problem> {
+    void(&app, campaign(&id)?, &body.0).await
+}
+
+/// A bench result counts no more: it is kept, with who said so and why, and the methods are compared without it.
+#[utoipa::path(post, path = "/v1/bench-results/{id}/void", tag = "bench results", request_body = VoidOrder,
+    params(("id" = String, Path, description = "identifier of the bench result")),
+    responses(
+        (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was voided before, in other words", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn void_bench_result(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<CorrectedBody>, Problem> {
+    void(&app, Corrected::Bench(named(&id, "bench result")?), &body.0).await
+}
+
+async fn void(app: &App, item: Corrected, body: &[u8]) -> Result<Json<CorrectedBody>, Problem> {
+    let VoidOrder { author, reason } = VoidOrder::read(body).map_err(|faults| Document::problem(body, faults))?;
+    submit(app, Correction { item, author, reason, replacement: None, by: Actor::by_caller() }).await?;
+    let id = item.id();
+    Ok(Json(CorrectedBody { id: id.to_string(), standing: standing(app, id).await? }))
+}
+
+/// What stands in the place of a record, who says so, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct RecordRevision {
+    #[schema(min_length = 1, max_length = 128)]
+    author: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+    /// Of the same IMU.
+    #[schema(value_type = RecordBody)]
+    record: Box<RawValue>,
+}
+
+/// Another record stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
+/// was voided can still be revised.
+#[utoipa::path(post, path = "/v1/records/{id}/revise", tag = "records", request_body = RecordRevision,
+    params(("id" = String, Path, description = "identifier of the record")),
+    responses(
+        (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was revised before, or another stands at the new one's time", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
+    let item = Corrected::Calibration { id: named(&id, "record")?, kind: None };
+    let problem = |faults| Document::problem(&body.0, faults);
+    let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
+    let read = app.pipeline.read_record(record.get().as_bytes());
+    let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
+    let (status, id) = submit(&app, correction).await?;
+    let stored = app.pipeline.stored_record(id).await?.ok_or_else(|| no_such("record", &id.to_string()))?;
+    let answer = Standing { answer: stored.answer, standing: standing(&app, id).await? };
+    Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
+}
+
+/// What stands in the place of a campaign, who says so, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct CampaignRevision {
+    #[schema(min_length = 1, max_length = 128)]
+    author: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+    /// Of the same IMU.
+    #[schema(value_type = CampaignBody)]
+    campaign: Box<RawValue>,
+}
+
+/// Another campaign stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
+/// was voided can still be revised.
+#[utoipa::path(post, path = "/v1/campaigns/{id}/revise", tag = "campaigns", request_body = CampaignRevision,
+    params(("id" = String, Path, description = "identifier of the campaign")),
+    responses(
+        (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "the same was said before", body = Standing<CampaignAnswer>),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was revised before, or another stands at the new one's time", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
+    let item = campaign(&id)?;
+    let problem = |faults| Document::problem(&body.0, faults);
+    let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
+    let pipeline = app.pipeline.clone();
+    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
+    let read = read.and_then(|read| match read.fitted {
+        Fitted::Calibration(calibration) => Ok(*calibration),
+        Fitted::Bench(_) => {
+            let detail = "is a bench test, which cannot stand in the place of a campaign".to_owned();
+            Err(Fault { pointer: "/test".to_owned(), detail }.into())
+        }
+    });
+    let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
+    let (status, id) = submit(&app, correction).await?;
+    let stored = app.pipeline.stored_campaign(id).await?.ok_or_else(|| no_such("campaign", &id.to_string()))?;
+    let answer = Standing { answer: stored.answer, standing: standing(&app, id).await? };
+    Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Answer(answer)).into_response())
+}
+
+/// Every fault of who, why and what, the latter's under `place`.
+fn revision(
+    item: Corrected,
+    order: VoidOrder,
+    place: &str,
+    read: Result<Calibration, Faults>,
+) -> Result<Correction, Faults> {
+    let mut faults = Faults::default();
+    let VoidOrder { author, reason } = order.checked(&mut faults);
+    match read {
+        Ok(new) => faults.or(Correction { item, author, reason, replacement: Some(new), by: Actor::by_caller() }),
+        Err(of_new) => {
+            faults.absorb(place, of_new);
+            Err(faults)
+        }
+    }
+}
+
+async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), Problem> {
+    let place = correction.replacement.as_ref().map(|new| match new.kind {
+        Kind::Record => "/record",
+        Kind::Campaign => "/campaign",
+    });
+    match app.pipeline.submit(Submission::Correction(Box::new(correction))).await {
+        Ok(Accepted::Stored { id, .. }) => Ok((StatusCode::CREATED, id)),
+        Ok(Accepted::There { id, .. }) => Ok((StatusCode::OK, id)),
+        Err(refused) => {
+            // The places are those of what is to stand in the place of the old.
+            let mut problem = Problem::from(refused);
+            for error in &mut problem.errors {
+                error.pointer.insert_str(0, place.unwrap_or_default());
+            }
+            Err(problem)
+        }
+    }
+}
+
+fn campaign(id: &str) -> Result<Corrected, Problem> {
+    Ok(Corrected::Calibration { id: named(id, "campaign")?, kind: Some(Kind::Campaign) })
+}
+
+fn named(id: &str, what: &str) -> Result<Id, Problem> {
+    id.parse().map_err(|_| no_such(what, id))
+}
+
+fn no_such(what: &str, id: &str) -> Problem {
+    Problem::new(404, &format!("No such {what}"), format!("there is no {what} {id}"))
+}

@@ -1,0 +1,170 @@
+//! What somebody says of a stored item: it does not count, or another record stands in its place.
+
+use serde_json::json;
+
+use super::{Desk, Group, Table};
+use crate::core::time::UtcMicros;
+use crate::pipeline::compare::says_the_same;
+use crate::pipeline::read::{Calibration, Corrected, Correction};
+use crate::pipeline::{Accepted, Refused};
+use crate::store::{CorrectionRow, HistoryRow, Id, Kind, RecordRow, Span, StoreError};
+
+impl Desk<'_> {
+    pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
+        let id = sent.item.id();
+        let said = self.said_before(id, group).await?;
+        if let Some(there) = self.repeated(sent, &said, group).await? {
+            return Ok(there);
+        }
+        match (sent.item, &sent.replacement) {
+            (Corrected::Bench(_), _) => {
+                let bench = self.store.bench_result(id).await?.ok_or(Refused::UnknownBench { id })?;
+                group.changes.withdrawn.benches.push((id, bench.gyro));
+            }
+            (Corrected::Calibration { id, kind }, replacement) => {
+                let record = self.store.record(id).await?.filter(|record| kind.is_none_or(|kind| record.kind == kind));
+                let record = record.ok_or(Refused::UnknownRecord { id })?;
+                let before = (group.changes.withdrawn.records.len(), group.changes.withdrawn.history.len());
+                if said.is_empty() {
+                    self.withdraw(&record, group).await?;
+                }
+                if let Some(new) = replacement {
+                    let entered = self.replace(&record, new, group).await;
+                    if entered.is_err() {
+                        // What was to stand in its place is not taken: it goes on counting.
+                        group.changes.withdrawn.records.truncate(before.0);
+                        group.changes.withdrawn.history.truncate(before.1);
+                    }
+                    let new = entered?;
+                    self.take_down(sent, Some(new), group);
+                    return Ok(Accepted::Stored { id: new, judged: Vec::new() });
+                }
+            }
+        }
+        self.take_down(sent, None, group);
+        Ok(Accepted::Stored { id, judged: Vec::new() })
+    }
+
+    fn take_down(&mut self, sent: &Correction, replaced_by: Option<Id>, group: &mut Group) {
+        let (item, author, reason) = (sent.item.id(), sent.author.clone(), sent.reason.clone());
+        let audited =
+            json!({ "author": author, "reason": reason, "replaced_by": replaced_by.map(|id| id.to_string()) });
+        let subject = match sent.item {
+            Corrected::Calibration { .. } => format!("records/{item}"),
+            Corrected::Bench(_) => format!("bench-results/{item}"),
+        };
+        let what = (if replaced_by.is_some() { "revise" } else { "void" }, subject);
+        let line = self.writer.next_id(self.now);
+        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        group.changes.corrections.push(CorrectionRow { item, replaced_by, at: self.now, author, reason });
+    }
+
+    /// Takes a record out of what counts.
+    async fn withdraw(&self, record: &RecordRow, group: &mut Group) -> Result<(), StoreError> {
+        let at = record.calibrated_at;
+        for &(gyro, _) in &record.verdicts.0 {
+            let rows = self.store.history(gyro, Span { from: at, to: at }, 1).await?;
+            let withdrawn = rows.into_iter().map(|figures| HistoryRow { gyro, figures });
+            group.changes.withdrawn.history.extend(withdrawn);
+        }
+        group.changes.withdrawn.records.push(record.id);
+        Ok(())
+    }
+
+    /// Enters the record that is to stand in another's place.
+    async fn replace(&mut self, old: &RecordRow, new: &Calibration, group: &mut Group) -> Result<Id, Refused> {
+        if self.number(Table::Imus, new.imu.as_str(), group) != Some(old.imu) {
+            return Err(Refused::AnotherImu);
+        }
+        if let Some((existing, _)) = self.counting_at(Some(old.imu), new.calibrated_at, group).await? {
+            return Err(Refused::TimeTaken { existing, kind: new.kind });
+        }
+        self.enter(new, group).await
+    }
+
+    /// What was said of an item as it stands, this group included.
+    async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionRow>, StoreError> {
+        let mut said = self.store.corrections(item).await?;
+        said.extend(group.changes.corrections.iter().cloned());
+        said.retain(|row| row.item == item);
+        Ok(said)
+    }
+
+    /// The answer where the same was said before. A record that was voided can still be revised, so that what was voided
+    /// by mistake counts again.
+    async fn repeated(
+        &self,
+        sent: &Correction,
+        said: &[CorrectionRow],
+        group: &Group,
+    ) -> Result<Option<Accepted>, Refused> {
+        let id = sent.item.id();
+        let Some(last) = said.iter().max_by_key(|row| row.replaced_by.is_some()) else { return Ok(None) };
+        let same_words = |row: &&CorrectionRow| row.author == sent.author && row.reason == sent.reason;
+        let differs = Refused::AlreadyCorrected { id, existing: last.replaced_by.unwrap_or(id) };
+        match (&sent.replacement, last.replaced_by) {
+            (None, _) => {
+                let same = said.iter().filter(|row| row.replaced_by.is_none()).find(same_words);
+                same.map(|_| Some(Accepted::There { id, same_bytes: true })).ok_or(differs)
+            }
+            (Some(_), None) => Ok(None),
+            (Some(new), Some(standing)) => {
+                let same = same_words(&last) && self.has_content(standing, new, group).await?;
+                if same { Ok(Some(Accepted::There { id: standing, same_bytes: true })) } else { Err(differs) }
+            }
+        }
+    }
+
+    /// Whether a record, stored or of this group, says the same as another.
+    async fn has_content(&self, id: Id, other: &Calibration, group: &Group) -> Result<bool, StoreError> {
+        let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind, body, &other.body);
+        if let Some(record) = group.changes.records.iter().find(|record| record.id == id) {
+            return Ok(says(record.kind, &record.body));
+        }
+        Ok(self.store.record(id).await?.is_some_and(|record| says(record.kind, &record.body)))
+    }
+
+    /// The record of an IMU that counts at an instant, and the hash of its body.
+    pub(super) async fn counting_at(
+        &self,
+        imu: Option<u32>,
+        at: UtcMicros,
+        group: &Group,
+    ) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        let Some(imu) = imu else { return Ok(None) };
+        if let Some((id, hash)) = group.records.get(&(imu, at)) {
+            return Ok(Some((*id, hash.to_vec())));
+        }
+        if self.newest.imus.get(&imu).is_none_or(|newest| *newest < at) {
+            return Ok(None);
+        }
+        let mut stored = self.store.records_at(imu, at).await?.into_iter();
+        let counts = stored.find(|record| !record.voided && !group.withdraws(record.id));
+        Ok(counts.map(|record| (record.id, record.hash)))
+    }
+
+    /// The record that was sent before with the same content, and does not count any more: sent again it stays as it is, because
+    /// the sender does not know.
+    pub(super) async fn voided_alike(
+        &self,
+        imu: Option<u32>,
+        sent: &Calibration,
+        group: &Group,
+    ) -> Result<Option<Id>, StoreError> {
+        let Some(imu) = imu.filter(|imu| self.newest.imus.get(imu) >= Some(&sent.calibrated_at)) else {
+            return Ok(None);
+        };
+        for record in self.store.records_at(imu, sent.calibrated_at).await? {
+            if record.hash == sent.body_sha256 || self.has_content(record.id, sent, group).await? {
+                return Ok(Some(record.id));
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Group {
+    pub(super) fn withdraws(&self, record: Id) -> bool {
+        self.changes.withdrawn.records.contains(&record)
+    }
+}

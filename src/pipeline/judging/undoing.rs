@@ -1,0 +1,72 @@
+//! What would fire if what counts no more had never come: the verdicts on what is left, followed again from the first.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Judge, Judged, Undone};
+use crate::core::judge::{Coefficient, Rule};
+use crate::core::notify::{self, Alert, Status};
+use crate::core::time::UtcMicros;
+use crate::store::{Changes, CorrectionRow, Figures, HistoryRow, Id, Span, StoreError, VerdictSheet};
+
+impl Judge {
+    /// Notes for each gyro of which something counts no more what would fire without it. To be asked once the new
+    /// verdicts have been entered.
+    pub(super) async fn undo(&self, changes: &Changes, judged: &mut Judged) -> Result<(), StoreError> {
+        for gyro in changes.withdrawn.gyros() {
+            let fires = self.replay(gyro, changes).await?;
+            let rows = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
+            if let Some(said) = said_of(rows.map(|row| row.figures.record), changes) {
+                judged.undone.insert(gyro, undone(Some(fires), said));
+            }
+        }
+        for (bench, gyro) in &changes.withdrawn.benches {
+            if let Some(said) = said_of([*bench].into_iter(), changes) {
+                judged.undone.entry(*gyro).or_insert_with(|| undone(None, said));
+            }
+        }
+        Ok(())
+    }
+
+    /// Marks the rows that count no more, but where another has come in their place.
+    pub(super) fn mark(changes: &mut Changes) {
+        for HistoryRow { gyro, figures } in &changes.withdrawn.history {
+            let is_there = |row: &HistoryRow| row.gyro == *gyro && row.figures.at == figures.at;
+            if !changes.history.iter().any(is_there) {
+                let figures = Figures { voided: true, ..*figures };
+                changes.rejudged.history.push(HistoryRow { gyro: *gyro, figures });
+            }
+        }
+    }
+
+    async fn replay(&self, gyro: u32, changes: &Changes) -> Result<HashSet<(Coefficient, Rule)>, StoreError> {
+        let gone: HashSet<Id> = changes.withdrawn.records.iter().copied().collect();
+        let stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
+        let new = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
+        let left = stored.into_iter().filter(|figures| !gone.contains(&figures.record)).chain(new);
+        let mut records: Vec<(UtcMicros, Id)> = left.map(|figures| (figures.at, figures.record)).collect();
+        records.sort_unstable();
+        let mut sheets: HashMap<Id, VerdictSheet> =
+            self.store.verdict_sheets(records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
+        sheets.extend(changes.rejudged.sheets.iter().cloned());
+        sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
+        let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();
+        for (at, id) in records {
+            let sheet = sheets.get(&id).and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
+            for verdict in sheet.into_iter().flat_map(|(_, verdicts)| verdicts) {
+                let key = (verdict.coefficient, verdict.rule);
+                let decision = notify::follow(alerts.get(&key), &verdict.without_words(), at, at, &self.policy);
+                alerts.extend(decision.alert.map(|alert| (key, alert)));
+            }
+        }
+        let firing = alerts.into_iter().filter(|(_, alert)| alert.status == Status::Firing);
+        Ok(firing.map(|(key, _)| key).collect())
+    }
+}
+
+fn said_of<'a>(mut items: impl Iterator<Item = Id>, changes: &'a Changes) -> Option<&'a CorrectionRow> {
+    items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))
+}
+
+fn undone(fires: Option<HashSet<(Coefficient, Rule)>>, said: &CorrectionRow) -> Undone {
+    Undone { fires, author: said.author.clone(), reason: said.reason.clone() }
+}

@@ -1,0 +1,97 @@
+//! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
+
+use super::batch::{Batch, Rows};
+use super::error::StoreError;
+use super::history::{self, HistoryRow};
+use super::id::Id;
+use super::open::Store;
+use crate::core::time::UtcMicros;
+
+/// What somebody said of a record or bench result: that it does not count, or that another stands in its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CorrectionRow {
+    pub item: Id,
+    /// The record that stands in its place; none where it was voided.
+    pub replaced_by: Option<Id>,
+    pub at: UtcMicros,
+    pub author: String,
+    pub reason: String,
+}
+
+/// What a transaction takes out of what counts.
+#[derive(Debug, Default)]
+pub struct Withdrawn {
+    pub records: Vec<Id>,
+    /// The records' rows of the history, as they stood.
+    pub history: Vec<HistoryRow>,
+    /// Bench results, each with its gyro.
+    pub benches: Vec<(Id, u32)>,
+}
+
+impl Withdrawn {
+    /// The gyros whose history shrinks, in order.
+    pub fn gyros(&self) -> std::collections::BTreeSet<u32> {
+        self.history.iter().map(|row| row.gyro).collect()
+    }
+}
+
+/// Makes room for what the same transaction inserts.
+pub(super) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
+    let ids = |ids: &mut dyn Iterator<Item = Id>| {
+        let mut rows = Rows::default();
+        ids.for_each(|id| {
+            rows.row().integer(id.0);
+        });
+        rows
+    };
+    batch.add(
+        "UPDATE record SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+        ids(&mut withdrawn.records.iter().copied()),
+    );
+    batch.add(
+        "UPDATE bench_result SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+        ids(&mut withdrawn.benches.iter().map(|(id, _)| *id)),
+    );
+    batch.add(
+        "INSERT INTO voided_history (gyro, calibrated_at, record, figures)
+         SELECT value->>0, value->>1, value->>2, substr($BYTES, value->>3, value->>4) FROM json_each($ROWS)",
+        history::rows(withdrawn.history.iter()),
+    );
+}
+
+pub(super) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for correction in corrections {
+        rows.row()
+            .integer(correction.item.0)
+            .optional_integer(correction.replaced_by.map(|id| id.0))
+            .integer(correction.at.0)
+            .text(&correction.author)
+            .text(&correction.reason);
+    }
+    batch.add(
+        "INSERT INTO correction (item, replaced_by, at, author, reason)
+         SELECT value->>0, value->>1, value->>2, value->>3, value->>4 FROM json_each($ROWS)",
+        rows,
+    );
+}
+
+type Row = (i64, Option<i64>, i64, String, String);
+
+impl Store {
+    /// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
+    /// another's place.
+    pub async fn corrections(&self, item: Id) -> Result<Vec<CorrectionRow>, StoreError> {
+        let sql = "SELECT item, replaced_by, at, author, reason FROM correction
+                   WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by";
+        let rows: Vec<Row> = sqlx::query_as(sql).bind(item.0).fetch_all(&self.readers).await?;
+        let row = |(item, replaced_by, at, author, reason): Row| CorrectionRow {
+            item: Id(item),
+            replaced_by: replaced_by.map(Id),
+            at: UtcMicros(at),
+            author,
+            reason,
+        };
+        Ok(rows.into_iter().map(row).collect())
+    }
+}

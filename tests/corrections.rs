@@ -1,0 +1,440 @@
+//! What becomes of a gyro when a record turns out not to count: trends, verdicts, baselines, alerts; and of the record itself.
+
+mod lab;
+mod support;
+
+use lab::{Lab, bench, day, record, verdict};
+use serde_json::{Value, json};
+
+fn of_a(at: i64, d_i: f64) -> Value {
+    record("IMU-1", &day(at), &[("G1", "A", d_i, 2.0)])
+}
+
+/// Posts D_I of gyro `A` on given days; the records' identifiers.
+async fn station_posts(lab: &Lab, history: &[(i64, f64)]) -> Vec<String> {
+    let mut ids = Vec::new();
+    for (at, d_i) in history {
+        ids.push(id_of(&lab.posts(&of_a(*at, *d_i)).await));
+    }
+    ids
+}
+
+/// As [`station_posts`], in one request.
+async fn station_imports(lab: &Lab, history: &[(i64, f64)]) -> Vec<String> {
+    let records: Vec<Value> = history.iter().map(|(at, d_i)| of_a(*at, *d_i)).collect();
+    lab.imports(&records).await.iter().map(id_of).collect()
+}
+
+fn id_of(answer: &Value) -> String {
+    answer["id"].as_str().expect("an identifier").to_owned()
+}
+
+fn said(reason: &str) -> Value {
+    json!({"author": "Li Wei", "reason": reason})
+}
+
+async fn engineer_voids(lab: &Lab, id: &str) -> Value {
+    lab.post(&format!("/v1/records/{id}/void"), &said("table was not level")).await.ok()
+}
+
+fn revision(record: &Value) -> Value {
+    json!({"author": "Li Wei", "reason": "wrong serial of the table", "record": record})
+}
+
+/// `rule state severity` of every alert on D_I of gyro `A`.
+async fn alerts(lab: &Lab) -> Vec<String> {
+    let found = lab.get("/v1/alerts?serial=A&coefficient=D_I").await.ok();
+    let word = |alert: &Value, member: &str| alert[member].as_str().expect("text").to_owned();
+    let alerts = found["alerts"].as_array().expect("alerts").iter();
+    let mut alerts: Vec<String> =
+        alerts.map(|a| ["rule", "state", "severity"].map(|member| word(a, member)).join(" ")).collect();
+    alerts.sort();
+    alerts
+}
+
+/// Days and D_I of the trend, to six places.
+async fn trend(lab: &Lab, query: &str) -> Vec<(String, f64)> {
+    let points = lab.sees_trend("A", query).await;
+    let rounded = |value: &Value| (value.as_f64().expect("a number") * 1e6).round() / 1e6;
+    points
+        .iter()
+        .map(|point| (point["calibrated_at"].as_str().expect("a time").to_owned(), rounded(&point["value"])))
+        .collect()
+}
+
+/// What a laboratory that never had the other records would say of gyro `A`: every record's verdicts, without identifiers.
+async fn verdicts(lab: &Lab, ids: &[&String]) -> Vec<Value> {
+    let mut all = Vec::new();
+    for id in ids {
+        all.push(lab.get(&format!("/v1/records/{id}")).await.ok()["verdicts"].clone());
+    }
+    all
+}
+
+#[tokio::test]
+async fn a_voided_record_stays_to_be_seen_and_counts_no_more() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    assert_eq!(alerts(&lab).await, ["baseline firing warning", "step firing warning"]);
+    let sent = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
+    assert_eq!((&sent["state"], &sent["voided"], &sent["revised_by"]), (&json!("valid"), &Value::Null, &Value::Null));
+
+    let answer = engineer_voids(&lab, &ids[3]).await;
+    let remark = json!({"at": "2026-11-21T12:00:00Z", "author": "Li Wei", "reason": "table was not level"});
+    assert_eq!((&answer["id"], &answer["state"], &answer["voided"]), (&json!(ids[3]), &json!("voided"), &remark));
+    let now = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
+    assert_eq!(
+        (&now["record"], &now["separations"], &now["voided"]),
+        (&sent["record"], &sent["separations"], &remark),
+        "kept word for word"
+    );
+    let (before, after) = (verdict(&sent, "A", "D_I", "step"), verdict(&now, "A", "D_I", "step"));
+    assert_eq!((&after["state"], &after["value"]), (&before["state"], &before["value"]), "as it was decided");
+    assert!(after["reason"].as_str().unwrap().contains("voided"), "{after}");
+
+    assert_eq!(alerts(&lab).await, ["baseline resolved warning", "step resolved warning"], "they rested on it alone");
+    let alert = lab.get("/v1/alerts?serial=A&rule=step").await.ok()["alerts"][0]["id"].clone();
+    let history = lab.get(&format!("/v1/alerts/{}", alert.as_str().unwrap())).await.ok()["history"].clone();
+    let last = history.as_array().unwrap().last().unwrap();
+    assert_eq!(
+        (&last["action"], &last["told"], &last["by"], &last["reason"]),
+        (&json!("resolve"), &json!(true), &json!("Li Wei"), &json!("table was not level"))
+    );
+    assert_eq!(trend(&lab, "").await.len(), 3);
+    let gyro = lab.get("/v1/gyros/A").await.ok();
+    assert_eq!(gyro["calibrations"], 3);
+    assert!(lab.get("/v1/gyros").await.text.contains(&day(80)), "the newest that counts");
+}
+
+#[tokio::test]
+async fn a_trend_shows_voided_points_where_it_is_asked_to_and_flags_them() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.1), (80, 1.0), (120, 1.2)]).await;
+    let tag = lab.get("/v1/gyros/A/trend?voided=include").await.header("etag").to_owned();
+    engineer_voids(&lab, &ids[1]).await;
+    lab.post(&format!("/v1/records/{}/revise", ids[3]), &revision(&of_a(120, 1.3))).await.created();
+    let plain = |points: &[(i64, f64)]| points.iter().map(|(at, d_i)| (day(*at), *d_i)).collect::<Vec<_>>();
+    assert_eq!(trend(&lab, "").await, plain(&[(0, 1.0), (80, 1.0), (120, 1.3)]));
+    let all = plain(&[(0, 1.0), (40, 1.1), (80, 1.0), (120, 1.2), (120, 1.3)]);
+    assert_eq!(trend(&lab, "voided=include").await, all);
+    assert_eq!(trend(&lab, "voided=include&last=3").await, all[2..]);
+    assert_ne!(lab.get("/v1/gyros/A/trend?voided=include").await.header("etag"), tag);
+    let flags: Vec<Value> = lab.sees_trend("A", "voided=include").await.iter().map(|p| p["voided"].clone()).collect();
+    assert_eq!(flags, [false, true, false, true, false]);
+    assert!(lab.sees_trend("A", "").await.iter().all(|point| point.get("voided").is_none()));
+
+    let (mut cursor, mut pages) = (String::new(), Vec::new());
+    loop {
+        let page = lab.get(&format!("/v1/gyros/A/trend?voided=include&limit=2{cursor}")).await.ok();
+        pages.push(page["points"].as_array().unwrap().len());
+        let Some(next) = page["next"].as_str() else { break };
+        cursor = format!("&cursor={next}");
+    }
+    assert_eq!(pages, [2, 3], "an instant is not torn apart");
+    let one = lab.get("/v1/gyros/A/trend?voided=include&limit=4").await.ok();
+    assert_eq!(
+        (one["points"].as_array().unwrap().len(), &one["next"]),
+        (5, &Value::Null),
+        "an instant is not torn apart"
+    );
+
+    let csv = lab.get("/v1/gyros/A/trend?voided=include&format=csv").await.text;
+    let ends: Vec<&str> = csv.lines().map(|line| line.rsplit(',').next().unwrap()).collect();
+    assert_eq!(ends, ["voided", "false", "true", "false", "true", "false"]);
+    assert!(lab.get("/v1/gyros/A/trend?format=csv").await.text.lines().next().unwrap().ends_with(",state"));
+    lab.get("/v1/gyros/A/trend?voided=yes").await.refused(400);
+}
+
+#[tokio::test]
+async fn whatever_is_voided_the_rest_is_judged_as_if_it_had_never_come() {
+    let history: Vec<(i64, f64)> = (0..30)
+        .map(|i| (i * 10, 1.0 + 0.004 * f64::from((i * i % 7) as i32) + if i > 20 { 0.02 } else { 0.0 }))
+        .collect();
+    for gone in [vec![0, 1, 2], vec![0], vec![2, 21], vec![15], vec![29], vec![21, 22, 23, 24, 25, 26, 27, 28, 29]] {
+        let lab = Lab::open().await;
+        let ids = station_imports(&lab, &history).await;
+        for &k in &gone {
+            engineer_voids(&lab, &ids[k]).await;
+        }
+        let kept: Vec<usize> = (0..history.len()).filter(|k| !gone.contains(k)).collect();
+        let clean = Lab::open().await;
+        let left: Vec<(i64, f64)> = kept.iter().map(|&k| history[k]).collect();
+        let clean_ids = station_imports(&clean, &left).await;
+        let still: Vec<&String> = kept.iter().map(|&k| &ids[k]).collect();
+        let (found, expected) =
+            (verdicts(&lab, &still).await, verdicts(&clean, &clean_ids.iter().collect::<Vec<_>>()).await);
+        for (k, (found, expected)) in kept.iter().zip(found.iter().zip(&expected)) {
+            assert_eq!(found, expected, "record {k} of {gone:?}");
+        }
+        let states = async |lab: &Lab| {
+            lab.sees_trend("A", "").await.iter().map(|point| point["state"].clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(states(&lab).await, states(&clean).await, "{gone:?}");
+        let firing = async |lab: &Lab| {
+            let rules = alerts(lab).await.into_iter().filter(|alert| alert.contains(" firing "));
+            rules.map(|alert| alert.split(' ').next().unwrap().to_owned()).collect::<Vec<_>>()
+        };
+        let (fires, would_fire) = (firing(&lab).await, firing(&clean).await);
+        assert!(fires.iter().all(|rule| would_fire.contains(rule)), "{gone:?}: {fires:?}, not {would_fire:?}");
+        let newest = lab.get(&format!("/v1/records/{}", still.last().expect("some are left"))).await.ok();
+        for rule in would_fire.iter().filter(|rule| !fires.contains(rule)) {
+            let state = &verdict(&newest, "A", "D_I", rule)["state"];
+            assert_eq!(state, "within", "{gone:?}: {rule} had resolved, and is not taken up by hysteresis alone");
+        }
+    }
+}
+
+#[tokio::test]
+async fn an_alert_that_other_records_bear_out_goes_on_firing() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.021), (200, 1.02)]).await;
+    assert_eq!(alerts(&lab).await, ["baseline firing critical", "step resolved critical"]);
+    engineer_voids(&lab, &ids[5]).await;
+    assert_eq!(alerts(&lab).await, ["baseline firing critical", "step resolved critical"]);
+    engineer_voids(&lab, &ids[4]).await;
+    assert_eq!(alerts(&lab).await, ["baseline firing critical", "step firing warning"], "the step is the newest again");
+    engineer_voids(&lab, &ids[3]).await;
+    assert_eq!(alerts(&lab).await, ["baseline resolved critical", "step resolved warning"]);
+    for id in &ids[..3] {
+        engineer_voids(&lab, id).await;
+    }
+    assert_eq!(trend(&lab, "").await, []);
+    assert_eq!(lab.get("/v1/gyros/A").await.ok()["calibrations"], 0);
+    station_posts(&lab, &[(240, 5.0)]).await;
+    assert_eq!(alerts(&lab).await, ["baseline resolved critical", "step resolved warning"], "it begins anew");
+}
+
+#[tokio::test]
+async fn a_revised_record_is_judged_in_the_place_of_the_old() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.0)]).await;
+    let path = format!("/v1/records/{}/revise", ids[3]);
+    let answer = lab.post(&path, &revision(&of_a(120, 1.001))).await;
+    let new = answer.created();
+    assert_eq!(answer.header("location"), format!("/v1/records/{}", id_of(&new)));
+    assert_eq!(verdict(&new, "A", "D_I", "step")["state"], "within");
+    assert_eq!((&new["state"], &new["revises"]["record"]), (&json!("valid"), &json!(ids[3])));
+    let old = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
+    assert_eq!(
+        (&old["state"], &old["revised_by"]["record"], &old["voided"]),
+        (&json!("revised"), &new["id"], &Value::Null)
+    );
+    let next = lab.get(&format!("/v1/records/{}", ids[4])).await.ok();
+    lab::assert_close(&verdict(&next, "A", "D_I", "step")["value"], 0.001, 1e-9);
+
+    assert_eq!(lab.post(&path, &revision(&of_a(120, 1.001))).await.ok()["id"], new["id"], "sent again");
+    let other = lab.post(&path, &revision(&of_a(120, 1.005))).await;
+    other.refused(409);
+    assert_eq!(other.json()["existing"], new["id"]);
+    lab.post(&format!("/v1/records/{}/void", ids[3]), &said("not this one")).await.refused(409);
+    let again = lab.post(&format!("/v1/records/{}/revise", id_of(&new)), &revision(&of_a(125, 1.002))).await.created();
+    assert_eq!(again["revises"]["record"], new["id"], "a revision can be revised, to another time as well");
+    assert_eq!(trend(&lab, "from=2025-04-01T00:00:00Z").await, [(day(125), 1.002), (day(160), 1.0)]);
+}
+
+#[tokio::test]
+async fn what_is_sent_again_does_not_come_back_to_life_and_what_differs_counts() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.1)]).await;
+    engineer_voids(&lab, &ids[1]).await;
+    let again = lab.post("/v1/records", &of_a(40, 1.1)).await.ok();
+    assert_eq!((&again["id"], &again["state"]), (&json!(ids[1]), &json!("voided")), "the station does not know");
+    let mut elsewhere = of_a(40, 1.1);
+    elsewhere["calibrated_at"] = json!(day(40).replace("12:00:00Z", "13:00:00+01:00"));
+    assert_eq!(id_of(&lab.post("/v1/records", &elsewhere).await.ok()), ids[1], "in other words");
+    let imported = lab.imports(&[of_a(40, 1.1)]).await;
+    assert_eq!(imported[0]["id"], json!(ids[1]), "{imported:?}");
+    assert_eq!(trend(&lab, "").await, [(day(0), 1.0)]);
+
+    let other = lab.posts(&of_a(40, 1.05)).await;
+    assert_eq!(trend(&lab, "").await, [(day(0), 1.0), (day(40), 1.05)]);
+    assert_eq!(id_of(&lab.post("/v1/records", &of_a(40, 1.05)).await.ok()), id_of(&other));
+    lab.post("/v1/records", &of_a(40, 1.1)).await.refused(409);
+
+    engineer_voids(&lab, &id_of(&other)).await;
+    let path = format!("/v1/records/{}/revise", ids[1]);
+    let back = lab.post(&path, &json!({"author": "Li", "reason": "it was level", "record": of_a(40, 1.1)})).await;
+    assert_eq!(back.created()["state"], "valid", "what was voided by mistake counts again");
+    assert_eq!(trend(&lab, "").await, [(day(0), 1.0), (day(40), 1.1)]);
+    let first = lab.get(&format!("/v1/records/{}", ids[1])).await.ok();
+    assert_eq!((&first["state"], &first["voided"]["author"]), (&json!("revised"), &json!("Li Wei")), "both are told");
+}
+
+#[tokio::test]
+async fn late_records_find_their_place_among_those_that_count() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.0145)]).await;
+    engineer_voids(&lab, &ids[2]).await;
+    let late = lab.posts(&of_a(60, 1.012)).await;
+    assert_eq!(verdict(&late, "A", "D_I", "step")["state"], "exceeded");
+    let newest = lab.get(&format!("/v1/records/{}", ids[3])).await.ok();
+    lab::assert_close(&verdict(&newest, "A", "D_I", "step")["value"], 0.0025, 1e-9);
+    lab::assert_close(&verdict(&newest, "A", "D_I", "baseline")["value"], 1.0145 - 3.012 / 3.0, 1e-9);
+    let same_time = lab.posts(&of_a(80, 1.01)).await;
+    assert_ne!(id_of(&same_time), ids[2]);
+    assert_eq!(trend(&lab, "").await.len(), 5);
+}
+
+#[tokio::test]
+async fn a_record_of_several_gyros_is_voided_for_all_of_them_and_its_seats_are_free() {
+    let lab = Lab::open().await;
+    let both = record("IMU-1", &day(0), &[("G1", "A", 1.0, 2.0), ("G2", "B", 3.0, 2.0)]);
+    let id = id_of(&lab.posts(&both).await);
+    let elsewhere = record("IMU-2", &day(0), &[("G1", "B", 3.1, 2.0)]);
+    lab.post("/v1/records", &elsewhere).await.refused(409);
+    engineer_voids(&lab, &id).await;
+    lab.posts(&elsewhere).await;
+    assert_eq!(lab.sees_trend("A", "").await.len(), 0);
+    assert_eq!(lab.sees_trend("B", "").await[0]["imu"], "IMU-2");
+    let shown = lab.sees_trend("B", "voided=include").await;
+    assert_eq!(shown.iter().map(|point| &point["imu"]).collect::<Vec<_>>(), ["IMU-1", "IMU-2"]);
+    let conflict = lab.post(&format!("/v1/records/{id}/revise"), &revision(&both)).await;
+    assert_eq!(conflict.refused(409), ["/record/gyros/1/serial"]);
+    assert_eq!(lab.sees_trend("A", "").await.len(), 0, "nothing of it is stored");
+    assert_eq!(lab.get(&format!("/v1/records/{id}")).await.ok()["state"], "voided");
+}
+
+#[tokio::test]
+async fn a_voided_bench_result_is_compared_no_more_and_its_alert_ends() {
+    let lab = Lab::open().await;
+    station_posts(&lab, &[(0, 1.0)]).await;
+    let sent = bench("A", &day(5), 1.03, 2.0);
+    let id = id_of(&lab.post("/v1/bench-results", &sent).await.created());
+    assert_eq!(alerts(&lab).await, ["agreement firing warning"]);
+    let path = format!("/v1/bench-results/{id}/void");
+    let answer = lab.post(&path, &said("clamped")).await.ok();
+    assert_eq!((&answer["state"], &answer["voided"]["reason"]), (&json!("voided"), &json!("clamped")));
+    assert_eq!(alerts(&lab).await, ["agreement resolved warning"]);
+    let stored = lab.get(&format!("/v1/bench-results/{id}")).await.ok();
+    assert_eq!((&stored["state"], &stored["bench_result"]), (&json!("voided"), &sent));
+    assert_eq!(lab.sees_trend("A", "method=torque_feedback").await.len(), 0);
+    assert_eq!(lab.sees_trend("A", "method=torque_feedback&voided=include").await[0]["voided"], true);
+    assert_eq!(id_of(&lab.post("/v1/bench-results", &sent).await.ok()), id, "sent again, it stays voided");
+    let better = id_of(&lab.post("/v1/bench-results", &bench("A", &day(5), 1.001, 2.0)).await.created());
+    assert_ne!(better, id);
+    assert_eq!(lab.sees_trend("A", "method=torque_feedback").await.len(), 1);
+    assert_eq!(lab.post(&path, &said("clamped")).await.ok()["id"], json!(id));
+    lab.post(&path, &said("dropped")).await.refused(409);
+}
+
+#[tokio::test]
+async fn a_voided_separation_is_compared_no_more_with_the_bench() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (10, 1.03)]).await;
+    lab.post("/v1/bench-results", &bench("A", &day(12), 1.0, 2.0)).await.created();
+    assert!(alerts(&lab).await.contains(&"agreement firing warning".to_owned()));
+    engineer_voids(&lab, &ids[1]).await;
+    assert!(alerts(&lab).await.contains(&"agreement resolved warning".to_owned()));
+}
+
+#[tokio::test]
+async fn a_campaign_is_voided_and_revised_like_a_record() {
+    let lab = Lab::open().await;
+    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let id = id_of(&lab.post("/v1/campaigns", &campaign).await.created());
+    let serial = campaign["gyros"][0]["serial"].as_str().unwrap();
+    assert_eq!(lab.sees_trend(serial, "").await.len(), 1);
+    let mut again = campaign.clone();
+    again["dwells"].as_array_mut().unwrap().pop();
+    let body = json!({"author": "Li", "reason": "the last dwell was disturbed", "campaign": again});
+    let new = lab.post(&format!("/v1/campaigns/{id}/revise"), &body).await.created();
+    assert_eq!(new["revises"]["record"], json!(id));
+    assert_eq!(lab.sees_trend(serial, "").await[0]["record"], new["id"]);
+    let path = format!("/v1/campaigns/{}/void", id_of(&new));
+    assert_eq!(lab.post(&path, &said("warm")).await.ok()["state"], "voided");
+    assert_eq!(lab.sees_trend(serial, "").await.len(), 0);
+    assert_eq!(lab.post("/v1/campaigns", &campaign).await.ok()["state"], "revised");
+
+    let record = id_of(&lab.posts(&of_a(0, 1.0)).await);
+    lab.post(&format!("/v1/campaigns/{record}/void"), &said("x")).await.refused(404);
+    let body = json!({"author": "", "reason": "x", "campaign": {"imu": "A"}});
+    let places = lab.post(&format!("/v1/campaigns/{id}/revise"), &body).await.refused(422);
+    assert!(places.contains(&"/author".to_owned()) && places.iter().any(|p| p.starts_with("/campaign/")), "{places:?}");
+}
+
+#[tokio::test]
+async fn a_correction_that_cannot_be_is_refused_with_the_place_and_changes_nothing() {
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    let path = format!("/v1/records/{}", ids[0]);
+    for id in ["x", "0123456789ABC", "0000000000000"] {
+        lab.post(&format!("/v1/records/{id}/void"), &said("x")).await.refused(404);
+        lab.post(&format!("/v1/bench-results/{id}/void"), &said("x")).await.refused(404);
+        lab.post(&format!("/v1/records/{id}/revise"), &revision(&of_a(0, 1.0))).await.refused(404);
+    }
+    for (body, places) in [
+        (json!({"author": " ", "reason": ""}), vec!["/author", "/reason"]),
+        (json!({"reason": "x"}), vec!["/author"]),
+        (json!({"author": "Li", "reason": "x", "by": "Li"}), vec!["/by"]),
+    ] {
+        assert_eq!(lab.post(&format!("{path}/void"), &body).await.refused(422), places, "{body}");
+    }
+    lab.post_text(&format!("{path}/void"), lab::JSON, "{").await.refused(400);
+    lab.post_text(&format!("{path}/void"), "text/plain", "{}").await.refused(415);
+    let revise = format!("{path}/revise");
+    let elsewhere = record("IMU-2", &day(0), &[("G1", "A", 1.0, 2.0)]);
+    assert_eq!(lab.post(&revise, &revision(&elsewhere)).await.refused(422), ["/record/imu"]);
+    let taken = lab.post(&revise, &revision(&of_a(40, 1.2))).await;
+    assert_eq!((taken.refused(409), &taken.json()["existing"]), (vec!["/record/calibrated_at".into()], &json!(ids[1])));
+    let mut bad = of_a(0, 1.0);
+    bad["gyros"][0]["e_pulse_per_arcsec"] = json!([1, 2]);
+    let body = json!({"author": "", "reason": "x", "record": bad});
+    assert_eq!(lab.post(&revise, &body).await.refused(422), ["/author", "/record/gyros/0/e_pulse_per_arcsec"]);
+    assert_eq!(lab.post(&revise, &json!({"author": "Li", "reason": "x"})).await.refused(422), ["/record"]);
+    assert_eq!(lab.get(&path).await.ok()["state"], "valid");
+    assert_eq!(trend(&lab, "").await.len(), 2);
+    assert_eq!(engineer_voids(&lab, &ids[0]).await, engineer_voids(&lab, &ids[0]).await, "said twice");
+    lab.post(&format!("{path}/void"), &said("another reason")).await.refused(409);
+}
+
+#[tokio::test]
+async fn corrections_outlive_a_restart_and_a_gyro_is_overdue_from_its_newest_record_that_counts() {
+    let mut lab = Lab::with(|config| {
+        config.judging.interval_days = 30.0;
+        config.alerts.tick_s = 0.02;
+    })
+    .await;
+    lab.clock_shows(&day(50));
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    let overdue = async |lab: &Lab| lab.get("/v1/alerts?rule=overdue").await.ok()["alerts"].clone();
+    assert_eq!(overdue(&lab).await, json!([]));
+    engineer_voids(&lab, &ids[1]).await;
+    assert_eq!(overdue(&lab).await[0]["state"], "firing", "at once: the last that counts is 50 days old");
+    lab.restart().await;
+    assert_eq!(lab.get(&format!("/v1/records/{}", ids[1])).await.ok()["state"], "voided");
+    assert_eq!(trend(&lab, "").await.len(), 1);
+    assert_eq!(overdue(&lab).await[0]["state"], "firing");
+    lab.posts(&of_a(45, 1.0)).await;
+    assert_eq!(overdue(&lab).await[0]["state"], "resolved");
+}
+
+/// The alert goes with the record that it rests on, in one transaction: whenever the service dies, both are there or neither.
+#[tokio::test]
+async fn a_service_that_is_killed_while_a_record_is_voided_has_done_all_of_it_or_nothing() {
+    use std::time::Duration;
+    let mut server = support::Server::start().await;
+    let mut done = 0;
+    for round in 0..12_i64 {
+        let serial = format!("K{round}");
+        let made = |at: i64, d_i| record(&format!("IMU-{round}"), &day(at), &[("G1", &serial, d_i, 2.0)]);
+        let mut last = String::new();
+        for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)] {
+            last = id_of(&server.post_json("/v1/records", &made(at, d_i)).await.json());
+        }
+        let text = said("x").to_string();
+        let head = format!("POST /v1/records/{last}/void HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\n");
+        let stream = server.open_and_send(&format!("{head}content-length: {}\r\n\r\n{text}", text.len())).await;
+        tokio::time::sleep(Duration::from_micros(400 * round as u64)).await;
+        server.kill();
+        drop(stream);
+        server.restart();
+        let voided = server.get(&format!("/v1/records/{last}")).await.json()["state"] == "voided";
+        let points = server.get(&format!("/v1/gyros/{serial}/trend")).await.json()["points"].as_array().unwrap().len();
+        let found = server.get(&format!("/v1/alerts?serial={serial}&state=firing")).await.json();
+        let firing = found["alerts"].as_array().unwrap().len();
+        assert_eq!((points, firing), if voided { (3, 0) } else { (4, 2) }, "round {round}: {found}");
+        done += u32::from(voided);
+    }
+    println!("{done} of 12 were voided before the service died");
+}

@@ -81,7 +81,7 @@ pub fn link_to(uri: &Uri, next: &str) -> String {
 /// The number of a gyro by its serial.
 pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
     let number = app.pipeline.store().names().read().gyros.number(serial);
-    number.ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))
+    number.ok_or_else(|| Problem::unknown_gyro(serial))
 }
 
 #[cfg(test)]

@@ -61,7 +61,7 @@ impl Facts {
 /// The number of a gyro.
 pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
     let number = pages.pipeline.store().names().read().gyros.number(serial);
-    number.ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))
+    number.ok_or_else(|| Problem::unknown_gyro(serial))
 }
 
 async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {

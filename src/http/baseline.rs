@@ -10,10 +10,11 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
+use super::said::{Said, gyro_named, submit};
 use crate::core::fault::Faults;
-use crate::core::judge::Event;
+use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::record::Name;
-use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
+use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
@@ -33,6 +34,53 @@ struct BaselineBody {
     at: Option<String>,
     #[serde(default)]
     author: Option<String>,
+    /// The levels from then on, from an acceptance file, say; what is left out is the mean of the first three records.
+    #[serde(default)]
+    fixed: Option<FixedBody>,
+}
+
+/// Levels that are stated instead of measured, deg/(h g0), and their standard deviations where they are known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FixedBody {
+    #[serde(rename = "D_I", default, skip_serializing_if = "Option::is_none")]
+    d_i: Option<f64>,
+    #[serde(rename = "D_I_sd", default, skip_serializing_if = "Option::is_none")]
+    d_i_sd: Option<f64>,
+    #[serde(rename = "D_S", default, skip_serializing_if = "Option::is_none")]
+    d_s: Option<f64>,
+    #[serde(rename = "D_S_sd", default, skip_serializing_if = "Option::is_none")]
+    d_s_sd: Option<f64>,
+}
+
+impl FixedBody {
+    /// None where nothing is fixed.
+    pub fn of(fixed: &FixedLevels) -> Option<Self> {
+        let [d_i, d_s] = fixed;
+        let (value, sd) = (|m: &Measured| m.value, |m: &Measured| m.sd);
+        fixed.iter().any(Option::is_some).then(|| Self {
+            d_i: d_i.as_ref().map(value),
+            d_i_sd: d_i.as_ref().and_then(sd),
+            d_s: d_s.as_ref().map(value),
+            d_s_sd: d_s.as_ref().and_then(sd),
+        })
+    }
+
+    fn checked(self, most: f64, faults: &mut Faults) -> FixedLevels {
+        if self.d_i.is_none() && self.d_s.is_none() {
+            faults.push("/fixed", "must state D_I, D_S or both");
+        }
+        [("D_I", self.d_i, self.d_i_sd), ("D_S", self.d_s, self.d_s_sd)].map(|(name, value, sd)| {
+            if let Some(value) = value.filter(|value| value.is_nan() || value.abs() > most) {
+                faults.push(format!("/fixed/{name}"), format!("must lie within +-{most} deg/(h g0), is {value}"));
+            }
+            if value.is_none() && sd.is_some() {
+                faults.push(format!("/fixed/{name}_sd"), format!("goes with {name}, which is not stated"));
+            }
+            let sd = text::deviation(&format!("/fixed/{name}_sd"), sd, faults);
+            value.map(|value| Measured { value, sd })
+        })
+    }
 }
 
 /// A baseline mark as it is stored.
@@ -43,6 +91,8 @@ struct BaselineAnswer {
     at: String,
     reason: String,
     author: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fixed: Option<FixedBody>,
 }
 
 /// Starts a new baseline (after a repair or re-installation). What it changes is judged again.
@@ -50,10 +100,10 @@ struct BaselineAnswer {
     params(("serial" = String, Path, description = "serial number of the gyro")),
     responses(
         (status = 201, description = "the baseline is set", body = BaselineAnswer),
-        (status = 200, description = "was set before, for the same reason", body = BaselineAnswer),
+        (status = 200, description = "was set before, in the same words", body = BaselineAnswer),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "another baseline begins at that very time", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "another baseline begins at that very time, for another reason or at other levels", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
@@ -62,42 +112,19 @@ async fn post_baseline(
     Path(serial): Path<String>,
     body: Document,
 ) -> Result<(StatusCode, Json<BaselineAnswer>), Problem> {
-    let name = Name::parse(&serial)
-        .map_err(|_| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))?;
-    let event = read(&app, name, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let (at, reason, author) = (time::format(event.at), event.reason.clone(), event.author.clone());
-    match app.pipeline.submit(Submission::Event(event)).await? {
-        Accepted::Stored { id, .. } => {
-            let answer = BaselineAnswer { id: id.to_string(), serial, at, reason, author };
-            Ok((StatusCode::CREATED, Json(answer)))
-        }
-        Accepted::There { id, same_bytes: true } => {
-            let answer = BaselineAnswer { id: id.to_string(), serial, at, reason, author };
-            Ok((StatusCode::OK, Json(answer)))
-        }
-        Accepted::There { id, .. } => {
-            let detail = "a baseline begins at that very time for another reason";
-            Err(Problem::new(409, "Already stored with other content", detail).with_existing(id))
-        }
-    }
+    let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let otherwise = "a baseline begins at that very time for another reason";
+    let (status, id) = submit(&app, event.clone(), otherwise).await?;
+    let GyroEvent { at, fixed, reason, author, .. } = event;
+    let (id, at, fixed) = (id.to_string(), time::format(at), FixedBody::of(&fixed));
+    Ok((status, Json(BaselineAnswer { id, serial, at, reason, author, fixed })))
 }
 
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
-    let body: BaselineBody = json::parse(bytes)?;
+    let BaselineBody { reason, at, author, fixed } = json::parse(bytes)?;
     let mut faults = Faults::default();
-    if body.reason.trim().is_empty() {
-        faults.push("/reason", "must say what was done to the gyro");
-    }
-    let reason = text::note("/reason", &Some(body.reason), &mut faults).unwrap_or_default();
-    let at = match &body.at {
-        Some(at) => text::instant("/at", at, &mut faults),
-        None => app.clock.now(),
-    };
-    let author = text::short("/author", &body.author, &mut faults);
-    if faults.is_empty()
-        && let Err(future) = app.pipeline.check_time("/at", at)
-    {
-        faults.absorb("", future);
-    }
-    faults.or(GyroEvent { serial, at, event: Event::Baseline, reason, author, by: Actor::by_caller() })
+    let (reason, at, author) = Said { reason, at, author }.read(app, "must say what was done to the gyro", &mut faults);
+    let most = app.config.plausibility.max_drift_deg_per_h_g0;
+    let fixed = fixed.map_or([None; 2], |fixed| fixed.checked(most, &mut faults));
+    faults.or(GyroEvent { serial, at, event: Event::Baseline, fixed, reason, author, by: Actor::by_caller() })
 }

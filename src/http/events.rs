@@ -9,15 +9,17 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
+use super::baseline::FixedBody;
 use super::document::Document;
 use super::query;
+use super::said::{Said, gyro_named, submit};
 use crate::core::fault::Faults;
-use crate::core::judge::{Event, Rule};
+use crate::core::judge::{Event, FixedLevels, Rule};
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Accepted, Actor, EventRow, GyroEvent, Submission};
+use crate::pipeline::{Actor, EventRow, GyroEvent};
 use crate::wire::problem::Problem;
-use crate::wire::{json, text, time};
+use crate::wire::{json, time};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_events, post_event))
@@ -34,16 +36,34 @@ pub struct EventBody {
     author: Option<String>,
     /// Rules that do not compare what was before with what comes after.
     resets: Vec<&'static str>,
+    /// The levels that a baseline mark states.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fixed: Option<FixedBody>,
 }
 
 impl EventBody {
     pub fn of(event: &EventRow) -> Self {
-        Self::new(event.id.to_string(), event.at, event.event, event.reason.clone(), event.author.clone())
+        let what = (event.event, &event.fixed);
+        Self::new(event.id.to_string(), event.at, what, event.reason.clone(), event.author.clone())
     }
 
-    fn new(id: String, at: UtcMicros, event: Event, reason: String, author: Option<String>) -> Self {
+    fn new(
+        id: String,
+        at: UtcMicros,
+        (event, fixed): (Event, &FixedLevels),
+        reason: String,
+        author: Option<String>,
+    ) -> Self {
         let resets = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Overdue && event.resets(*rule));
-        Self { id, at: time::format(at), event: event.name(), reason, author, resets: resets.map(Rule::name).collect() }
+        Self {
+            id,
+            at: time::format(at),
+            event: event.name(),
+            reason,
+            author,
+            resets: resets.map(Rule::name).collect(),
+            fixed: FixedBody::of(fixed),
+        }
     }
 }
 
@@ -98,19 +118,11 @@ async fn post_event(
     Path(serial): Path<String>,
     body: Document,
 ) -> Result<(StatusCode, Json<EventBody>), Problem> {
-    let name = Name::parse(&serial)
-        .map_err(|_| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))?;
-    let event = read(&app, name, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let GyroEvent { at, event: kind, reason, author, .. } = event.clone();
-    let (status, id) = match app.pipeline.submit(Submission::Event(event)).await? {
-        Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
-        Accepted::There { id, same_bytes: true } => (StatusCode::OK, id),
-        Accepted::There { id, .. } => {
-            let detail = "the same kind of event is stored at that very time with other words";
-            return Err(Problem::new(409, "Already stored with other content", detail).with_existing(id));
-        }
-    };
-    Ok((status, Json(EventBody::new(id.to_string(), at, kind, reason, author))))
+    let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let otherwise = "the same kind of event is stored at that very time with other words";
+    let (status, id) = submit(&app, event.clone(), otherwise).await?;
+    let GyroEvent { at, event, fixed, reason, author, .. } = event;
+    Ok((status, Json(EventBody::new(id.to_string(), at, (event, &fixed), reason, author))))
 }
 
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
@@ -121,15 +133,8 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
         faults.push("/event", format!("must be one of {names}; is {event:?}"));
         Event::Note
     });
-    let reason = text::required_note("/reason", reason, &mut faults);
-    let at = at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, &mut faults));
-    let author = text::short("/author", &author, &mut faults);
-    if faults.is_empty()
-        && let Err(future) = app.pipeline.check_time("/at", at)
-    {
-        faults.absorb("", future);
-    }
-    faults.or(GyroEvent { serial, at, event, reason, author, by: Actor::by_caller() })
+    let (reason, at, author) = Said { reason, at, author }.read(app, "must not be empty", &mut faults);
+    faults.or(GyroEvent { serial, at, event, fixed: [None; 2], reason, author, by: Actor::by_caller() })
 }
 
 /// People write re-installation in more than one way.

@@ -27,6 +27,7 @@ pub mod problem;
 mod query;
 mod records;
 mod refusal;
+mod said;
 pub mod server;
 pub mod tls;
 mod tokens;

@@ -84,7 +84,8 @@ async fn done(
         return Ok(with_form(viewer, &name, said, |deed| deed.again(viewer, &said.word, &faults)));
     };
     let Word { by, reason, .. } = said.word.clone();
-    let event = GyroEvent { serial: name, at, event, reason, author: Some(by), by: Actor::by_caller() };
+    let event =
+        GyroEvent { serial: name, at, event, fixed: [None; 2], reason, author: Some(by), by: Actor::by_caller() };
     match pages.pipeline.submit(Submission::Event(event)).await? {
         Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))

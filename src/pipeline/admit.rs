@@ -191,7 +191,8 @@ impl Desk<'_> {
             .chain(&group.changes.events)
             .find(|event| event.gyro == gyro && event.at == sent.at && event.event == sent.event);
         if let Some(event) = there {
-            let same_bytes = event.reason == sent.reason && event.author == sent.author;
+            let same_words = event.reason == sent.reason && event.author == sent.author;
+            let same_bytes = same_words && event.fixed == sent.fixed;
             return Ok(Accepted::There { id: event.id, same_bytes });
         }
         let id = self.writer.next_id(self.now);
@@ -206,6 +207,7 @@ impl Desk<'_> {
             gyro,
             at: sent.at,
             event: sent.event,
+            fixed: sent.fixed,
             reason: sent.reason.clone(),
             author: sent.author.clone(),
             received_at: self.now,

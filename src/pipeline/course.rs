@@ -2,10 +2,10 @@
 
 use super::Pipeline;
 use super::fleet::level;
-use super::line::{baseline_of, sample_of};
+use super::line::{baseline_of, mark_of, sample_of};
 use crate::config::JudgedMethod;
 use crate::core::judge::Limits;
-use crate::core::judge::history::{Mark, Sample};
+use crate::core::judge::history::{Mark, Sample, stated_level};
 use crate::core::time::UtcMicros;
 use crate::store::{BenchRow, EventRow, Figures, Span, StoreError};
 
@@ -38,7 +38,7 @@ impl Pipeline {
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples: Vec<Sample> = figures.iter().map(|figures| sample_of(figures, method)).collect();
-        let marks: Vec<Mark> = events.iter().map(|event| Mark { at: event.at, event: event.event }).collect();
+        let marks: Vec<Mark> = events.iter().map(mark_of).collect();
         Ok(Course { baselines: baselines(&samples, &marks, &limits), figures, benches, events, limits })
     }
 }
@@ -54,7 +54,11 @@ fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baselin
     let stretch = |(&from, until): (&UtcMicros, UtcMicros)| {
         let end = samples.partition_point(|sample| sample.at < until || until == last.at);
         let records = baseline_of(&samples[..end], marks, from);
-        Baseline { from, until, level: [0, 1, 2].map(|column| level(records, column, fixed[column])) }
+        Baseline {
+            from,
+            until,
+            level: [0, 1, 2].map(|column| level(records, column, stated_level(marks, from, column).or(fixed[column]))),
+        }
     };
     starts.iter().zip(ends).map(stretch).collect()
 }
@@ -76,7 +80,7 @@ mod tests {
     #[test]
     fn every_reset_begins_a_level_of_its_own_and_too_few_records_give_none() {
         let all = samples(&[(0, 1.0), (10, 2.0), (20, 3.0), (30, 9.0), (40, 5.0), (50, 5.0), (60, 8.0), (70, 1.0)]);
-        let mark = |at, event| Mark { at: day(at), event };
+        let mark = |at, event| Mark::of(day(at), event);
         let marks = [mark(5, Event::Transport), mark(35, Event::Repair), mark(65, Event::Baseline)];
         let found = baselines(&all, &marks, &Limits::from_budget(0.01));
         let seen: Vec<_> = found.iter().map(|b| (b.from, b.until, b.level[0])).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Pipeline;
 use super::line::{load_marks, sample_of};
-use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, baseline_since};
+use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Rule, State, overdue};
 use crate::core::time::UtcMicros;
 use crate::store::{Figures, Span, StoreError, StoredVerdict};
@@ -83,7 +83,10 @@ impl Pipeline {
         let drifts = [limits.d_i, limits.d_s];
         Ok(Glimpse {
             samples: rows.iter().map(|figures| sample_of(figures, method)).collect(),
-            level: [0, 1].map(|column| level(&baseline, column, drifts[column].fixed_baseline)),
+            level: [0, 1].map(|column| {
+                let fixed = stated_level(&marks, last, column).or(drifts[column].fixed_baseline);
+                level(&baseline, column, fixed)
+            }),
             budget: drifts.map(|drift| drift.baseline),
         })
     }

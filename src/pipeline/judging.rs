@@ -5,7 +5,7 @@ mod undoing;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::alerting::Naming;
-use super::line::{Line, baseline_of, load_marks, sample_of};
+use super::line::{Line, baseline_of, load_marks, mark_of, sample_of};
 use crate::config::Judging;
 use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Need, Sample, baseline_since};
 use crate::core::judge::{Coefficient, Finding, Limits, Rule, Verdict, judge};
@@ -150,7 +150,7 @@ impl Judge {
         let mut stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
         let mut marks = load_marks(&self.store, gyro).await?;
         let new_events = changes.events.iter().filter(|event| event.gyro == gyro);
-        let new_marks: Vec<Mark> = new_events.map(|event| Mark { at: event.at, event: event.event }).collect();
+        let new_marks: Vec<Mark> = new_events.map(mark_of).collect();
         marks.extend(&new_marks);
         marks.sort_by_key(|mark| mark.at);
         let mut altered = withdrawn_from(gyro, &mut stored, &marks, changes);
@@ -368,7 +368,7 @@ mod tests {
     #[test]
     fn a_new_baseline_alters_all_up_to_the_next_one() {
         let all = samples(&[0, 100, 200, 300, 400, 500]);
-        let mark = |at, event| Mark { at: day(at), event };
+        let mark = |at, event| Mark::of(day(at), event);
         let marks = [mark(150, Event::Baseline), mark(450, Event::Repair)];
         assert_eq!(affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED), [2, 3, 4]);
         let note = [mark(150, Event::Note)];

@@ -4,7 +4,7 @@ use crate::config::JudgedMethod;
 use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since};
 use crate::core::judge::{Limits, Verdict, judge};
 use crate::core::time::UtcMicros;
-use crate::store::{Figures, Span, Store, StoreError};
+use crate::store::{EventRow, Figures, Span, Store, StoreError};
 
 /// The newest records of one gyro, its newest baseline, and what was done to it.
 #[derive(Debug, Clone, Default)]
@@ -108,7 +108,11 @@ pub(super) fn baseline_of<'a>(samples: &'a [Sample], marks: &[Mark], at: UtcMicr
 
 pub(super) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
     let events = store.events(gyro).await?;
-    Ok(events.into_iter().map(|event| Mark { at: event.at, event: event.event }).collect())
+    Ok(events.iter().map(mark_of).collect())
+}
+
+pub(super) fn mark_of(event: &EventRow) -> Mark {
+    Mark { at: event.at, event: event.event, fixed: event.fixed }
 }
 
 /// The figures of the method that is judged. Where the published method is not defined, the rigid ones stand in.

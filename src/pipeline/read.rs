@@ -9,7 +9,7 @@ use super::{Actor, Pipeline};
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::limits::Requirement;
-use crate::core::judge::{Event, Verdict, requirement};
+use crate::core::judge::{Event, FixedLevels, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
 use crate::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate};
@@ -117,6 +117,8 @@ pub struct GyroEvent {
     pub serial: Name,
     pub at: UtcMicros,
     pub event: Event,
+    /// Levels that a baseline mark states.
+    pub fixed: FixedLevels,
     pub reason: String,
     pub author: Option<String>,
     /// Who says so.

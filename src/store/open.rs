@@ -41,7 +41,7 @@ pub struct Store {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 7] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 8] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -49,6 +49,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 7] = [
     (5, "access", include_str!("../../migrations/sqlite/0005_access.sql")),
     (6, "history_log", include_str!("../../migrations/sqlite/0006_history_log.sql")),
     (7, "diagnoses", include_str!("../../migrations/sqlite/0007_diagnoses.sql")),
+    (8, "fixed_baselines", include_str!("../../migrations/sqlite/0008_fixed_baselines.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

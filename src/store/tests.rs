@@ -4,7 +4,7 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::core::bench::BenchMethod;
-use crate::core::judge::{Coefficient, Event, Rule, State};
+use crate::core::judge::{Coefficient, Event, Measured, Rule, State};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 
@@ -86,7 +86,8 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
         id: writer.next_id(UtcMicros(0)),
         gyro: 2,
         at: UtcMicros(44),
-        event: Event::Repair,
+        event: Event::Baseline,
+        fixed: [Some(Measured { value: 2.95, sd: Some(1e-4) }), None],
         reason: "bearing".into(),
         author: None,
         received_at: UtcMicros(50),

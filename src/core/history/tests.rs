@@ -75,7 +75,7 @@ fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step()
     change(&mut gyro, 1, |k, _| if k >= 11 { 0.02 } else { 0.0 });
     let unknown = of(&gyro, &[], Coefficient::DS);
     assert_eq!(unknown.causes[0].cause, "step");
-    gyro.marks.push(Mark { at: UtcMicros(11 * 30 * UtcMicros::DAY - 5), event: Event::Transport });
+    gyro.marks.push(Mark::of(UtcMicros(11 * 30 * UtcMicros::DAY - 5), Event::Transport));
     let answer = of(&gyro, &[], Coefficient::DS);
     assert_eq!((answer.causes[0].cause, answer.causes[0].detail.as_str()), ("step_at_event", "transport"));
     assert!(answer.causes[0].closure > 0.9, "{answer:?}");
@@ -84,7 +84,7 @@ fn a_jump_at_a_transport_is_tied_to_it_and_one_without_an_event_is_only_a_step()
 #[test]
 fn a_move_at_a_reinstallation_cannot_be_told_from_it() {
     let mut gyro = Fleet::seeded(3).gyro(24);
-    gyro.marks.push(Mark { at: UtcMicros(10 * 30 * UtcMicros::DAY), event: Event::Reinstallation });
+    gyro.marks.push(Mark::of(UtcMicros(10 * 30 * UtcMicros::DAY), Event::Reinstallation));
     for entry in &mut gyro.entries[10..] {
         entry.seat = "IMU-02/G3".into();
         entry.d[2].value += 0.03;

@@ -108,10 +108,22 @@ impl Event {
 }
 
 /// An event on a gyro's time line. It parts the records before `at` from those at or after it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mark {
     pub at: UtcMicros,
     pub event: Event,
+    /// Levels of what comes after it, where it begins a baseline and states them.
+    pub fixed: FixedLevels,
+}
+
+/// D_I and D_S that are stated instead of measured, deg/(h g0).
+pub type FixedLevels = [Option<Measured>; 2];
+
+impl Mark {
+    /// One that states no levels.
+    pub fn of(at: UtcMicros, event: Event) -> Self {
+        Self { at, event, fixed: [None; 2] }
+    }
 }
 
 /// The stretch of one gyro's history that the judging of one record needs.
@@ -128,7 +140,16 @@ pub struct History<'a> {
 
 /// Where the baseline of a record at `at` begins: at the last event that resets it, or at the very first record (none).
 pub fn baseline_since(marks: &[Mark], at: UtcMicros) -> Option<UtcMicros> {
-    marks.iter().rev().find(|mark| mark.at <= at && mark.event.resets_baseline()).map(|mark| mark.at)
+    baseline_mark(marks, at).map(|mark| mark.at)
+}
+
+/// The level that the mark states which begins the baseline of a record at `at`.
+pub fn stated_level(marks: &[Mark], at: UtcMicros, column: usize) -> Option<Measured> {
+    baseline_mark(marks, at).and_then(|mark| mark.fixed.get(column).copied().flatten())
+}
+
+fn baseline_mark(marks: &[Mark], at: UtcMicros) -> Option<&Mark> {
+    marks.iter().rev().find(|mark| mark.at <= at && mark.event.resets_baseline())
 }
 
 /// How far back the rules look from the record that they judge (besides the baseline's records and the marks).

@@ -12,7 +12,9 @@ mod decimal;
 mod reason;
 mod rules;
 
-pub use history::{BASELINE_RECORDS, Event, History, Mark, Measured, Need, Sample, baseline_since};
+pub use history::{
+    BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, baseline_since, stated_level,
+};
 pub use limits::{Bounds, CusumLimits, DriftLimits, Limits, Requirement, TrendLimits};
 pub use reason::Finding;
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};

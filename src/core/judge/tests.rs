@@ -85,7 +85,7 @@ fn the_baseline_is_the_mean_of_the_first_three_since_the_last_mark() {
     assert!((v.value.unwrap() - 0.011).abs() < 1e-12);
     assert_eq!(latest(&points[..3], Rule::Baseline).state, State::Indeterminate, "its own records are not judged");
 
-    let marks = [Mark { at: day(40.0), event: Event::Repair }];
+    let marks = [Mark::of(day(40.0), Event::Repair)];
     let mut points = points.to_vec();
     points.push((80.0, 3.009));
     let after = verdict(&samples(None, &points), &marks, 7, Rule::Baseline, &Limits::default());
@@ -96,7 +96,7 @@ fn the_baseline_is_the_mean_of_the_first_three_since_the_last_mark() {
 #[test]
 fn a_repair_parts_the_records_before_from_those_after() {
     let points = samples(None, &[(0.0, 3.0), (10.0, 3.5)]);
-    let repaired = |event| verdict(&points, &[Mark { at: day(5.0), event }], 1, Rule::Step, &Limits::default()).state;
+    let repaired = |event| verdict(&points, &[Mark::of(day(5.0), event)], 1, Rule::Step, &Limits::default()).state;
     assert_eq!(repaired(Event::Repair), State::Indeterminate);
     assert_eq!(repaired(Event::Transport), State::Exceeded);
     assert_eq!(repaired(Event::Reinstallation), State::Exceeded);
@@ -334,7 +334,7 @@ mod properties {
             pick in 0.0..1.0,
         ) {
             let all = history_of(&steps);
-            let mut marks: Vec<Mark> = marks.into_iter().map(|(at, event)| Mark { at: day(at), event }).collect();
+            let mut marks: Vec<Mark> = marks.into_iter().map(|(at, event)| Mark::of(day(at), event)).collect();
             marks.sort_by_key(|mark| mark.at);
             let k = ((all.len() as f64 * pick) as usize).min(all.len() - 1);
             let need = Need::of(&Limits::default());

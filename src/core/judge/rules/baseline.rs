@@ -1,7 +1,7 @@
 //! `baseline`: |x_k - baseline| against the budget.
 
 use super::Case;
-use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample};
+use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, stated_level};
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
@@ -15,10 +15,11 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// The fixed level, or the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark; an error
+    /// The level that the last baseline mark states, or else the configured one, or the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark; an error
     /// with the number of records where those are not complete before the judged one.
     pub fn of(case: &Case<'_>, fixed: Option<Measured>) -> Result<Self, usize> {
-        if let Some(level) = fixed {
+        let stated = stated_level(case.history.marks, case.now().at, case.column);
+        if let Some(level) = stated.or(fixed) {
             return Ok(Self { level, since: None, until: None });
         }
         let first = case.history.baseline_before(case.k);

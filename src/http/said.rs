@@ -1,0 +1,52 @@
+//! What people say of a gyro, as an event or as a baseline: read and submitted alike, refused in words of their own.
+
+use axum::http::StatusCode;
+
+use super::App;
+use crate::core::fault::Faults;
+use crate::core::record::Name;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Accepted, GyroEvent, Id, Submission};
+use crate::wire::problem::Problem;
+use crate::wire::text;
+
+/// Why, when and who, as they were sent.
+pub struct Said {
+    pub reason: String,
+    pub at: Option<String>,
+    pub author: Option<String>,
+}
+
+impl Said {
+    /// Checked; `blank` is what is told of a reason that says nothing. Without a time, now.
+    pub fn read(self, app: &App, blank: &str, faults: &mut Faults) -> (String, UtcMicros, Option<String>) {
+        if self.reason.trim().is_empty() {
+            faults.push("/reason", blank);
+        }
+        let reason = text::note("/reason", &Some(self.reason), faults).unwrap_or_default();
+        let at = self.at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, faults));
+        let author = text::short("/author", &self.author, faults);
+        if faults.is_empty()
+            && let Err(future) = app.pipeline.check_time("/at", at)
+        {
+            faults.absorb("", future);
+        }
+        (reason, at, author)
+    }
+}
+
+/// The gyro of a path.
+pub fn gyro_named(serial: &str) -> Result<Name, Problem> {
+    Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))
+}
+
+/// 201 and the identifier of what is new, 200 where it was there in the same words; `otherwise` is told where it was in others.
+pub async fn submit(app: &App, event: GyroEvent, otherwise: &str) -> Result<(StatusCode, Id), Problem> {
+    match app.pipeline.submit(Submission::Event(event)).await? {
+        Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id)),
+        Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id)),
+        Accepted::There { id, .. } => {
+            Err(Problem::new(409, "Already stored with other content", otherwise).with_existing(id))
+        }
+    }
+}

@@ -395,14 +395,14 @@ async fn corrections_outlive_a_restart_and_a_gyro_is_overdue_from_its_newest_rec
     })
     .await;
     lab.clock_shows(&day(50));
-    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0)]).await;
+    let ids = station_posts(&lab, &[(40, 1.0), (0, 1.0)]).await;
     tokio::time::sleep(std::time::Duration::from_millis(100)).await;
     let overdue = async |lab: &Lab| lab.get("/v1/alerts?rule=overdue").await.ok()["alerts"].clone();
     assert_eq!(overdue(&lab).await, json!([]));
-    engineer_voids(&lab, &ids[1]).await;
+    engineer_voids(&lab, &ids[0]).await;
     assert_eq!(overdue(&lab).await[0]["state"], "firing", "at once: the last that counts is 50 days old");
     lab.restart().await;
-    assert_eq!(lab.get(&format!("/v1/records/{}", ids[1])).await.ok()["state"], "voided");
+    assert_eq!(lab.get(&format!("/v1/records/{}", ids[0])).await.ok()["state"], "voided");
     assert_eq!(trend(&lab, "").await.len(), 1);
     assert_eq!(overdue(&lab).await[0]["state"], "firing");
     lab.posts(&of_a(45, 1.0)).await;

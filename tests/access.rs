@@ -477,7 +477,7 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
     let none = call(&server, "GET", "/v1/audit?to=2020-01-01T00:00:00Z", &admin, "").await.json();
     assert!(none["lines"].as_array().unwrap().is_empty());
     let csv = call(&server, "GET", "/v1/audit?format=csv", &admin, "").await;
-    assert!(csv.content_type.starts_with("text/csv") && csv.text().lines().count() == 11, "{}", csv.text());
+    assert!(csv.content_type.starts_with("text/csv") && csv.text().lines().count() == 12, "{}", csv.text());
     assert!(csv.text().contains(&admin_id));
     assert_eq!(call(&server, "GET", "/v1/audit?format=xml", &admin, "").await.status, 400);
 }

@@ -55,7 +55,7 @@ async fn a_backup_of_a_running_service_is_whole_and_restores_what_was_there() {
 async fn a_damaged_backup_is_found_out_and_says_where() {
     let server = with_the_papers_figures().await;
     for (change, named) in [
-        ("UPDATE history SET figures = zeroblob(length(figures)) WHERE gyro = 2", "damaged"),
+        ("UPDATE history_log SET rows = zeroblob(length(rows))", "damaged"),
         ("UPDATE record SET body = replace(body, '0.8473', '0.8474')", "record"),
         ("UPDATE record SET verdicts = zeroblob(length(verdicts))", "damaged"),
         ("UPDATE bench_result SET body = body || ' ' WHERE id = (SELECT max(id) FROM bench_result)", "bench result"),

@@ -9,6 +9,9 @@
 //!
 //! A gyro has the effect with probability one half before the data speak, so gyros multiply as (1 + B_j)/2; values of
 //! a non-linear parameter average with their weights. The penalty for flexible entries is thus no choice of ours.
+//!
+//! Longer than 400 lines because a block's Bayes factor has a form of its own for few, many and common coefficients, and all
+//! three share the sums of the search's inner loop.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 

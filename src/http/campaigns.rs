@@ -100,7 +100,8 @@ async fn post_campaign(
             Ok((location, Json(app.pipeline.campaign_answer(id, answer, &[]))).into_response())
         }
         Accepted::There { .. } => {
-            let (answer, standing) = (stored(&app, id).await?.answer, standing(&app, id).await?);
+            let answer = stored(&app, id).await?.answer;
+            let standing = standing(&app, id).await?.unless_valid();
             Ok((location, Answer(Standing { answer, standing })).into_response())
         }
     }

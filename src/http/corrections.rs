@@ -62,13 +62,20 @@ struct RevisionBody {
     remark: RemarkBody,
 }
 
-/// An answer, with how the item stands.
+/// An answer, with how the item stands where that is to be said.
 #[derive(Serialize, ToSchema)]
 pub struct Standing<T> {
     #[serde(flatten)]
     pub answer: T,
     #[serde(flatten)]
-    pub standing: StandingBody,
+    pub standing: Option<StandingBody>,
+}
+
+impl StandingBody {
+    /// What whoever sends something again has to know besides the answer that he was given at first.
+    pub fn unless_valid(self) -> Option<Self> {
+        (self.state != "valid").then_some(self)
+    }
 }
 
 /// A record or bench result that counts no more.
@@ -221,7 +228,7 @@ async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Doc
     let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.stored_record(id).await?.ok_or_else(|| no_such("record", &id.to_string()))?;
-    let answer = Standing { answer: stored.answer, standing: standing(&app, id).await? };
+    let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
 }
 
@@ -268,7 +275,7 @@ async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: D
     let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
     let stored = app.pipeline.stored_campaign(id).await?.ok_or_else(|| no_such("campaign", &id.to_string()))?;
-    let answer = Standing { answer: stored.answer, standing: standing(&app, id).await? };
+    let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Answer(answer)).into_response())
 }
 

@@ -64,7 +64,8 @@ async fn post_record(
         Accepted::There { .. } => {
             let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
             let stored = stored(&app, id).await?;
-            let answer = Standing { answer: stored.answer, standing: standing(&app, id).await? };
+            let standing = standing(&app, id).await?.unless_valid();
+            let answer = Standing { answer: stored.answer, standing };
             Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
         }
     }

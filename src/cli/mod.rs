@@ -8,6 +8,7 @@ mod backup;
 mod blindcheck;
 mod calibrate;
 mod client;
+mod config;
 mod demo;
 mod diagnose;
 mod diagnose_record;
@@ -15,11 +16,13 @@ mod document;
 mod experiment;
 mod import;
 mod model;
+mod notify;
 mod restore;
 mod separate;
 mod serve;
 mod simulate;
 mod token;
+mod verify;
 
 use std::io;
 use std::process::ExitCode;
@@ -49,6 +52,8 @@ enum Command {
     Backup(backup::Backup),
     Restore(restore::Restore),
     Token(token::Token),
+    Verify(verify::Verify),
+    Config(config::Show),
 }
 
 impl Command {
@@ -65,6 +70,8 @@ impl Command {
             Self::Backup(backup) => backup.run(),
             Self::Restore(restore) => restore.run(),
             Self::Token(token) => token.run(),
+            Self::Verify(verify) => verify.run(),
+            Self::Config(show) => show.run(),
         }
     }
 }

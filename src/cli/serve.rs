@@ -11,6 +11,7 @@ use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 
+use super::notify;
 use crate::config::{Config, Log, LogFormat};
 use crate::http::tls::Tls;
 use crate::http::{self, App};
@@ -67,6 +68,7 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     tracing::info!(%address, database = %config.database.url, "listening");
     let scheme = if tls.is_some() { "https" } else { "http" };
     println!("gyrowatch listens on {scheme}://{address}");
+    notify::tell(notify::READY);
     ready(address);
     http::server::serve(listener, tls, router, &config.server, stop).await;
     outbox.stop().await;
@@ -82,6 +84,7 @@ fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
     let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for SIGINT")?;
     Ok(async move {
         let name = tokio::select! { _ = terminate.recv() => "SIGTERM", _ = interrupt.recv() => "SIGINT" };
+        notify::tell(notify::STOPPING);
         tracing::info!(signal = name, "stopping: requests in flight are finished");
     })
 }

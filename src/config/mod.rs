@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use config::{Config as Layers, Environment, File, FileFormat};
 use serde::Deserialize;
+use serde_json::Value;
 
 use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
@@ -171,24 +172,31 @@ impl Config {
         files: &[PathBuf],
         environment: impl IntoIterator<Item = (String, String)>,
     ) -> Result<Self, ConfigError> {
-        if files.is_empty() {
-            return Self::of(&files_in(Path::new("config")), environment);
-        }
-        Self::of(files, environment)
+        Self::of(&files_or_found(files), environment)
     }
 
     fn of(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Self, ConfigError> {
-        let mut layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
-        for file in files {
-            layers = layers.add_source(File::from(file.as_path()).format(FileFormat::Toml));
+        Self::read(merged(files, environment)?)
+    }
+
+    /// What [`Config::load`] takes its values from, as one file (TOML), once it has been checked. A password within an address is left out.
+    pub fn in_force(
+        files: &[PathBuf],
+        environment: impl IntoIterator<Item = (String, String)>,
+    ) -> Result<String, ConfigError> {
+        let mut merged = merged(&files_or_found(files), environment)?;
+        Self::read(merged.clone())?;
+        if let Some(Value::String(address)) = merged.pointer_mut("/hooks/external_url")
+            && let Ok(mut url) = url::Url::parse(address)
+            && url.password().is_some()
+            && url.set_password(Some("hidden")).is_ok()
+        {
+            *address = url.into();
         }
-        let variables = environment.into_iter().filter_map(in_sections).collect();
-        let environment = Environment::with_prefix("GYROWATCH")
-            .prefix_separator("_")
-            .separator("__")
-            .try_parsing(true)
-            .source(Some(variables));
-        let merged: serde_json::Value = layers.add_source(environment).build()?.try_deserialize()?;
+        toml::to_string(&merged).map_err(|error| ConfigError::Key { key: String::new(), detail: error.to_string() })
+    }
+
+    fn read(merged: Value) -> Result<Self, ConfigError> {
         let config: Self = serde_path_to_error::deserialize(merged)
             .map_err(|e| ConfigError::Key { key: e.path().to_string(), detail: e.inner().to_string() })?;
         config.check()?;
@@ -249,6 +257,26 @@ fn in_sections((name, value): (String, String)) -> Option<(String, String)> {
         "GYROWATCH_DATABASE_URL" => Some(("GYROWATCH_DATABASE__URL".into(), value)),
         _ => (name.starts_with("GYROWATCH_") && name.contains("__")).then_some((name, value)),
     }
+}
+
+/// Defaults, files and environment, the later ones over the earlier.
+fn merged(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Value, ConfigError> {
+    let mut layers = Layers::builder().add_source(File::from_str(DEFAULTS, FileFormat::Toml));
+    for file in files {
+        layers = layers.add_source(File::from(file.as_path()).format(FileFormat::Toml));
+    }
+    let variables = environment.into_iter().filter_map(in_sections).collect();
+    let environment = Environment::with_prefix("GYROWATCH")
+        .prefix_separator("_")
+        .separator("__")
+        .try_parsing(true)
+        .source(Some(variables));
+    Ok(layers.add_source(environment).build()?.try_deserialize()?)
+}
+
+/// The files that were named, or else those of the working directory.
+fn files_or_found(files: &[PathBuf]) -> Vec<PathBuf> {
+    if files.is_empty() { files_in(Path::new("config")) } else { files.to_vec() }
 }
 
 fn files_in(directory: &Path) -> Vec<PathBuf> {

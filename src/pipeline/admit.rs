@@ -321,7 +321,7 @@ impl Table {
     }
 }
 
-fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {
+pub(super) fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {
     let rigid = &separation.rigid;
     let published = separation.published.as_ref().ok().map(|p| PublishedFigures {
         branch: equation(p.branch),

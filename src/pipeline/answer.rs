@@ -84,6 +84,11 @@ impl Pipeline {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
+    /// Whether a record counts: it has neither been voided nor revised.
+    pub(super) async fn counts(&self, id: Id) -> Result<bool, StoreError> {
+        Ok(self.store.corrections(id).await?.iter().all(|correction| correction.item != id))
+    }
+
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
     /// (the limits have changed since), the figures stand and say so.
     pub(super) async fn verdicts_in_words(
@@ -92,7 +97,7 @@ impl Pipeline {
         calibration: &Calibration,
     ) -> Result<Vec<(VerdictBody, Option<Verdict>)>, StoreError> {
         let mut bodies = Vec::new();
-        let counts = self.store.corrections(row.id).await?.iter().all(|correction| correction.item != row.id);
+        let counts = self.counts(row.id).await?;
         for (number, stored) in &row.verdicts.0 {
             let serial = self.store.names().read().gyros.name(*number).cloned();
             let Some(serial) = serial else {

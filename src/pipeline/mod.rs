@@ -33,6 +33,7 @@ mod models;
 mod outbox;
 mod read;
 mod stations;
+mod verify;
 mod writer;
 
 use std::sync::Arc;
@@ -71,6 +72,7 @@ pub use crate::store::{
 };
 pub use read::{BenchTest, CalibratedGyro, Calibration, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;
+pub use verify::Verified;
 
 /// The way in, and the way back to what is stored. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -207,6 +209,19 @@ impl Pipeline {
         let handle = tokio::spawn(task.run(queue));
         let pulse = outbox::Pulse::default();
         Ok((Self { store, config, clock, jobs, models, diagnoser, wake, pulse, guard }, handle))
+    }
+
+    /// A pipeline that answers what is asked of it and takes nothing in.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the adopted models or the tokens cannot be read.
+    pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
+        let (jobs, _closed) = mpsc::channel(1);
+        let models = models::ModelBook::load(&store).await?;
+        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), jobs.downgrade());
+        let guard = Guard::start(store.clone(), config.access.clone()).await?;
+        let (wake, pulse) = (watch::Sender::default(), outbox::Pulse::default());
+        Ok(Self { store, config, clock, jobs, models, diagnoser, wake, pulse, guard })
     }
 
     pub fn store(&self) -> &Store {

@@ -1,7 +1,7 @@
 //! Copies of the database: made while it is served, and checked before they count.
 
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
@@ -14,6 +14,16 @@ use super::lock::beside;
 use super::names::Names;
 use super::open::{MIGRATIONS, Options, Store, connect_options, load_names};
 use super::tail::{SharedTail, Tail};
+
+impl Options {
+    /// The file that the address names.
+    ///
+    /// # Errors
+    /// [`StoreError`] where it names none.
+    pub fn file(&self) -> Result<PathBuf, StoreError> {
+        Ok(connect_options(self)?.get_filename().to_owned())
+    }
+}
 
 /// What a checked file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -100,6 +110,28 @@ pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
     holdings
 }
 
+/// Opens a database, served or not, for reading alone, as it stands now: what is written meanwhile is not seen.
+///
+/// # Errors
+/// [`StoreError::File`] where its schema is not of this version of the program.
+pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
+    let file = options.file()?;
+    let connect = reading(&file).busy_timeout(options.busy_timeout);
+    // One connection, inside one transaction for as long as it lives.
+    let one = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
+    let readers = one.connect_with(connect).await?;
+    let (names, tail) = {
+        let mut connection = readers.acquire().await?;
+        sqlx::query("BEGIN").execute(&mut *connection).await?;
+        let version = schema(&mut connection, &file).await?;
+        if version < MIGRATIONS.iter().map(|(version, ..)| *version).max() {
+            return Err(failed(&file, &"written by an older version of gyrowatch: start the service on it once"));
+        }
+        (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
+    };
+    Ok(Store { readers, names, tail, file })
+}
+
 /// Files of the first versions have no log.
 async fn tail(connection: &mut SqliteConnection) -> Result<Tail, StoreError> {
     let there = "SELECT count(*) FROM sqlite_schema WHERE name = 'history_log'";
@@ -122,7 +154,8 @@ async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> 
     }
 }
 
-async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), StoreError> {
+/// The newest migration that was made.
+async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<Option<i64>, StoreError> {
     let ours = "SELECT count(*) FROM sqlite_schema WHERE name IN ('_sqlx_migrations', 'record', 'history')";
     if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
         return Err(failed(file, &"no database of gyrowatch"));
@@ -133,13 +166,12 @@ async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), St
     if version > newest {
         return Err(failed(file, &"written by a newer version of gyrowatch"));
     }
-    Ok(())
+    Ok(version)
 }
 
 async fn contents(store: &Store) -> Result<Holdings, StoreError> {
     let mut holdings = Holdings::default();
-    let records: Vec<i64> = sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(&store.readers).await?;
-    for id in records.into_iter().map(Id) {
+    for id in store.record_ids().await? {
         let missing = || StoreError::Damaged(format!("record {id} is in an index only"));
         let row = store.record(id).await?.ok_or_else(missing)?;
         unchanged("record", id, &row.body, row.body_sha256)?;

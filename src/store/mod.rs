@@ -32,7 +32,7 @@ mod verdicts;
 
 pub use access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, TokenRow};
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
-pub use backup::{Holdings, backup, check, restore};
+pub use backup::{Holdings, backup, check, open_to_read, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
 pub use correction::{CorrectionRow, Withdrawn};
@@ -48,7 +48,7 @@ pub use hook::HookRow;
 pub use id::{Id, IdSource};
 pub use keys::KeyRow;
 pub use model::ModelRow;
-pub use names::{Names, Tables};
+pub use names::{Names, Table, Tables};
 pub use open::{Options, Store, open};
 pub use record::{Kind, RecordAt, RecordHead, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};

@@ -128,6 +128,12 @@ impl Store {
         found.map(row).transpose()
     }
 
+    /// Every record, in order of arrival.
+    pub async fn record_ids(&self) -> Result<Vec<Id>, StoreError> {
+        let ids: Vec<i64> = sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(&self.readers).await?;
+        Ok(ids.into_iter().map(Id).collect())
+    }
+
     /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
     pub async fn records_at(&self, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
         let sql =

@@ -1,0 +1,59 @@
+//! `verify`: everything that was stored, computed again from what stations sent, and compared.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::{Context, bail};
+use clap::Args;
+
+use super::{block_on, document};
+use crate::config::Config;
+use crate::pipeline::{Pipeline, Verified};
+use crate::store;
+use crate::system::Clock;
+
+/// Compute every stored separation and verdict again from what was sent, and compare; exit status 1 names what differs
+#[derive(Debug, Args)]
+pub struct Verify {
+    /// Configuration file that names the database and the limits; repeat for several, later ones win [default: config/*.toml]
+    #[arg(long = "config", value_name = "FILE")]
+    config: Vec<PathBuf>,
+}
+
+/// Differences that are printed; all are counted.
+const MOST_SHOWN: usize = 100;
+
+impl Verify {
+    pub fn run(self) -> anyhow::Result<()> {
+        let config = Config::load(&self.config, std::env::vars())?;
+        let url = config.database.url.clone();
+        let work = async {
+            // First what is read from the file at all: structure, hashes, checksums.
+            let file = config.database.options().file()?;
+            store::check(&file).await?;
+            let store = store::open_to_read(&config.database.options()).await?;
+            let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
+            Ok(reading.verify().await?)
+        };
+        report(&block_on(work).with_context(|| format!("the database {url}"))?)
+    }
+}
+
+fn report(verified: &Verified) -> anyhow::Result<()> {
+    let Verified { records, separations, verdicts, bench_results, not_compared, faults } = verified;
+    for fault in faults.iter().take(MOST_SHOWN) {
+        document::print(fault)?;
+    }
+    document::print(&format!(
+        "{records} records, {separations} separations, {verdicts} verdicts, {bench_results} bench results computed again"
+    ))?;
+    if *not_compared > 0 {
+        document::print(&format!(
+            "{not_compared} verdicts were decided with other limits than those in force, or on records that count no more: not compared"
+        ))?;
+    }
+    if !faults.is_empty() {
+        bail!("{} differ from what was sent", faults.len());
+    }
+    Ok(())
+}

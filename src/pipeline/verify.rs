@@ -1,0 +1,204 @@
+//! Computes again, from what stations sent, everything that was stored about it, and compares.
+//!
+//! The checksums tell whether a figure is the one that was written; this tells whether it is the right one. Verdicts are
+//! decided again with the limits of the configuration in force: of a record that was judged with other limits, the verdicts
+//! cannot be compared, and are counted; so are those on records that count no more.
+
+use super::Pipeline;
+use super::admit::figures_of;
+use super::answer::Reread;
+use super::line::Line;
+use crate::core::judge::history::Need;
+use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
+use crate::wire::bench::parse_bench_result;
+
+/// What was computed again.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Verified {
+    pub records: usize,
+    pub separations: usize,
+    pub verdicts: usize,
+    pub bench_results: usize,
+    /// Verdicts that were decided with other limits than those in force, or on records that count no more.
+    pub not_compared: usize,
+    /// In words, which record and what about it. Empty where everything is right.
+    pub faults: Vec<String>,
+}
+
+/// The last digits may differ between builds of this program; no bit that matters may.
+const TOLERANCE: f64 = 1e-9;
+
+impl Pipeline {
+    /// Computes everything again. Takes as long as there are records: about a millisecond a campaign, less a record.
+    ///
+    /// # Errors
+    /// [`StoreError`] where something cannot be read at all; what differs is in [`Verified::faults`].
+    pub async fn verify(&self) -> Result<Verified, StoreError> {
+        let mut verified = Verified::default();
+        for id in self.store.record_ids().await? {
+            verified.records += 1;
+            match self.reread(id).await {
+                Ok(Some(stored)) => self.verify_record(&stored, &mut verified).await?,
+                Ok(None) => verified.faults.push(format!("record {id}: is in an index only")),
+                Err(StoreError::Damaged(what)) => verified.faults.push(what),
+                Err(error) => return Err(error),
+            }
+        }
+        self.verify_benches(&mut verified).await?;
+        Ok(verified)
+    }
+
+    async fn verify_record(&self, stored: &Reread, verified: &mut Verified) -> Result<(), StoreError> {
+        let Reread { row, calibration: again, .. } = stored;
+        let (id, counts) = (row.id, self.counts(row.id).await?);
+        let names = self.store.names();
+        let head = [
+            ("IMU", name(&names.read().imus, row.imu), again.imu.as_str()),
+            ("station", name(&names.read().stations, row.station), again.station.as_str()),
+        ];
+        for (what, stored, sent) in head.iter().filter(|(_, stored, sent)| stored != sent) {
+            verified.faults.push(format!("record {id}: is stored under the {what} {stored}, its text says {sent}"));
+        }
+        if row.calibrated_at != again.calibrated_at {
+            verified.faults.push(format!("record {id}: is stored under another time than its text says"));
+        }
+        for gyro in &again.gyros {
+            let serial = gyro.serial.as_str();
+            let number = names.read().gyros.number(serial);
+            let at = Span { from: row.calibrated_at, to: row.calibrated_at };
+            let stored = match number {
+                Some(number) if counts => self.store.history(number, at, 1).await?.pop(),
+                Some(number) => self.store.voided_history(number, at).await?.into_iter().find(|row| row.record == id),
+                None => None,
+            };
+            verified.separations += 1;
+            let computed = figures_of(&gyro.separation, id, row.calibrated_at, row.imu, row.station);
+            match stored {
+                None => verified.faults.push(format!("record {id}: gyro {serial} is missing from its history")),
+                Some(stored) => {
+                    let differs = difference(&stored, &computed);
+                    verified.faults.extend(differs.map(|what| format!("record {id}: gyro {serial}: {what}")));
+                }
+            }
+            let of_it = row.verdicts.0.iter().find(|(of, _)| Some(*of) == number);
+            let Some((number, decided)) = of_it else {
+                verified.faults.push(format!("record {id}: gyro {serial} has no verdicts"));
+                continue;
+            };
+            if !counts {
+                // They stay as they were decided; others have been judged without it since.
+                verified.not_compared += decided.len();
+                continue;
+            }
+            let (limits, method) = (self.config.judging.limits(again.imu.as_str(), serial), self.config.judging.method);
+            let line = Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
+            let judged = line.judge_newest(&limits);
+            let states = super::judging::states(&judged);
+            let expected: Vec<StoredVerdict> =
+                judged.iter().chain(gyro.requirements.iter().flatten()).map(StoredVerdict::from).collect();
+            verified.verdicts += decided.len();
+            if !same_limits(decided, &expected) {
+                verified.not_compared += decided.len();
+                continue;
+            }
+            for stored in decided {
+                let computed = expected.iter().find(|computed| same_rule(stored, computed));
+                if computed.is_none_or(|computed| !same(stored, computed)) {
+                    let (rule, coefficient) = (stored.rule.name(), stored.coefficient.name());
+                    let found = computed.map_or_else(|| "no verdict".to_owned(), |computed| format!("{computed:?}"));
+                    verified.faults.push(format!(
+                        "record {id}: gyro {serial}: the verdict of the rule {rule} on {coefficient} is {stored:?}, computed again it is {found}"
+                    ));
+                }
+            }
+            if stored.is_some_and(|stored| stored.states != states) {
+                verified.faults.push(format!("record {id}: gyro {serial}: its state is not that of its verdicts"));
+            }
+        }
+        Ok(())
+    }
+
+    async fn verify_benches(&self, verified: &mut Verified) -> Result<(), StoreError> {
+        let gyros = self.store.names().read().gyros.len() as u32;
+        for gyro in 1..=gyros {
+            for row in self.store.bench_results(gyro, Span::EVER).await? {
+                verified.bench_results += 1;
+                let sent = match parse_bench_result(row.body.as_bytes(), f64::INFINITY) {
+                    Ok(result) => Some(([result.d_i, result.d_s], [result.d_i_sd, result.d_s_sd])),
+                    Err(_) => self.fitted_bench(&row).ok().map(|fitted| {
+                        ([fitted.d_i_deg_per_h_g0, fitted.d_s_deg_per_h_g0], [fitted.d_i_sd, fitted.d_s_sd])
+                    }),
+                };
+                let id = row.id;
+                match sent {
+                    None => verified.faults.push(format!("bench result {id}: its text cannot be read")),
+                    Some((d, sd)) => {
+                        let values = d.iter().zip(&row.d).all(|(a, b)| near(*a, *b));
+                        let sds = sd.iter().zip(&row.sd).all(|(a, b)| near_or_none(*a, *b));
+                        if !(values && sds) {
+                            verified.faults.push(format!(
+                                "bench result {id}: {:?} is stored, its text says {d:?} (D_I and D_S, deg/(h g0))",
+                                row.d
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn name(table: &Table, number: u32) -> String {
+    table.name(number).map_or_else(|| format!("number {number}"), ToString::to_string)
+}
+
+/// What of the stored figures is not as computed, but for the states, which are the verdicts'.
+fn difference(stored: &Figures, computed: &Figures) -> Option<String> {
+    let head = |figures: &Figures| (figures.record, figures.imu, figures.station, figures.slot, figures.at);
+    if head(stored) != head(computed) {
+        return Some("its history names another record, IMU, slot or station".to_owned());
+    }
+    let numbers = |figures: &Figures| {
+        let mut numbers: Vec<f64> = figures.rigid.to_vec();
+        numbers.extend(figures.rigid_sd.iter().flatten());
+        numbers.extend(figures.published.iter().flat_map(|p| {
+            [f64::from(p.branch), p.d[0], p.d[1], p.closure_rms].into_iter().chain(p.sd.into_iter().flatten())
+        }));
+        numbers
+    };
+    let (stored, computed) = (numbers(stored), numbers(computed));
+    let same = stored.len() == computed.len() && stored.iter().zip(&computed).all(|(a, b)| near(*a, *b));
+    (!same).then(|| {
+        format!("{stored:?} is stored, computed again it is {computed:?} (D_I, D_S, D_O, deg/(h g0), and further)")
+    })
+}
+
+fn same_rule(a: &StoredVerdict, b: &StoredVerdict) -> bool {
+    (a.rule, a.coefficient) == (b.rule, b.coefficient)
+}
+
+/// Whether both were decided with the same limits, as far as verdicts hold them.
+fn same_limits(decided: &[StoredVerdict], expected: &[StoredVerdict]) -> bool {
+    let found = |verdict: &StoredVerdict, among: &[StoredVerdict]| {
+        among.iter().any(|other| same_rule(verdict, other) && near(verdict.limit, other.limit))
+    };
+    decided.iter().all(|verdict| found(verdict, expected)) && expected.iter().all(|verdict| found(verdict, decided))
+}
+
+fn same(a: &StoredVerdict, b: &StoredVerdict) -> bool {
+    let figures = |v: &StoredVerdict| [v.value, v.sd, v.probability];
+    let near = figures(a).into_iter().zip(figures(b)).all(|(a, b)| near_or_none(a, b));
+    (a.state, a.confirmed) == (b.state, b.confirmed) && near
+}
+
+fn near_or_none(a: Option<f64>, b: Option<f64>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => near(a, b),
+        (a, b) => a.is_none() == b.is_none(),
+    }
+}
+
+fn near(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= TOLERANCE * a.abs().max(b.abs()).max(1e-3)
+}

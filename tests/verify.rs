@@ -1,0 +1,130 @@
+//! `gyrowatch verify`: what is stored is what follows from what was sent, and what is not is named.
+
+mod support;
+
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use sqlx::{ConnectOptions, Row, SqliteConnection};
+use support::{Server, data, gyrowatch};
+
+/// A stopped service with records, one of which came late, a campaign, bench results and an event.
+async fn a_database() -> Server {
+    let mut server = Server::start().await;
+    let record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    for at in ["2026-03-01T08:00:00Z", "2026-03-22T08:00:00Z", "2026-03-08T08:00:00Z"] {
+        let mut record = record.clone();
+        record["calibrated_at"] = at.into();
+        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
+    }
+    let event = serde_json::json!({ "event": "repair", "reason": "new motor", "at": "2026-03-20T00:00:00Z" });
+    assert_eq!(server.post_json("/v1/gyros/LFG-0101/events", &event).await.status, 201);
+    assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
+    assert_eq!(server.post("/v1/import", "application/x-ndjson", data("paper-bench.ndjson")).await.status, 200);
+    assert!(server.terminate().0.success());
+    server
+}
+
+fn verify(server: &Server, settings: &[(&str, &str)]) -> (Option<i32>, String) {
+    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
+    let mut command = gyrowatch();
+    command.arg("verify").current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", url).envs(settings.iter().copied());
+    let output = command.output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+    (output.status.code(), said)
+}
+
+async fn open(server: &Server) -> SqliteConnection {
+    let file = server.dir().join("gyrowatch.db");
+    sqlx::sqlite::SqliteConnectOptions::new().filename(file).connect().await.unwrap()
+}
+
+async fn run(server: &Server, sql: &'static str) {
+    let changed = sqlx::query(sql).execute(&mut open(server).await).await.unwrap();
+    assert!(changed.rows_affected() > 0, "{sql}");
+}
+
+#[tokio::test]
+async fn what_is_stored_follows_from_what_was_sent() {
+    let mut server = a_database().await;
+    let (code, said) = verify(&server, &[]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("4 records, 12 separations") && !said.contains("other limits"), "{said}");
+    let (code, said) = verify(&server, &[("GYROWATCH_JUDGING__BUDGET", "0.02")]);
+    assert!(code == Some(0) && said.contains("other limits"), "{said}");
+    server.restart();
+    assert_eq!(verify(&server, &[]).0, Some(0), "while it is served too");
+}
+
+/// Flips one bit of a stored value.
+async fn flip(server: &Server, table: &str, column: &str, bit: usize) -> String {
+    let mut connection = open(server).await;
+    let found = format!("SELECT rowid, {column} AS value FROM {table} ORDER BY rowid LIMIT 1");
+    let row = sqlx::query(sqlx::AssertSqlSafe(found)).fetch_one(&mut connection).await.unwrap();
+    let (id, mut value): (i64, Vec<u8>) = (row.get(0), row.get("value"));
+    let bit = bit % (value.len() * 8);
+    value[bit / 8] ^= 1 << (bit % 8);
+    let sql = format!("UPDATE {table} SET {column} = $1 WHERE rowid = $2");
+    sqlx::query(sqlx::AssertSqlSafe(sql)).bind(value).bind(id).execute(&mut connection).await.unwrap();
+    gyrowatch::pipeline::Id(id).to_string()
+}
+
+#[tokio::test]
+async fn a_flipped_bit_is_found_and_its_record_named() {
+    let server = a_database().await;
+    let whole = std::fs::read(server.dir().join("gyrowatch.db")).unwrap();
+    for bit in [0, 7, 65, 130, 259, 388, 517, 646, 1000] {
+        for (table, column) in [("history_log", "rows"), ("record", "verdicts"), ("record", "body_sha256")] {
+            let id = flip(&server, table, column, bit).await;
+            let (code, said) = verify(&server, &[]);
+            assert_eq!(code, Some(1), "{table}.{column}, bit {bit}: {said}");
+            assert!(said.contains(&id) || said.contains("gyro"), "{table}.{column}, bit {bit}: {said}");
+            for beside in ["gyrowatch.db-wal", "gyrowatch.db-shm"] {
+                let _may_not_be_there = std::fs::remove_file(server.dir().join(beside));
+            }
+            std::fs::write(server.dir().join("gyrowatch.db"), &whole).unwrap();
+        }
+    }
+    assert_eq!(verify(&server, &[]).0, Some(0));
+}
+
+#[tokio::test]
+async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
+    let server = a_database().await;
+    let whole = std::fs::read(server.dir().join("gyrowatch.db")).unwrap();
+    // Another input under a hash that fits it: the figures no longer follow from it.
+    let mut connection = open(&server).await;
+    let (id, body): (i64, String) = sqlx::query_as("SELECT id, body FROM record WHERE kind = 0 ORDER BY id LIMIT 1")
+        .fetch_one(&mut connection)
+        .await
+        .unwrap();
+    let mut changed: Value = serde_json::from_str(&body).unwrap();
+    let g = &mut changed["gyros"][0]["g_pulse_per_s_g0"][1];
+    *g = (g.as_f64().unwrap() + 1e-6).into();
+    let changed = changed.to_string();
+    sqlx::query("UPDATE record SET body = $1, body_sha256 = $2 WHERE id = $3")
+        .bind(&changed)
+        .bind(Sha256::digest(changed.as_bytes()).to_vec())
+        .bind(id)
+        .execute(&mut connection)
+        .await
+        .unwrap();
+    drop(connection);
+    let (code, said) = verify(&server, &[]);
+    let id = gyrowatch::pipeline::Id(id).to_string();
+    assert!(code == Some(1) && said.contains(&id) && said.contains("computed again"), "{said}");
+
+    for (sql, named) in [
+        ("UPDATE bench_result SET d_i = d_i + 1e-6 WHERE id = (SELECT min(id) FROM bench_result)", "bench result"),
+        ("UPDATE record SET imu = (SELECT max(id) FROM imu) WHERE id = (SELECT min(id) FROM record)", "under the IMU"),
+        ("UPDATE record SET calibrated_at = calibrated_at + 1 WHERE id = (SELECT min(id) FROM record)", "another time"),
+        ("UPDATE event SET kind = 'note'", "verdict"),
+    ] {
+        std::fs::write(server.dir().join("gyrowatch.db"), &whole).unwrap();
+        for beside in ["gyrowatch.db-wal", "gyrowatch.db-shm"] {
+            let _may_not_be_there = std::fs::remove_file(server.dir().join(beside));
+        }
+        run(&server, sql).await;
+        let (code, said) = verify(&server, &[]);
+        assert!(code == Some(1) && said.contains(named), "{sql}: {said}");
+    }
+}

@@ -141,13 +141,11 @@ impl Seen<'_> {
     /// Gram matrix of a small block's columns, adopted columns projected out.
     fn gram(&self, block: &Block) -> small::Matrix {
         let mut gram = block.gram;
-        for i in 0..block.len {
-            for j in 0..=i {
-                let taken: f64 =
-                    self.taken(block.start + i).iter().zip(self.taken(block.start + j)).map(|(a, b)| a * b).sum();
-                gram[i][j] -= taken;
-                gram[j][i] = gram[i][j];
-            }
+        for (i, j) in (0..block.len).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let taken: f64 =
+                self.taken(block.start + i).iter().zip(self.taken(block.start + j)).map(|(a, b)| a * b).sum();
+            gram[i][j] -= taken;
+            gram[j][i] = gram[i][j];
         }
         gram
     }

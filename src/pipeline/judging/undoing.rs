@@ -63,7 +63,7 @@ impl Judge {
     }
 }
 
-fn said_of<'a>(mut items: impl Iterator<Item = Id>, changes: &'a Changes) -> Option<&'a CorrectionRow> {
+fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&CorrectionRow> {
     items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))
 }
 

@@ -9,7 +9,7 @@ fn gyro(d_s: f64, d_o: f64, g_sd: Option<f64>) -> Separation {
     let triad = Geometry::Skewed.triad(Slot::G2).unwrap().mat_gyro_body();
     let e = triad.row(0).transpose();
     let g = triad.transpose() * Vector3::new(1.0, d_s, d_o);
-    let sd = g_sd.map(|sd| Vector3::repeat(sd));
+    let sd = g_sd.map(Vector3::repeat);
     let covariance = diagonal_covariance(Some(&Vector3::repeat(1e-9)), sd.as_ref()).filter(|_| g_sd.is_some());
     separate(&Geometry::Skewed, Slot::G2, &e, &g, covariance.as_ref()).unwrap()
 }

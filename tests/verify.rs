@@ -115,7 +115,10 @@ async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
 
     for (sql, named) in [
         ("UPDATE bench_result SET d_i = d_i + 1e-6 WHERE id = (SELECT min(id) FROM bench_result)", "bench result"),
-        ("UPDATE record SET imu = (SELECT max(id) FROM imu) WHERE id = (SELECT min(id) FROM record)", "under the IMU"),
+        (
+            "UPDATE record SET imu = (SELECT max(id) FROM imu) WHERE calibrated_at = (SELECT max(calibrated_at) FROM record)",
+            "under the IMU",
+        ),
         ("UPDATE record SET calibrated_at = calibrated_at + 1 WHERE id = (SELECT min(id) FROM record)", "another time"),
         ("UPDATE event SET kind = 'note'", "verdict"),
     ] {

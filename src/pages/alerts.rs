@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, own_form, see_other};
+use super::form::{Deed, Word, answered, own_form, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::text::Language;
 use super::viewer::Viewer;
@@ -252,10 +252,7 @@ pub(super) async fn act(
     Path((id, deed)): Path<(String, String)>,
     Form(said): Form<Said>,
 ) -> Response {
-    match done(&pages, &viewer, &headers, (&id, &deed), &said).await {
-        Ok(response) => response,
-        Err(problem) => viewer.show(Err(problem)),
-    }
+    answered(&viewer, done(&pages, &viewer, &headers, (&id, &deed), &said).await)
 }
 
 async fn done(

@@ -8,7 +8,8 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, own_form, see_other};
+use super::form::{Deed, Word, answered, own_form, see_other};
+use super::gyro;
 use super::layout::{Section, encoded};
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
@@ -47,15 +48,12 @@ pub(super) async fn act(
     Path(serial): Path<String>,
     Form(said): Form<Said>,
 ) -> Response {
-    match done(&pages, &viewer, &headers, &serial, &said).await {
-        Ok(response) => response,
-        Err(problem) => viewer.show(Err(problem)),
-    }
+    answered(&viewer, done(&pages, &viewer, &headers, &serial, &said).await)
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
-    let known = pages.pipeline.store().names().read().gyros.number(serial).and_then(|_| Name::parse(serial).ok());
-    known.ok_or_else(|| Problem::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known")))
+    gyro::known(pages, serial)?;
+    Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))
 }
 
 async fn done(

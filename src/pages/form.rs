@@ -31,6 +31,11 @@ pub(super) fn own_form(headers: &HeaderMap) -> Result<(), Problem> {
     }
 }
 
+/// What has come of a form: where its sender is to go on, or the page that says why not.
+pub(super) fn answered(viewer: &Viewer, done: Result<Response, Problem>) -> Response {
+    done.unwrap_or_else(|problem| viewer.show(Err(problem)))
+}
+
 /// Goes on with another page, which may be loaded again without sending the form again.
 pub(super) fn see_other(path: &str) -> Response {
     let path = HeaderValue::from_str(path).unwrap_or(HeaderValue::from_static("/"));

@@ -12,7 +12,7 @@ use super::known;
 use crate::core::fault::Faults;
 use crate::core::judge::Severity;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, Word, own_form, see_other};
+use crate::pages::form::{Deed, Word, answered, own_form, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
@@ -249,8 +249,4 @@ pub(in crate::pages) async fn redeliver_dead(
         Ok(see_other(&format!("/hooks/{id}")))
     };
     answered(&viewer, sent.await)
-}
-
-fn answered(viewer: &Viewer, done: Result<Response, Problem>) -> Response {
-    done.unwrap_or_else(|problem| viewer.show(Err(problem)))
 }

@@ -47,7 +47,7 @@ impl Pipeline {
     /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
     pub async fn stored_record(&self, id: Id) -> Result<Option<StoredRecord>, StoreError> {
         let Some(Reread { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
-        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?.into_iter().unzip();
+        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let separations = self.separations(&calibration.gyros);
         let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
         Ok(Some(StoredRecord { row, answer, seen }))
@@ -95,7 +95,7 @@ impl Pipeline {
         &self,
         row: &RecordRow,
         calibration: &Calibration,
-    ) -> Result<Vec<(VerdictBody, Option<Verdict>)>, StoreError> {
+    ) -> Result<(Vec<VerdictBody>, Vec<Option<Verdict>>), StoreError> {
         let mut bodies = Vec::new();
         let counts = self.counts(row.id).await?;
         for (number, stored) in &row.verdicts.0 {
@@ -115,7 +115,7 @@ impl Pipeline {
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
             bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &again, CHANGED)));
         }
-        Ok(bodies)
+        Ok(bodies.into_iter().unzip())
     }
 }
 

@@ -178,7 +178,7 @@ impl Pipeline {
     /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
     pub async fn stored_campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StoreError> {
         let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
-        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?.into_iter().unzip();
+        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let mut answer = CampaignAnswer::of(&fitted.campaign, &fitted.outcome, self.method());
         answer.id = Some(id.to_string());
         answer.imu_model = fitted.model.map(|id| id.to_string());

@@ -12,6 +12,7 @@ use sqlx::SqliteConnection;
 use tokio::sync::mpsc;
 
 use super::error::StoreError;
+use super::halt::Halt;
 
 /// Pages that the committing connection may copy by itself: a few milliseconds.
 const FEW: i64 = 500;
@@ -22,17 +23,29 @@ const PASSES: usize = 8;
 pub(super) struct Checkpoints {
     wanted: mpsc::Sender<()>,
     nearly_done: Arc<AtomicBool>,
+    /// An earlier run's log has been copied.
+    begun: bool,
     written: u32,
     every: u32,
 }
 
 impl Checkpoints {
     /// Copies on `connection`, as a task, each time about `every` pages have been written. The task ends with `self`.
-    pub fn start(connection: SqliteConnection, every: u32) -> Self {
+    pub fn start(connection: SqliteConnection, every: u32, halt: Halt) -> Self {
         let (wanted, requests) = mpsc::channel(1);
         let nearly_done = Arc::new(AtomicBool::new(false));
-        tokio::spawn(serve(connection, requests, nearly_done.clone()));
-        Self { wanted, nearly_done, written: 0, every }
+        tokio::spawn(serve(connection, requests, nearly_done.clone(), halt));
+        Self { wanted, nearly_done, begun: false, written: 0, every }
+    }
+
+    /// Copies what an earlier run has left in the log, before anything is added to it: where that run ended with a failed flush,
+    /// the log may stand in memory only, and what is appended to it would be lost with it.
+    pub async fn begin(&mut self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
+        if !self.begun {
+            copy_all(connection).await?;
+            self.begun = true;
+        }
+        Ok(())
     }
 
     /// Counts what a commit has written.
@@ -45,7 +58,8 @@ impl Checkpoints {
     }
 
     /// Copies the last pages, where the task has left only few.
-    pub async fn finish(&self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    pub async fn finish(&mut self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
+        self.begin(connection).await?;
         if self.nearly_done.swap(false, Ordering::Relaxed) {
             copy(connection).await?;
         }
@@ -53,12 +67,29 @@ impl Checkpoints {
     }
 }
 
-async fn serve(mut connection: SqliteConnection, mut requests: mpsc::Receiver<()>, nearly_done: Arc<AtomicBool>) {
-    while requests.recv().await.is_some() {
-        match catch_up(&mut connection).await {
+async fn serve(
+    mut connection: SqliteConnection,
+    mut requests: mpsc::Receiver<()>,
+    nearly_done: Arc<AtomicBool>,
+    halt: Halt,
+) {
+    while requests.recv().await.is_some() && halt.check().is_ok() {
+        match halt.heed(catch_up(&mut connection).await) {
             Ok(()) => nearly_done.store(true, Ordering::Relaxed),
             Err(error) => tracing::warn!(%error, "the write-ahead log could not be copied into the database"),
         }
+    }
+    if halt.check().is_err() {
+        std::mem::forget(connection);
+    }
+}
+
+/// Copies everything and empties the log, unless another process reads from it: then as much as may be.
+pub(super) async fn copy_all(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    let copied = sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(connection).await;
+    match copied.map_err(StoreError::from) {
+        Err(StoreError::Busy) | Ok(_) => Ok(()),
+        Err(error) => Err(error),
     }
 }
 

@@ -6,12 +6,13 @@ use super::access::{self, AccessChanges};
 use super::alerts::{self, AlertRow, StepRow};
 use super::batch::{Batch, Rows};
 use super::bench::{self, BenchRow};
-use super::checkpoint::Checkpoints;
+use super::checkpoint::{self, Checkpoints};
 use super::correction::{self, CorrectionRow, Withdrawn};
 use super::delivery::{self, OutboxChanges};
 use super::diagnosis::{self, DiagnosisRow};
 use super::error::StoreError;
 use super::event::{self, EventRow};
+use super::halt::Halt;
 use super::history::HistoryRow;
 use super::hook::{self, HookRow};
 use super::id::{Id, IdSource};
@@ -90,8 +91,7 @@ pub struct Writer {
     tail: SharedTail,
     ids: IdSource,
     checkpoints: Checkpoints,
-    /// Set once a write could not be made durable: what the log then holds is not known.
-    stopped: Option<String>,
+    halt: Halt,
     /// The last write failed: whether writing works again, only writing can tell.
     in_doubt: bool,
     _lock: Lock,
@@ -104,9 +104,10 @@ impl Writer {
         tail: SharedTail,
         ids: IdSource,
         checkpoints: Checkpoints,
+        halt: Halt,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, tail, ids, checkpoints, stopped: None, in_doubt: false, _lock: lock }
+        Self { connection, names, tail, ids, checkpoints, halt, in_doubt: false, _lock: lock }
     }
 
     pub fn names(&self) -> &Names {
@@ -122,10 +123,10 @@ impl Writer {
     /// # Errors
     /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
     pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
-        if let Some(why) = &self.stopped {
-            return Err(StoreError::NotDurable(why.clone()));
-        }
-        self.checkpoints.finish(&mut self.connection).await?;
+        self.halt.check()?;
+        let finished = self.checkpoints.finish(&mut self.connection).await;
+        self.in_doubt |= finished.is_err();
+        self.halt.heed(finished)?;
         let mut batch = batch_of(changes);
         let fold = {
             let tail = self.tail.read();
@@ -136,12 +137,7 @@ impl Writer {
         let pages = batch.pages();
         let committed = batch.commit(&mut self.connection).await;
         self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
-        if let Err(error) = committed {
-            if let StoreError::NotDurable(why) = &error {
-                self.stopped = Some(why.clone());
-            }
-            return Err(error);
-        }
+        self.halt.heed(committed)?;
         self.names.change(|tables| {
             tables.imus.extend(&changes.imus);
             tables.stations.extend(&changes.stations);
@@ -157,9 +153,8 @@ impl Writer {
     /// # Errors
     /// As [`Writer::commit`].
     pub async fn probe(&mut self) -> Result<(), StoreError> {
-        if let Some(why) = &self.stopped {
-            return Err(StoreError::NotDurable(why.clone()));
-        }
+        self.halt.check()?;
+        self.halt.heed(self.checkpoints.begin(&mut self.connection).await)?;
         // The number is of no use to anyone else; setting it writes the first page.
         let sql = if self.in_doubt {
             "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
@@ -168,7 +163,7 @@ impl Writer {
         };
         if let Err(error) = sqlx::query(sql).execute(&mut self.connection).await {
             let _nothing_left = sqlx::query("ROLLBACK").execute(&mut self.connection).await;
-            return Err(error.into());
+            return self.halt.heed(Err(error.into()));
         }
         self.in_doubt = false;
         Ok(())
@@ -176,8 +171,16 @@ impl Writer {
 
     /// Copies the whole log into the database and closes it.
     pub async fn close(mut self) -> Result<(), StoreError> {
-        sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(&mut self.connection).await?;
-        Ok(self.connection.close().await?)
+        let copied = match self.halt.check() {
+            Ok(()) => self.halt.heed(checkpoint::copy_all(&mut self.connection).await),
+            halted => halted,
+        };
+        if matches!(copied, Err(StoreError::NotDurable(_))) {
+            std::mem::forget(self.connection);
+            return copied;
+        }
+        self.connection.close().await?;
+        copied
     }
 }
 

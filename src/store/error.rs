@@ -6,8 +6,8 @@ pub enum StoreError {
     /// No room left on the device. Reading goes on; writing works again once there is room.
     #[error("the disk is full")]
     Full,
-    /// The file or its file system cannot be written.
-    #[error("the database cannot be written: {0}")]
+    /// The file, its file system or the disk under it refuses reading or writing.
+    #[error("the database cannot be read or written: {0}")]
     ReadOnly(String),
     /// Another process holds the database.
     #[error("the database is locked by another process")]
@@ -42,7 +42,7 @@ impl From<sqlx::Error> for StoreError {
         }
         match code & 0xff {
             5 | 6 => Self::Busy,
-            8 | 14 => Self::ReadOnly(message),
+            8 | 10 | 14 => Self::ReadOnly(message),
             11 | 26 => Self::Damaged(message),
             13 => Self::Full,
             19 => Self::Refused(message),

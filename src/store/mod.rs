@@ -17,6 +17,7 @@ mod error;
 mod event;
 mod figures;
 mod gyro;
+mod halt;
 mod history;
 mod hook;
 mod id;

@@ -11,6 +11,7 @@ use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection, SqlitePool}
 use super::checkpoint::Checkpoints;
 use super::commit::Writer;
 use super::error::StoreError;
+use super::halt::Halt;
 use super::id::IdSource;
 use super::lock;
 use super::names::{Names, Table, Tables};
@@ -75,8 +76,14 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
     let store = Store { readers, names: names.clone(), tail: tail.clone(), file };
-    let checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages);
-    let writer = Writer::new(connection, names, tail, IdSource::after(last_id), checkpoints, lock);
+    let halt = Halt::default();
+    let mut checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages, halt.clone());
+    match checkpoints.begin(&mut connection).await {
+        // Reading goes on; a write tries it again.
+        Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
+        copied => copied?,
+    }
+    let writer = Writer::new(connection, names, tail, IdSource::after(last_id), checkpoints, halt, lock);
     Ok((store, writer))
 }
 

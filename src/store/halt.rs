@@ -1,0 +1,47 @@
+//! After a flush that failed nothing is written any more.
+//!
+//! The system may have marked the pages that it could not write as clean: another flush would succeed and mean nothing. So none is
+//! tried, neither by the connection that commits nor by the one that copies the log, and both are left open to the end, for closing
+//! the last one would copy and flush once more. The next start copies the log anew before it adds to it.
+
+use std::sync::{Arc, OnceLock};
+
+use super::error::StoreError;
+
+/// Whether a flush has failed, for whichever connection; never taken back.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Halt(Arc<OnceLock<String>>);
+
+impl Halt {
+    /// # Errors
+    /// [`StoreError::NotDurable`] from the first failed flush on.
+    pub fn check(&self) -> Result<(), StoreError> {
+        self.0.get().map_or(Ok(()), |why| Err(StoreError::NotDurable(why.clone())))
+    }
+
+    /// Hands an outcome on, and keeps in mind a flush that failed.
+    pub fn heed<T>(&self, outcome: Result<T, StoreError>) -> Result<T, StoreError> {
+        if let Err(StoreError::NotDurable(why)) = &outcome
+            && self.0.set(why.clone()).is_ok()
+        {
+            tracing::error!(%why, "a flush of the disk failed: nothing is stored until a restart");
+        }
+        outcome
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_flush_is_heard_of_by_everyone_and_other_failures_are_not() {
+        let (halt, other) = (Halt::default(), Halt::default());
+        let beside = halt.clone();
+        assert!(halt.heed::<()>(Err(StoreError::Full)).is_err());
+        beside.check().unwrap();
+        assert!(halt.heed::<()>(Err(StoreError::NotDurable("EIO".into()))).is_err());
+        assert!(matches!(beside.check(), Err(StoreError::NotDurable(why)) if why == "EIO"));
+        other.check().unwrap();
+    }
+}

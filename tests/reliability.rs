@@ -14,13 +14,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
-use support::{Server, data, gyrowatch};
+use support::{Server, asked, data, gyrowatch};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-
-/// How often, how many: `otherwise`, unless the long form asks for more.
-fn asked(name: &str, otherwise: usize) -> usize {
-    std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
-}
 
 fn client() -> reqwest::Client {
     gyrowatch::system::http_client(Duration::from_secs(5), Duration::from_secs(30)).build().unwrap()

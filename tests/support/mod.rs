@@ -27,11 +27,34 @@ pub fn data_path(name: &str) -> PathBuf {
 
 /// The command line program, free of the tester's own GYROWATCH_ variables.
 pub fn gyrowatch() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gyrowatch"));
+    gyrowatch_under(&[])
+}
+
+/// The program, by one that turns into it.
+pub fn gyrowatch_under(under: &[&str]) -> Command {
+    let words = [under, &[env!("CARGO_BIN_EXE_gyrowatch")]].concat();
+    let mut command = Command::new(words[0]);
+    command.args(&words[1..]);
     for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("GYROWATCH_")) {
         command.env_remove(name);
     }
     command
+}
+
+/// How often, how many: `otherwise`, unless the long form (`scripts/soak`) asks for more.
+pub fn asked(name: &str, otherwise: usize) -> usize {
+    std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
+}
+
+/// Whether a program that a test drives is there. `scripts/test` installs it where it can, and then its absence is a failure.
+pub fn required(program: &str) -> bool {
+    let there = std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|dir| dir.join(program).is_file()));
+    if !there {
+        assert_ne!(std::env::var("GYROWATCH_TEST_PROGRAMS").as_deref(), Ok("required"), "no {program}");
+        println!("passed over: there is no {program}");
+    }
+    there
 }
 
 #[derive(Debug)]
@@ -67,11 +90,26 @@ impl Server {
 
     /// With `GYROWATCH_…` variables beside the address and the database.
     pub async fn start_with(settings: &[(&str, &str)]) -> Self {
+        Self::start_under(&[], tempfile::tempdir().unwrap(), settings)
+    }
+
+    /// In `dir`, the first time by a program that turns into the service, as `strace -D` does.
+    pub fn start_under(under: &[&str], dir: tempfile::TempDir, settings: &[(&str, &str)]) -> Self {
         system::install_crypto();
-        let dir = tempfile::tempdir().unwrap();
         let settings: Vec<_> = settings.iter().map(|&(name, value)| (name.to_owned(), value.to_owned())).collect();
-        let (child, address) = spawn(dir.path(), "127.0.0.1:0", &settings);
+        let (child, address) = spawn(under, dir.path(), "127.0.0.1:0", &settings);
         Self { child, address, dir, settings, http: client() }
+    }
+
+    /// The directory, with the service killed.
+    pub fn into_dir(mut self) -> tempfile::TempDir {
+        self.kill();
+        std::mem::replace(&mut self.dir, tempfile::tempdir().unwrap())
+    }
+
+    /// Of the process of the service.
+    pub fn pid(&self) -> u32 {
+        self.child.id()
     }
 
     /// `host:port`.
@@ -108,7 +146,7 @@ impl Server {
 
     /// Starts again on the same address and database.
     pub fn restart(&mut self) {
-        let (child, address) = spawn(self.dir.path(), &self.address, &self.settings);
+        let (child, address) = spawn(&[], self.dir.path(), &self.address, &self.settings);
         (self.child, self.address) = (child, address);
         self.http = client(); // the old one holds connections to the dead
     }
@@ -189,9 +227,9 @@ pub async fn closed(mut stream: TcpStream) {
 }
 
 /// Starts `gyrowatch serve`, and waits for the line that names its address.
-fn spawn(dir: &Path, listen: &str, settings: &[(String, String)]) -> (Child, String) {
+fn spawn(under: &[&str], dir: &Path, listen: &str, settings: &[(String, String)]) -> (Child, String) {
     let log = File::options().create(true).append(true).open(dir.join("log")).unwrap();
-    let mut child = gyrowatch()
+    let mut child = gyrowatch_under(under)
         .arg("serve")
         .current_dir(dir)
         .env("GYROWATCH_LISTEN", listen)

@@ -1,0 +1,275 @@
+//! The disk is full, cannot be written, or fails to flush: what the service answers then, and how it comes back.
+
+mod support;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use support::{Answer, Server, data, gyrowatch_under, required};
+
+fn record(number: usize) -> String {
+    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    record["imu"] = format!("IMU-{}", number % 20).into();
+    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
+        gyro["serial"] = format!("G-{}-{i}", number % 20).into();
+    }
+    record["calibrated_at"] =
+        jiff::Timestamp::from_second(1_700_000_000 + 60 * number as i64).unwrap().to_string().into();
+    record.to_string()
+}
+
+async fn post(server: &Server, number: usize) -> Answer {
+    server.post("/v1/records", "application/json", record(number)).await
+}
+
+/// Words that make a file system of `size` in memory at the directory that follows, which only the service sees, and then run it.
+fn on_a_small_disk(options: &str) -> Vec<String> {
+    let script = format!("mount -t tmpfs -o {options} none \"$0\" && cd \"$0\" && exec \"$@\"");
+    let as_root = std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
+    let namespaces = if as_root { "-m" } else { "-rm" };
+    ["unshare", namespaces, "sh", "-c", &script].map(str::to_owned).into()
+}
+
+/// Whether such a file system can be had here.
+fn small_disks_work() -> bool {
+    if !required("unshare") {
+        return false;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let words = on_a_small_disk("size=1m");
+    let tried = std::process::Command::new(&words[0]).args(&words[1..]).arg(dir.path()).arg("true").output().unwrap();
+    if !tried.status.success() {
+        println!("passed over: no file system can be mounted here: {}", String::from_utf8_lossy(&tried.stderr));
+    }
+    tried.status.success()
+}
+
+/// Takes all room that is left.
+fn fill(file: &Path) {
+    let mut filler = std::fs::File::create(file).unwrap();
+    for size in [1 << 16, 1 << 12, 1] {
+        while filler.write_all(&vec![0; size]).is_ok() {}
+    }
+}
+
+#[tokio::test]
+async fn a_full_disk_is_answered_507_while_reading_goes_on_and_there_is_room_again_without_a_restart() {
+    if !small_disks_work() {
+        return;
+    }
+    let rounds = support::asked("GYROWATCH_SOAK_ROUNDS", 2);
+    let dir = tempfile::tempdir().unwrap();
+    let inside = dir.path().to_owned();
+    let under = [on_a_small_disk("size=24m"), vec![inside.to_str().unwrap().to_owned()]].concat();
+    let under: Vec<&str> = under.iter().map(String::as_str).collect();
+    let server = Arc::new(Server::start_under(&under, dir, &[("GYROWATCH_DATABASE__CHECKPOINT_PAGES", "200")]));
+    let filler = PathBuf::from(format!("/proc/{}/root{}/filler", server.pid(), inside.display()));
+
+    let (next, stop) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+    let stored = Arc::new(Mutex::new(Vec::<(String, Instant)>::new()));
+    let refused = Arc::new(Mutex::new(Vec::<(u16, Instant)>::new()));
+    let senders: Vec<_> = (0..16)
+        .map(|_| {
+            let (server, next, stop) = (server.clone(), next.clone(), stop.clone());
+            let (stored, refused) = (stored.clone(), refused.clone());
+            tokio::spawn(async move {
+                while !stop.load(Ordering::Relaxed) {
+                    let answer = post(&server, next.fetch_add(1, Ordering::Relaxed)).await;
+                    if answer.status == 201 {
+                        let id = answer.json()["id"].as_str().unwrap().to_owned();
+                        stored.lock().unwrap().push((id, Instant::now()));
+                    } else {
+                        assert_eq!(answer.content_type, "application/problem+json");
+                        refused.lock().unwrap().push((answer.status, Instant::now()));
+                        tokio::time::sleep(Duration::from_millis(20)).await;
+                    }
+                }
+            })
+        })
+        .collect();
+    let mut slowest = Duration::ZERO;
+    for _ in 0..rounds {
+        tokio::time::sleep(Duration::from_millis(700)).await;
+        let before = refused.lock().unwrap().len();
+        fill(&filler);
+        let began = Instant::now();
+        while refused.lock().unwrap().len() < before + 32 {
+            assert!(began.elapsed() < Duration::from_secs(20), "a full disk refuses nothing");
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        let (last, _) = stored.lock().unwrap().last().unwrap().clone();
+        assert_eq!(server.get(&format!("/v1/records/{last}")).await.status, 200, "reading goes on");
+        assert_eq!(server.get("/v1/gyros/G-1-0/trend?coefficient=D_I").await.status, 200, "reading goes on");
+        std::fs::remove_file(&filler).unwrap();
+        let room = Instant::now();
+        let again = loop {
+            let found = stored.lock().unwrap().iter().map(|(_, at)| *at).find(|at| *at > room);
+            if let Some(at) = found {
+                break at;
+            }
+            assert!(
+                room.elapsed() < Duration::from_secs(20),
+                "nothing is stored though there is room\n{}",
+                server.log()
+            );
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        };
+        slowest = slowest.max(again - room);
+        assert_eq!(server.get("/readyz").await.status, 200);
+    }
+    stop.store(true, Ordering::Relaxed);
+    for sender in senders {
+        sender.await.unwrap();
+    }
+    let (stored, refused) = (stored.lock().unwrap(), refused.lock().unwrap());
+    let mut lost = 0;
+    for (id, _) in stored.iter() {
+        lost += usize::from(server.get(&format!("/v1/records/{id}")).await.status != 200);
+    }
+    let others: Vec<u16> =
+        refused.iter().map(|(status, _)| *status).filter(|status| !matches!(status, 503 | 507)).collect();
+    println!(
+        "disk full: {rounds} times, {} stored, {} answered 507, {} 503, {} otherwise, {lost} lost; stored again {} ms after there was room",
+        stored.len(),
+        refused.iter().filter(|(status, _)| *status == 507).count(),
+        refused.iter().filter(|(status, _)| *status == 503).count(),
+        others.len(),
+        slowest.as_millis()
+    );
+    assert!(others.is_empty() && refused.iter().any(|(status, _)| *status == 507), "{others:?}");
+    assert!(lost == 0 && slowest < Duration::from_secs(5));
+}
+
+#[tokio::test]
+async fn a_log_that_cannot_be_written_ends_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut command = gyrowatch_under(&[]);
+    command.arg("serve").current_dir(dir.path()).env("GYROWATCH_LISTEN", "127.0.0.1:0");
+    command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.path().join("gyrowatch.db").display()));
+    command.env("GYROWATCH_LOG__FILTER", "trace");
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut child = command.stdout(Stdio::piped()).stderr(full).spawn().unwrap();
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut std::io::BufReader::new(child.stdout.take().unwrap()), &mut line).unwrap();
+    let address = line.trim().split_once("://").expect("it starts").1.to_owned();
+    let http = gyrowatch::system::http_client(Duration::from_secs(5), Duration::from_secs(30)).build().unwrap();
+    for number in 0..3 {
+        let request = http.post(format!("http://{address}/v1/records")).header("content-type", "application/json");
+        let answer = request.body(record(number)).send().await.unwrap();
+        assert_eq!(answer.status(), 201);
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+/// Sends records until one is not stored: its answer, and how many were.
+async fn until_refused(server: &Server) -> (Answer, usize) {
+    for number in 0..2000 {
+        let answer = post(server, number).await;
+        if answer.status != 201 {
+            return (answer, number);
+        }
+    }
+    panic!("everything was stored though the disk fails");
+}
+
+/// A service whose calls of `what` fail with `error`, as `when` says, of those that touch `file`.
+fn failing(what: &str, error: &str, when: &str, file: &str, settings: &[(&str, &str)]) -> (Server, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let (trace, file) = (dir.path().join("trace"), dir.path().join(file));
+    let (calls, inject) = (format!("trace={what}"), format!("inject={what}:error={error}:when={when}"));
+    let under = ["strace", "-D", "-f", "-y", "-P", file.to_str().unwrap(), "-e", &calls, "-e", &inject, "-o"];
+    let under = [&under[..], &[trace.to_str().unwrap()]].concat();
+    (Server::start_under(&under, dir, settings), trace)
+}
+
+/// The calls that were seen, up to the end of the service.
+async fn seen(trace: &Path) -> Vec<String> {
+    let began = Instant::now();
+    loop {
+        let text = std::fs::read_to_string(trace).unwrap();
+        if text.lines().last().is_some_and(|line| line.contains("+++ ")) && text.ends_with('\n') {
+            return text.lines().filter(|line| line.contains("sync(")).map(str::to_owned).collect();
+        }
+        assert!(began.elapsed() < Duration::from_secs(20), "strace does not end");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
+#[tokio::test]
+async fn after_a_failed_flush_nothing_is_stored_and_none_is_tried_again() {
+    if !required("strace") {
+        return;
+    }
+    let copying = [("GYROWATCH_DATABASE__CHECKPOINT_PAGES", "40")];
+    for (what, file, when, settings) in [
+        ("of a commit", "gyrowatch.db-wal", "25", &[][..]),
+        ("of the database while the log is copied into it", "gyrowatch.db", "12", &copying),
+    ] {
+        // One flush of a thread fails and later ones would succeed: who tries again is found out.
+        let (mut server, trace) = failing("fsync,fdatasync", "EIO", when, file, settings);
+        let (answer, stored) = until_refused(&server).await;
+        assert_eq!(answer.status, 503, "{what}: {}", answer.text());
+        assert!(answer.text().contains("disk failed"), "{what}: {}", answer.text());
+        for number in 0..5 {
+            assert_eq!(post(&server, 10_000 + number).await.status, 503, "{what}");
+        }
+        assert_eq!(server.get("/v1/gyros/G-1-0/trend?coefficient=D_I").await.status, 200, "{what}: reading goes on");
+        let ready = server.get("/readyz").await;
+        assert_eq!(ready.status, 503, "{what}");
+        assert!(server.log().contains("a flush of the disk failed"), "{what}");
+        assert!(server.terminate().0.success(), "{what}: {}", server.log());
+        let seen = seen(&trace).await;
+        let failed = seen.iter().position(|line| line.contains("INJECTED")).expect("a flush has failed");
+        assert_eq!(seen.len(), failed + 1, "{what}: flushed after a failure:\n{}", seen[failed..].join("\n"));
+
+        server.restart();
+        assert_eq!(server.get("/readyz").await.status, 200, "{what}");
+        for number in 0..stored {
+            assert_eq!(post(&server, number).await.status, 200, "{what}: record {number} was stored");
+        }
+        assert_eq!(post(&server, 20_000).await.status, 201, "{what}");
+    }
+}
+
+#[tokio::test]
+async fn a_disk_that_cannot_be_written_is_answered_503_and_never_2xx() {
+    if !required("strace") {
+        return;
+    }
+    for error in ["EROFS", "EIO", "EDQUOT"] {
+        let (server, _) = failing("pwrite64", error, "300+", "gyrowatch.db-wal", &[]);
+        let (answer, stored) = until_refused(&server).await;
+        assert!(stored > 0);
+        assert_eq!(answer.status, 503, "{error}: {}", answer.text());
+        assert!(answer.headers.contains_key("retry-after"), "{error}");
+        for number in 0..5 {
+            assert_eq!(post(&server, 10_000 + number).await.status, 503, "{error}");
+        }
+        assert_eq!(server.get("/v1/gyros/G-0-0/trend?coefficient=D_I").await.status, 200, "{error}: reading goes on");
+        assert_eq!(server.get("/readyz").await.status, 503, "{error}");
+        assert_eq!(server.get("/healthz").await.status, 200, "{error}");
+    }
+}
+
+#[tokio::test]
+async fn on_a_read_only_file_system_it_does_not_start_and_names_the_file() {
+    if !small_disks_work() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let under = [on_a_small_disk("size=1m,ro"), vec![dir.path().to_str().unwrap().to_owned()]].concat();
+    let under: Vec<&str> = under.iter().map(String::as_str).collect();
+    let mut command = gyrowatch_under(&under);
+    command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0");
+    command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", dir.path().join("gyrowatch.db").display()));
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("gyrowatch.db") && said.contains("Read-only"), "{said}");
+}

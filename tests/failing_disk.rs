@@ -126,9 +126,9 @@ async fn a_full_disk_is_answered_507_while_reading_goes_on_and_there_is_room_aga
     for sender in senders {
         sender.await.unwrap();
     }
-    let (stored, refused) = (stored.lock().unwrap(), refused.lock().unwrap());
+    let (stored, refused) = (stored.lock().unwrap().clone(), refused.lock().unwrap().clone());
     let mut lost = 0;
-    for (id, _) in stored.iter() {
+    for (id, _) in &stored {
         lost += usize::from(server.get(&format!("/v1/records/{id}")).await.status != 200);
     }
     let others: Vec<u16> =

@@ -1,0 +1,140 @@
+//! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said before.
+
+mod support;
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use sqlx::migrate::Migrator;
+use sqlx::{AssertSqlSafe, ConnectOptions, SqliteConnection};
+use support::{Server, data, gyrowatch};
+
+/// Bytes of a row of the history's log: the gyro's number, and its figures.
+const ROW: usize = 124;
+
+/// A service with records (one came late), a campaign, bench results and an event in it, and what it answers about them.
+async fn filled() -> (Server, Vec<(String, Value)>) {
+    let server = Server::start().await;
+    let mut paths = Vec::new();
+    for at in ["2026-03-01T08:00:00Z", "2026-03-22T08:00:00Z", "2026-03-08T08:00:00Z"] {
+        let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        record["calibrated_at"] = at.into();
+        let stored = server.post_json("/v1/records", &record).await;
+        assert_eq!(stored.status, 201);
+        paths.push(format!("/v1/records/{}", stored.json()["id"].as_str().unwrap()));
+    }
+    let event = json!({ "event": "repair", "reason": "new motor", "at": "2026-03-20T00:00:00Z" });
+    assert_eq!(server.post_json("/v1/gyros/LFG-0101/events", &event).await.status, 201);
+    assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
+    let benches = server.post("/v1/import", "application/x-ndjson", data("paper-bench.ndjson")).await.text();
+    for line in benches.lines() {
+        let line: Value = serde_json::from_str(line).unwrap();
+        paths.push(format!("/v1/bench-results/{}", line["id"].as_str().unwrap()));
+    }
+    paths.push("/v1/gyros/LFG-0101/events".into());
+    for gyro in ["LFG-0101", "LFG-0102"] {
+        paths.push(format!("/v1/gyros/{gyro}/trend?coefficient=D_I"));
+        paths.push(format!("/v1/gyros/{gyro}/agreement"));
+    }
+    let mut answers = Vec::new();
+    for path in paths {
+        let answer = server.get(&path).await;
+        assert_eq!(answer.status, 200, "{path}: {}", answer.text());
+        answers.push((path, answer.json()));
+    }
+    (server, answers)
+}
+
+async fn names(connection: &mut SqliteConnection, sql: String) -> Vec<String> {
+    sqlx::query_scalar(AssertSqlSafe(sql)).fetch_all(connection).await.unwrap()
+}
+
+/// Makes `file` a database as `version` left it, with what that version could hold of the database `from`.
+async fn write_as_of(version: i64, file: &Path, from: &Path) {
+    let migrations = Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite");
+    let all = Migrator::new(migrations).await.unwrap();
+    let early = all.iter().filter(|migration| migration.version <= version).cloned().collect();
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(file).create_if_missing(true).foreign_keys(false);
+    let mut connection = options.connect().await.unwrap();
+    Migrator::with_migrations(early).run(&mut connection).await.unwrap();
+    let attach = format!("ATTACH '{}' AS newer", from.display());
+    sqlx::query(AssertSqlSafe(attach)).execute(&mut connection).await.unwrap();
+    let tables = "SELECT name FROM main.sqlite_schema WHERE type = 'table' AND name NOT LIKE '_sqlx%'";
+    for table in names(&mut connection, tables.to_owned()).await {
+        let own =
+            names(&mut connection, format!("SELECT name FROM pragma_table_info('{table}', 'main')")).await.join(", ");
+        let copy = format!("INSERT INTO main.{table} ({own}) SELECT {own} FROM newer.{table}");
+        sqlx::query(AssertSqlSafe(copy)).execute(&mut connection).await.unwrap();
+    }
+    // Before there was a log, every row was in its place.
+    if version < 6 {
+        let entries: Vec<Vec<u8>> = sqlx::query_scalar("SELECT rows FROM newer.history_log ORDER BY id")
+            .fetch_all(&mut connection)
+            .await
+            .unwrap();
+        assert!(!entries.is_empty());
+        for row in entries.iter().flat_map(|entry| entry.chunks_exact(ROW)) {
+            let long = |from: usize| i64::from_le_bytes(row[from..from + 8].try_into().unwrap());
+            sqlx::query(
+                "INSERT OR REPLACE INTO main.history (gyro, calibrated_at, record, figures) VALUES ($1, $2, $3, $4)",
+            )
+            .bind(u32::from_le_bytes(row[..4].try_into().unwrap()))
+            .bind(long(16))
+            .bind(long(24))
+            .bind(&row[4..])
+            .execute(&mut connection)
+            .await
+            .unwrap();
+        }
+    }
+    sqlx::Connection::close(connection).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that_is_in_it() {
+    let (mut server, answers) = filled().await;
+    assert!(server.terminate().0.success());
+    let newest = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite")).unwrap().count();
+    assert!(newest >= 8);
+    for version in 1..=newest as i64 {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("gyrowatch.db");
+        write_as_of(version, &file, &server.dir().join("gyrowatch.db")).await;
+        let checked = gyrowatch().args(["restore", "--check"]).arg(&file).output().unwrap();
+        assert!(checked.status.success(), "version {version}: {checked:?}");
+        let mut upgraded = Server::start_under(&[], dir, &[]);
+        for (path, before) in &answers {
+            let now = upgraded.get(path).await;
+            assert_eq!((now.status, &now.json()), (200, before), "version {version}: {path}");
+        }
+        let known = upgraded.post("/v1/records", "application/json", data("paper.json")).await;
+        assert!(matches!(known.status, 200 | 201), "version {version}: {}", known.text());
+        let mut new: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
+        assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
+        assert!(upgraded.terminate().0.success());
+        let url = format!("sqlite://{}", upgraded.dir().join("gyrowatch.db").display());
+        let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
+        assert!(verified.status.success(), "version {version}: {verified:?}");
+    }
+}
+
+#[tokio::test]
+async fn a_database_of_a_later_version_is_refused_and_left_alone() {
+    let (mut server, _) = filled().await;
+    assert!(server.terminate().0.success());
+    let file = server.dir().join("gyrowatch.db");
+    let mut connection = sqlx::sqlite::SqliteConnectOptions::new().filename(&file).connect().await.unwrap();
+    let later = "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
+                 VALUES (9999, 'later', true, x'00', 1)";
+    sqlx::query(later).execute(&mut connection).await.unwrap();
+    sqlx::Connection::close(connection).await.unwrap();
+    let before = std::fs::read(&file).unwrap();
+    let mut command = gyrowatch();
+    command.arg("serve").current_dir(server.dir()).env("GYROWATCH_LISTEN", "127.0.0.1:0");
+    let output = command.env("GYROWATCH_DATABASE_URL", format!("sqlite://{}", file.display())).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("gyrowatch.db") && said.contains("9999"), "{said}");
+    assert!(std::fs::read(&file).unwrap() == before, "it was written to");
+}

@@ -20,7 +20,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, AlertStep, Id};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
-use crate::wire::{alert_csv, json, text, time};
+use crate::wire::{alert_csv, cursor, json, text, time};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
@@ -84,7 +84,7 @@ async fn get_alerts(
     let mut found = app.pipeline.alerts(&filter, before, limit as u32 + 1).await?;
     let more = found.len() > limit;
     found.truncate(limit);
-    let next = found.last().filter(|_| more).map(|(id, _)| query::cursor(id.0));
+    let next = found.last().filter(|_| more).map(|(id, _)| cursor::encode(id.0));
     let alerts: Vec<AlertBody> = found.into_iter().map(|(_, alert)| alert).collect();
     let link = next.as_deref().and_then(|next| HeaderValue::from_str(&query::link_to(&uri, next)).ok());
     let mut response = if csv {

@@ -15,7 +15,7 @@ use super::answer::Answer;
 use super::query::{self, Parameters};
 use crate::pipeline::{AuditFilter, AuditRow, Id};
 use crate::wire::problem::Problem;
-use crate::wire::time;
+use crate::wire::{cursor, time};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_audit))
@@ -100,7 +100,7 @@ async fn get_audit(
     let mut rows = app.pipeline.audit(&filter, before, limit as u32 + 1).await?;
     let more = rows.len() > limit;
     rows.truncate(limit);
-    let next = rows.last().filter(|_| more).map(|last| query::cursor(last.id.0));
+    let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
         let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "Internal error", "the trail cannot be written"))?;

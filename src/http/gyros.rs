@@ -16,7 +16,7 @@ use crate::core::judge::history::Measured;
 use crate::pipeline::{Figures, Span, Tables, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
-use crate::wire::time;
+use crate::wire::{cursor, time};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_gyros)).routes(routes!(get_gyro))
@@ -91,7 +91,7 @@ async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQu
     let mut rows = store.newest_of_gyros(after, limit as u32 + 1).await?;
     let more = rows.len() > limit;
     rows.truncate(limit);
-    let next = rows.last().filter(|_| more).map(|(number, _)| query::cursor(i64::from(*number)));
+    let next = rows.last().filter(|_| more).map(|(number, _)| cursor::encode(i64::from(*number)));
     let tables = store.names().read();
     let gyros = rows.iter().map(|(number, figures)| {
         let serial = tables.gyros.name(*number).map_or_else(String::new, |name| name.to_string());

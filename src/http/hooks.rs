@@ -14,6 +14,7 @@ use super::App;
 use super::document::Document;
 use super::query::{self, Parameters};
 use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
+use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
 
@@ -154,7 +155,7 @@ async fn get_deliveries(
     let more = deliveries.len() > limit;
     deliveries.truncate(limit);
     let last = deliveries.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
-    Ok(Json(Deliveries { deliveries, next: last.map(|id| query::cursor(id.0)) }))
+    Ok(Json(Deliveries { deliveries, next: last.map(|id| cursor::encode(id.0)) }))
 }
 
 /// One delivery with every attempt.

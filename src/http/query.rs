@@ -3,13 +3,12 @@
 use axum::extract::{FromRequestParts, Query};
 use axum::http::Uri;
 use axum::http::request::Parts;
-use base64::Engine;
-use base64::prelude::BASE64_URL_SAFE_NO_PAD;
 use serde::de::DeserializeOwned;
 
 use super::App;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Span;
+use crate::wire::cursor;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
@@ -52,23 +51,9 @@ pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
     Ok(span)
 }
 
-/// Where the next page begins, as text that means nothing to clients.
-pub fn cursor(position: i64) -> String {
-    let mut bytes = [0; 9];
-    bytes[0] = CURSOR_VERSION;
-    bytes[1..].copy_from_slice(&position.to_be_bytes());
-    BASE64_URL_SAFE_NO_PAD.encode(bytes)
-}
-
-const CURSOR_VERSION: u8 = 1;
-
+/// The position that a cursor stands for.
 pub fn position(cursor: &str) -> Result<i64, Problem> {
-    let bytes = BASE64_URL_SAFE_NO_PAD.decode(cursor).ok();
-    let position = bytes.as_deref().and_then(|bytes| match bytes.split_first() {
-        Some((&CURSOR_VERSION, position)) => position.try_into().ok().map(i64::from_be_bytes),
-        _ => None,
-    });
-    position.ok_or_else(|| bad("cursor is none that this service has given out"))
+    cursor::decode(cursor).ok_or_else(|| bad("cursor is none that this service has given out"))
 }
 
 /// The same address with another cursor (RFC 8288).
@@ -82,19 +67,4 @@ pub fn link_to(uri: &Uri, next: &str) -> String {
 pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
     let number = app.pipeline.store().names().read().gyros.number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cursor_comes_back_and_a_made_up_one_is_refused() {
-        for at in [0, -1, 1_772_352_000_000_000, i64::MAX, i64::MIN] {
-            assert_eq!(position(&cursor(at)).unwrap(), at);
-        }
-        for made_up in ["", "x", "AAAA", "AgAAAAAAAAAA", "????"] {
-            assert_eq!(position(made_up).unwrap_err().status, 400, "{made_up}");
-        }
-    }
 }

@@ -22,6 +22,7 @@ use crate::core::bench::BenchMethod;
 use crate::core::judge::{Coefficient, State as Judgement};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{BenchRow, Figures, Names, Span, Tables, sample_of};
+use crate::wire::cursor;
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 
@@ -298,7 +299,7 @@ fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Opti
         true => rows.iter().skip(limit).position(|row| at(row) != at(last)).map_or(rows.len(), |more| limit + more),
         false => limit,
     };
-    let next = (end < rows.len()).then(|| query::cursor(at(last).0));
+    let next = (end < rows.len()).then(|| cursor::encode(at(last).0));
     rows.truncate(end);
     next
 }

@@ -12,6 +12,7 @@ pub mod calibration;
 pub mod campaign;
 pub mod campaign_csv;
 pub mod closure;
+pub mod cursor;
 pub mod diagnosis;
 pub mod document;
 pub mod geometry;

@@ -28,9 +28,9 @@ impl Verify {
         let config = Config::load(&self.config, std::env::vars())?;
         let url = config.database.url.clone();
         let work = async {
-            // First what is read from the file at all: structure, hashes, checksums.
+            // First what is read from the file at all: structure, hashes, checksums. The records follow one by one.
             let file = config.database.options().file()?;
-            store::check(&file).await?;
+            store::check_all_but_records(&file).await?;
             let store = store::open_to_read(&config.database.options()).await?;
             let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
             Ok(reading.verify().await?)

@@ -33,7 +33,7 @@ mod verdicts;
 
 pub use access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, TokenRow};
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
-pub use backup::{Holdings, backup, check, open_to_read, restore};
+pub use backup::{Holdings, backup, check, check_all_but_records, open_to_read, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
 pub use correction::{CorrectionRow, Withdrawn};

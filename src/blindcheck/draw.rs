@@ -113,7 +113,11 @@ impl Draw {
             }
         }
         let simulated = simulate(&Scenario { seed: rng.random(), imu: imu(number), ..Scenario::default() });
-        Trial { number, case: Case::Clean, simulated: simulated.expect("the default scenario is sound") }
+        Trial {
+            number,
+            case: Case::Clean,
+            simulated: simulated.expect("the default scenario is sound: a test simulates it"),
+        }
     }
 
     fn case(&self, rng: &mut ChaCha8Rng) -> Case {
@@ -227,7 +231,7 @@ fn in_some_gyros(effect: EffectChoice, scenario: &Scenario, rng: &mut ChaCha8Rng
 }
 
 fn withhold(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
-    let term = *["g_linear", "g_squared", "scale"].choose(rng).expect("three terms");
+    let term = one_of(["g_linear", "g_squared", "scale"], rng);
     let kept = ["bias", "g_linear", "g_squared", "scale"].into_iter().filter(|name| *name != term);
     scenario.model = Some(kept.map(str::to_owned).collect());
     if term == "g_linear" {
@@ -235,10 +239,16 @@ fn withhold(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         scenario.population.d_s_sd = 0.0;
     }
     if term != "scale" {
-        let d = *[8.0, 15.0, 30.0].choose(rng).expect("three sizes");
+        let d = one_of([8.0, 15.0, 30.0], rng);
         let effect = in_some_gyros(EffectChoice::detectable(term, d), scenario, rng);
         scenario.effects.push(effect);
     }
+}
+
+/// One of a list that is never empty, each as likely as often as it stands there.
+fn one_of<T: Copy, const N: usize>(choices: [T; N], rng: &mut ChaCha8Rng) -> T {
+    const { assert!(N > 0) };
+    choices[rng.random_range(0..N)]
 }
 
 /// A station, its programme and its gyros.
@@ -256,11 +266,11 @@ fn style(rng: &mut ChaCha8Rng) -> Scenario {
         rate_noise_ppm: rng.random_range(0.0..0.4),
         ..Noise::default()
     };
-    let count = *[3, 3, 3, 3, 3, 3, 2, 1].choose(rng).expect("a count");
+    let count = one_of([3, 3, 3, 3, 3, 3, 2, 1], rng);
     scenario.gyros =
         ["G1", "G2", "G3"].iter().take(count).map(|s| GyroChoice { slot: (*s).into(), ..Default::default() }).collect();
     use StandardErrors::{Absent, Exact, Noisy};
-    scenario.columns.standard_errors = *[Exact, Exact, Noisy, Noisy, Noisy, Absent].choose(rng).expect("a kind");
+    scenario.columns.standard_errors = one_of([Exact, Exact, Noisy, Noisy, Noisy, Absent], rng);
     scenario.columns.temperature = rng.random_bool(0.95);
     scenario.columns.attitude = rng.random_bool(0.95);
     scenario
@@ -275,21 +285,17 @@ fn programme(rng: &mut ChaCha8Rng) -> Programme {
         &[600.0, 1800.0, 5400.0, 10_800.0],
     ];
     Programme {
-        positions: *[TwentyFour, TwentyFour, WithEdges, WithTilts, WithTilts].choose(rng).expect("a set"),
-        repeats: *[0, 3, 6, 6, 12].choose(rng).expect("a count"),
-        rates_arcsec_s: rates.choose(rng).expect("a list").to_vec(),
-        order: *[Order::Random, Order::Random, Order::Random, Order::Mixed, Order::Fixed]
-            .choose(rng)
-            .expect("an order"),
-        dwell_s: *[120.0, 180.0, 300.0].choose(rng).expect("a time"),
+        positions: one_of([TwentyFour, TwentyFour, WithEdges, WithTilts, WithTilts], rng),
+        repeats: one_of([0, 3, 6, 6, 12], rng),
+        rates_arcsec_s: one_of(rates, rng).to_vec(),
+        order: one_of([Order::Random, Order::Random, Order::Random, Order::Mixed, Order::Fixed], rng),
+        dwell_s: one_of([120.0, 180.0, 300.0], rng),
         ..Programme::default()
     }
 }
 
 fn temperature(rng: &mut ChaCha8Rng) -> Temperature {
-    let profile = *[Profile::Wander, Profile::Wander, Profile::Wander, Profile::Ramp, Profile::Cycle]
-        .choose(rng)
-        .expect("a profile");
+    let profile = one_of([Profile::Wander, Profile::Wander, Profile::Wander, Profile::Ramp, Profile::Cycle], rng);
     let size_k = match profile {
         Profile::Ramp => rng.random_range(0.8..2.5),
         _ => rng.random_range(0.3..1.0),

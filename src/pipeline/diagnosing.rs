@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
+use super::background::behind_others;
 use super::campaign::damaged;
 use super::models::{InForce, ModelBook};
 use super::read::anything;
@@ -22,7 +23,7 @@ use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::record::parse_record;
 use crate::wire::split::{SplitBody, residuals};
 
-/// Computed at the same time: records are to be stored meanwhile.
+/// Computed at the same time.
 const AT_ONCE: usize = 2;
 /// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
 const IN_MEMORY: usize = 256;
@@ -191,15 +192,15 @@ impl Diagnoser {
         Ok(end)
     }
 
-    /// On a thread for that, when it is its turn; none where it panicked.
+    /// When it is its turn, and while nobody else wants the processor; none where it panicked.
     async fn compute(&self, campaign: Campaign, in_force: &InForce) -> Option<Diagnosed> {
         let _turn = self.turns.acquire().await.ok()?;
         let options = in_force.model.options_as_asked(&campaign);
-        let work = tokio::task::spawn_blocking(move || match diagnose(&campaign, &options) {
+        let work = move || match diagnose(&campaign, &options) {
             Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
             Err(why) => Err(why.to_string()),
-        });
-        work.await.ok().map(Arc::new)
+        };
+        behind_others("diagnosis", work).await.map(Arc::new)
     }
 
     /// Puts it on disk. Where that fails it is made again after the next start.

@@ -19,6 +19,7 @@ mod admit;
 mod agreement;
 mod alerting;
 mod answer;
+mod background;
 mod campaign;
 mod compare;
 mod course;

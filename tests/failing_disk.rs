@@ -147,6 +147,7 @@ async fn a_full_disk_is_answered_507_while_reading_goes_on_and_there_is_room_aga
 
 #[tokio::test]
 async fn a_log_that_cannot_be_written_ends_nothing() {
+    gyrowatch::system::install_crypto();
     let dir = tempfile::tempdir().unwrap();
     let mut command = gyrowatch_under(&[]);
     command.arg("serve").current_dir(dir.path()).env("GYROWATCH_LISTEN", "127.0.0.1:0");

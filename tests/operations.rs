@@ -4,7 +4,7 @@ mod support;
 
 use serde_json::Value;
 use sqlx::ConnectOptions;
-use support::{Server, data, gyrowatch};
+use support::{Server, data, gyrowatch, required};
 
 #[tokio::test]
 async fn it_is_not_ready_while_another_program_holds_the_database_and_says_so() {
@@ -98,6 +98,55 @@ async fn metrics_count_requests_items_verdicts_and_commits() {
     assert_eq!(metric(&text, "gyrowatch_writes_waiting"), 0.0);
 }
 
+/// Lets a program read `input` and say what it thinks of it.
+fn judged_by(program: &str, arguments: &[&str], input: &str) -> (bool, String) {
+    use std::io::Write as _;
+    let piped = std::process::Stdio::piped;
+    let mut command = std::process::Command::new(program);
+    let mut child = command.args(arguments).stdin(piped()).stdout(piped()).stderr(piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    (output.status.success(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+}
+
+#[tokio::test]
+async fn prometheus_finds_no_fault_with_the_metrics_nor_with_its_configuration() {
+    if !required("promtool") {
+        return;
+    }
+    let server = Server::start().await;
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    assert_eq!(server.get("/nowhere").await.status, 404);
+    let metrics = server.get("/metrics").await.text();
+    let (well, said) = judged_by("promtool", &["check", "metrics"], &metrics);
+    assert!(well && said.is_empty(), "{said}");
+    let (well, said) = judged_by("promtool", &["check", "metrics"], "gyrowatch_x_total{ 1\n");
+    assert!(!well && !said.is_empty(), "promtool takes anything");
+    let config = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus.yml");
+    let (well, said) = judged_by("promtool", &["check", "config", "--syntax-only", config.to_str().unwrap()], "");
+    assert!(well, "{said}");
+}
+
+#[test]
+fn systemd_finds_no_fault_with_the_unit_and_calls_it_well_hardened() {
+    if !required("systemd-analyze") {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let unit =
+        std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/gyrowatch.service"));
+    // The program is where this build has put it; all else as it ships.
+    let unit = unit.unwrap().replace("/usr/local/bin/gyrowatch", env!("CARGO_BIN_EXE_gyrowatch"));
+    let file = dir.path().join("gyrowatch.service");
+    std::fs::write(&file, unit).unwrap();
+    let file = file.to_str().unwrap();
+    let (well, said) = judged_by("systemd-analyze", &["verify", "--man=no", file], "");
+    let about_it = said.lines().filter(|line| line.contains("gyrowatch.service")).collect::<Vec<_>>();
+    assert!(well && about_it.is_empty(), "{said}");
+    let (well, said) = judged_by("systemd-analyze", &["security", "--offline=true", "--threshold=20", file], "");
+    assert!(well, "{said}");
+}
+
 /// Every `$ref` of a document.
 fn references(value: &Value, found: &mut Vec<String>) {
     match value {
@@ -163,6 +212,16 @@ async fn the_description_of_the_api_is_whole() {
         }
     }
     let operations = ids.len();
+    let mut links = 0;
+    for link in paths.values().flat_map(|operations| operations.as_object().unwrap().values()) {
+        for answer in link["responses"].as_object().unwrap().values() {
+            for link in answer["links"].as_object().into_iter().flat_map(|links| links.values()) {
+                assert!(ids.iter().any(|id| *id == link["operationId"]), "{link} leads nowhere");
+                links += 1;
+            }
+        }
+    }
+    assert!(links >= 25, "{links}");
     ids.sort();
     ids.dedup();
     assert_eq!(ids.len(), operations, "an operationId twice");

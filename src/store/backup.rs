@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
-use sqlx::{ConnectOptions, SqliteConnection};
+use sqlx::{ConnectOptions, Connection, SqliteConnection};
 
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
 use super::lock::beside;
 use super::names::Names;
-use super::open::{MIGRATIONS, Options, Store, connect_options, load_names};
+use super::open::{MIGRATIONS, Options, Store, connect_options, load_names, migrate};
 use super::tail::{SharedTail, Tail};
 
 impl Options {
@@ -109,12 +109,35 @@ pub async fn check_all_but_records(file: &Path) -> Result<(), StoreError> {
 }
 
 async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError> {
+    let version = {
+        let mut connection = reading(file).connect().await?;
+        structure(&mut connection).await?;
+        let version = schema(&mut connection, file).await?;
+        connection.close().await?;
+        version
+    };
+    if version == newest_version() {
+        return read_tables(file, records).await;
+    }
+    // As it will be once a service is started on it.
+    let copy = std::env::temp_dir().join(format!("gyrowatch-check-{}.db", std::process::id()));
+    let checked = async {
+        fs::copy(file, &copy).map_err(|error| failed(&copy, &error))?;
+        let mut connection = SqliteConnectOptions::new().filename(&copy).disable_statement_logging().connect().await?;
+        migrate(&mut connection).await?;
+        connection.close().await?;
+        read_tables(&copy, records).await
+    }
+    .await;
+    let _may_not_be_there = fs::remove_file(&copy);
+    checked
+}
+
+async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError> {
     let readers = SqlitePoolOptions::new().max_connections(1).connect_with(reading(file)).await?;
     let (names, tail) = {
         let mut connection = readers.acquire().await?;
-        structure(&mut connection).await?;
-        schema(&mut connection, file).await?;
-        (Names::new(load_names(&mut connection).await?), SharedTail::new(tail(&mut connection).await?))
+        (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
     };
     let store = Store { readers, names, tail, file: file.to_owned() };
     let holdings = contents(&store, records).await;
@@ -136,21 +159,12 @@ pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
         let mut connection = readers.acquire().await?;
         sqlx::query("BEGIN").execute(&mut *connection).await?;
         let version = schema(&mut connection, &file).await?;
-        if version < MIGRATIONS.iter().map(|(version, ..)| *version).max() {
+        if version < newest_version() {
             return Err(failed(&file, &"written by an older version of gyrowatch: start the service on it once"));
         }
         (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
     };
     Ok(Store { readers, names, tail, file })
-}
-
-/// Files of the first versions have no log.
-async fn tail(connection: &mut SqliteConnection) -> Result<Tail, StoreError> {
-    let there = "SELECT count(*) FROM sqlite_schema WHERE name = 'history_log'";
-    match sqlx::query_scalar::<_, i64>(there).fetch_one(&mut *connection).await? {
-        0 => Ok(Tail::default()),
-        _ => Tail::load(connection).await,
-    }
 }
 
 async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {
@@ -174,11 +188,14 @@ async fn schema(connection: &mut SqliteConnection, file: &Path) -> Result<Option
     }
     let version: Option<i64> =
         sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
-    let newest = MIGRATIONS.iter().map(|(version, ..)| *version).max();
-    if version > newest {
+    if version > newest_version() {
         return Err(failed(file, &"written by a newer version of gyrowatch"));
     }
     Ok(version)
+}
+
+fn newest_version() -> Option<i64> {
+    MIGRATIONS.iter().map(|(version, ..)| *version).max()
 }
 
 async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> {

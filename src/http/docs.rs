@@ -2,7 +2,9 @@
 
 use axum::Router;
 use utoipa::OpenApi as _;
-use utoipa::openapi::OpenApi;
+use utoipa::openapi::link::Link;
+use utoipa::openapi::path::{Operation, PathItem};
+use utoipa::openapi::{OpenApi, RefOr};
 use utoipa_swagger_ui::SwaggerUi;
 
 use super::App;
@@ -21,7 +23,55 @@ pub fn head() -> OpenApi {
     Head::openapi()
 }
 
+/// Answers that name what other operations are about.
+const NAMED: [Named; 8] = [
+    Named { by: "/v1/records", status: "201", at: "/id", parameter: "id", of: "/v1/records/{id}" },
+    Named { by: "/v1/campaigns", status: "201", at: "/id", parameter: "id", of: "/v1/campaigns/{id}" },
+    Named { by: "/v1/bench-results", status: "201", at: "/id", parameter: "id", of: "/v1/bench-results/{id}" },
+    Named { by: "/v1/hooks", status: "201", at: "/id", parameter: "id", of: "/v1/hooks/{id}" },
+    Named { by: "/v1/tokens", status: "201", at: "/id", parameter: "id", of: "/v1/tokens/{id}" },
+    Named { by: "/v1/hooks/{id}/test", status: "202", at: "/id", parameter: "id", of: "/v1/deliveries/{id}" },
+    Named { by: "/v1/gyros", status: "200", at: "/gyros/0/serial", parameter: "serial", of: "/v1/gyros/{serial}" },
+    Named { by: "/v1/alerts", status: "200", at: "/alerts/0/id", parameter: "id", of: "/v1/alerts/{id}" },
+];
+
+/// The answer with `status` of what makes things at the path `by` (or lists them) holds, `at` a JSON pointer, the `parameter` of
+/// the path `of` and of all below it.
+struct Named {
+    by: &'static str,
+    status: &'static str,
+    at: &'static str,
+    parameter: &'static str,
+    of: &'static str,
+}
+
+/// Adds to answers the links to operations on what they name.
+fn link(openapi: &mut OpenApi) {
+    for named in NAMED {
+        let below = openapi.paths.paths.iter().filter(|(path, _)| {
+            path.strip_prefix(named.of).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        });
+        let about: Vec<String> =
+            below.flat_map(|(_, item)| operations(item)).filter_map(|o| o.operation_id.clone()).collect();
+        let by = openapi.paths.paths.get_mut(named.by);
+        let answer = by
+            .and_then(|item| item.post.as_mut().or(item.get.as_mut()))
+            .and_then(|operation| operation.responses.responses.get_mut(named.status));
+        let Some(RefOr::T(answer)) = answer else { continue };
+        for id in about {
+            let from = format!("$response.body#{}", named.at);
+            let link = Link::builder().operation_id(&id).parameter(named.parameter, from).build();
+            answer.links.insert(id, RefOr::T(link));
+        }
+    }
+}
+
+fn operations(item: &PathItem) -> impl Iterator<Item = &Operation> {
+    [&item.get, &item.post, &item.put, &item.patch, &item.delete].into_iter().flatten()
+}
+
 /// `/openapi.json` and `/docs`.
-pub fn router(openapi: OpenApi) -> Router<App> {
+pub fn router(mut openapi: OpenApi) -> Router<App> {
+    link(&mut openapi);
     SwaggerUi::new("/docs").url("/openapi.json", openapi).into()
 }

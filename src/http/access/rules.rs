@@ -123,3 +123,22 @@ pub(super) fn least(method: &Method, route: &str) -> Least {
 pub(in crate::http) fn has(method: &str, route: &str) -> bool {
     LEAST.contains_key(&(method, route))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_the_documentation_is_this_one() {
+        let role = |least: &Least| match least {
+            Least::Anyone => "-",
+            Least::Role(role) => role.name(),
+            Least::Nobody => unreachable!("a rule names somebody"),
+        };
+        let rows: Vec<String> =
+            RULES.iter().map(|(method, route, least)| format!("| {method} | `{route}` | {} |", role(least))).collect();
+        let documented: Vec<&str> =
+            include_str!("../../../docs/routes.md").lines().filter(|line| line.contains(" | `/")).collect();
+        assert_eq!(documented, rows, "docs/routes.md");
+    }
+}

@@ -7,7 +7,7 @@ use crate::config::JudgedMethod;
 use crate::core::judge::Limits;
 use crate::core::judge::history::{Mark, Sample, stated_level};
 use crate::core::time::UtcMicros;
-use crate::store::{BenchRow, EventRow, Figures, Span, StoreError};
+use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Span, StoreError};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Course {
     pub figures: Vec<Figures>,
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
+    /// What was said of results that do not count any more.
+    pub corrections: Vec<GyroCorrection>,
     pub baselines: Vec<Baseline>,
     /// What its newest record is judged against.
     pub limits: Limits,
@@ -35,11 +37,12 @@ impl Pipeline {
         let figures = self.store.history(gyro, Span::EVER, usize::MAX).await?;
         let events = self.store.events(gyro).await?;
         let benches = self.store.bench_results(gyro, Span::EVER).await?;
+        let corrections = self.store.corrections_of_gyro(gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples: Vec<Sample> = figures.iter().map(|figures| sample_of(figures, method)).collect();
         let marks: Vec<Mark> = events.iter().map(mark_of).collect();
-        Ok(Course { baselines: baselines(&samples, &marks, &limits), figures, benches, events, limits })
+        Ok(Course { baselines: baselines(&samples, &marks, &limits), figures, benches, events, corrections, limits })
     }
 }
 

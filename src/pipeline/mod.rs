@@ -68,8 +68,8 @@ pub use models::{Adoption, InForce};
 pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
-    AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures, Id, Kind,
-    ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
+    AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
+    GyroCorrection, Id, Kind, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
 pub use read::{BenchTest, CalibratedGyro, Calibration, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;

@@ -18,6 +18,15 @@ pub struct CorrectionRow {
     pub reason: String,
 }
 
+/// The same, with what it is said of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GyroCorrection {
+    pub said: CorrectionRow,
+    /// Of the calibration or bench result.
+    pub measured_at: UtcMicros,
+    pub is_bench: bool,
+}
+
 /// What a transaction takes out of what counts.
 #[derive(Debug, Default)]
 pub struct Withdrawn {
@@ -78,6 +87,10 @@ pub(super) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
 
 type Row = (i64, Option<i64>, i64, String, String);
 
+fn row((item, replaced_by, at, author, reason): Row) -> CorrectionRow {
+    CorrectionRow { item: Id(item), replaced_by: replaced_by.map(Id), at: UtcMicros(at), author, reason }
+}
+
 impl Store {
     /// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
     /// another's place.
@@ -85,13 +98,23 @@ impl Store {
         let sql = "SELECT item, replaced_by, at, author, reason FROM correction
                    WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by";
         let rows: Vec<Row> = sqlx::query_as(sql).bind(item.0).fetch_all(&self.readers).await?;
-        let row = |(item, replaced_by, at, author, reason): Row| CorrectionRow {
-            item: Id(item),
-            replaced_by: replaced_by.map(Id),
-            at: UtcMicros(at),
-            author,
-            reason,
-        };
         Ok(rows.into_iter().map(row).collect())
+    }
+
+    /// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
+    pub async fn corrections_of_gyro(&self, gyro: u32) -> Result<Vec<GyroCorrection>, StoreError> {
+        let sql = "SELECT item, replaced_by, at, author, reason, withdrawn.measured_at, withdrawn.bench
+                   FROM (SELECT record AS id, calibrated_at AS measured_at, 0 AS bench FROM voided_history WHERE gyro = $1
+                         UNION ALL
+                         SELECT id, measured_at, 1 FROM bench_result WHERE gyro = $1 AND voided <> 0) AS withdrawn
+                   JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by";
+        let rows: Vec<(i64, Option<i64>, i64, String, String, i64, bool)> =
+            sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
+        let of_gyro = |(item, replaced_by, at, author, reason, measured_at, is_bench)| GyroCorrection {
+            said: row((item, replaced_by, at, author, reason)),
+            measured_at: UtcMicros(measured_at),
+            is_bench,
+        };
+        Ok(rows.into_iter().map(of_gyro).collect())
     }
 }

@@ -36,7 +36,7 @@ pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, check_all_but_records, open_to_read, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
-pub use correction::{CorrectionRow, Withdrawn};
+pub use correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use delivery::{
     AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,
 };

@@ -267,6 +267,114 @@ async fn what_was_done_to_a_gyro_is_noted_on_its_page() {
     assert_eq!(sends_form(&server, "/gyros/NOBODY/events/new", &fields).await.status, 404);
 }
 
+/// The first address on a page that begins and ends so, as a browser would follow it.
+fn link(page: &str, start: &str, end: &str) -> String {
+    let addresses = page.split('"').filter(|part| part.starts_with(start));
+    let found =
+        addresses.map(|part| part.replace("&amp;", "&")).find(|part| part.split('?').next().unwrap().ends_with(end));
+    found.unwrap_or_else(|| panic!("no {start}…{end} in {page}"))
+}
+
+#[tokio::test]
+async fn a_calibration_is_voided_on_its_page_and_counts_no_more() {
+    let server = a_small_fleet().await;
+    let of_gyro = page(&server, "/gyros/JUMP%2F1", &[]).await;
+    let ask = link(&of_gyro, "/records/", "/void");
+    let (path, id) = (ask.split('?').next().unwrap(), ask.split('/').nth(2).unwrap());
+    let form = page(&server, &ask, &[]).await;
+    assert!(form.contains("It counts no more") && form.contains("3.050000"), "what is voided is shown: {form}");
+
+    let said = [("by", "Li Wei"), ("reason", "table was not level"), ("back", "/gyros/JUMP%2F1")];
+    let meant = [said[0], said[1], said[2], ("confirm", "yes")];
+    let unmeant = sends_form(&server, path, &said).await;
+    assert!(unmeant.status == 422 && unmeant.text().contains("table was not level"), "{}", unmeant.text());
+    assert_eq!(sends_form(&server, path, &[meant[0], meant[3]]).await.status, 422, "without a reason");
+    assert_eq!(sends_form_from(&server, "https://evil.example", path, &meant).await.status, 403);
+    assert_eq!(server.get(&format!("/v1/records/{id}")).await.json()["state"], "valid");
+
+    assert_eq!(goes_on_at(&sends_form(&server, path, &meant).await), "/gyros/JUMP%2F1");
+    let stands = server.get(&format!("/v1/records/{id}")).await.json();
+    assert_eq!((&stands["state"], &stands["voided"]["author"]), (&json!("voided"), &json!("Li Wei")));
+    let after = page(&server, "/gyros/JUMP%2F1", &[]).await;
+    let happened = &after[place(&after, "id=\"happenings\"")..];
+    assert!(happened.contains("voided") && happened.contains("Li Wei: table was not level"), "{happened}");
+    let calibrations = &after[place(&after, "id=\"calibrations\"")..];
+    assert!(!calibrations.contains(id) && calibrations.contains("1–7 / 7"), "it is no longer among those that count");
+    let own = page(&server, &format!("/records/{id}"), &[]).await;
+    assert!(own.contains("Voided: it counts no more.") && !own.contains("/void"), "{own}");
+    for again in [server.get(path).await, sends_form(&server, path, &meant).await] {
+        assert_eq!(again.status, 409, "what does not count cannot be voided");
+    }
+    assert_eq!(server.get("/records/0000000000000/void").await.status, 404);
+}
+
+#[tokio::test]
+async fn a_campaign_and_a_bench_result_are_voided_on_their_pages() {
+    let server = a_small_fleet().await;
+    let campaign =
+        server.post("/v1/campaigns", "application/json", support::data("practice/campaign-02.json")).await.json();
+    let id = campaign["id"].as_str().unwrap();
+    let ask = link(&page(&server, &format!("/campaigns/{id}"), &[]).await, "/campaigns/", "/void");
+    assert!(page(&server, &ask, &[]).await.contains("Void this campaign"));
+    let meant = [("by", "Li Wei"), ("reason", "wrong position"), ("confirm", "yes")];
+    let path = format!("/campaigns/{id}");
+    assert_eq!(goes_on_at(&sends_form(&server, &format!("{path}/void"), &meant).await), path);
+    assert_eq!(server.get(&format!("/v1{path}")).await.json()["state"], "voided");
+
+    let bench = json!({"serial": "STEADY", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
+        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.7005, "d_s_deg_per_h_g0": -2.2501});
+    assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
+    let of_gyro = page(&server, "/gyros/STEADY", &[]).await;
+    assert!(of_gyro.contains("1.700500"));
+    let ask = link(&of_gyro, "/bench-results/", "/void");
+    assert!(page(&server, &ask, &[("accept-language", "zh")]).await.contains("作废该单表测试结果"));
+    let path = ask.split('?').next().unwrap();
+    assert_eq!(goes_on_at(&sends_form(&server, path, &meant).await), "/gyros/STEADY");
+    let after = page(&server, "/gyros/STEADY", &[]).await;
+    assert!(!after.contains("1.700500") && after.contains("Li Wei: wrong position"), "{after}");
+    assert_eq!(server.get(path).await.status, 409);
+}
+
+/// Whoever has signed in is in the audit trail by the name of their token, whatever name the form has.
+#[tokio::test]
+async fn what_is_done_on_a_page_is_audited_under_the_name_that_signed_in() {
+    let server = a_small_fleet().await;
+    let made = server.post_json("/v1/tokens", &json!({"name": "Zhao Min", "role": "admin"})).await.json();
+    let token = made["token"].as_str().unwrap();
+    let signed_in = sends_form(&server, "/sign-in", &[("token", token)]).await;
+    let cookie = signed_in.headers["set-cookie"].to_str().unwrap().split(';').next().unwrap().to_owned();
+    let asked = |path: String| {
+        let (server, cookie) = (&server, &cookie);
+        async move { page(server, &path, &[("cookie", cookie)]).await }
+    };
+    let of_gyro = asked("/gyros/JUMP%2F1".into()).await;
+    let alert = link(&of_gyro, "/alerts/", "/acknowledge");
+    let record = link(&of_gyro, "/records/", "/void");
+    let deeds = [
+        (alert.split('?').next().unwrap(), "acknowledge", ""),
+        ("/gyros/JUMP%2F1/events/new", "mark event", "repair"),
+        ("/gyros/JUMP%2F1/events/new", "mark event", "baseline"),
+        (record.split('?').next().unwrap(), "void", ""),
+    ];
+    let bearer = format!("Bearer {token}");
+    for (path, action, event) in deeds {
+        assert!(asked(path.to_owned()).await.contains("name=\"by\" value=\"Zhao Min\""), "{path}: who has signed in");
+        let fields = [("by", "somebody"), ("reason", "to see"), ("confirm", "yes"), ("event", event)];
+        let body = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(fields).finish();
+        let own = server.url("");
+        let headers = [
+            ("content-type", "application/x-www-form-urlencoded"),
+            ("origin", own.as_str()),
+            ("cookie", cookie.as_str()),
+        ];
+        let done = server.call("POST", path, &headers, body).await;
+        assert_eq!(done.status, 303, "{path}: {}", done.text());
+        let trail = server.call("GET", "/v1/audit?limit=1", &[("authorization", &bearer)], "").await.json();
+        let line = &trail["lines"][0];
+        assert_eq!((&line["action"], &line["who"]), (&json!(action), &json!("Zhao Min")), "{line}");
+    }
+}
+
 #[tokio::test]
 async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     let (server, target) = (Server::start().await, Receiver::start().await);
@@ -275,7 +383,11 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     assert_eq!(sends_form(&server, "/hooks/new", &fields[..4]).await.status, 422, "unmeant");
     let wrong =
         sends_form(&server, "/hooks/new", &[fields[0], fields[1], ("url", "ftp://x"), ("rules", "stpe"), meant]).await;
-    assert!(wrong.status == 422 && wrong.text().contains("/url") && wrong.text().contains("/filter/rules/0"));
+    assert!(
+        wrong.status == 422
+            && wrong.text().contains("Address: must begin with http")
+            && wrong.text().contains("/filter/rules/0")
+    );
     assert!(page(&server, "/hooks", &[]).await.contains("No hook is set up"));
 
     let set_up = sends_form(&server, "/hooks/new", &fields).await;

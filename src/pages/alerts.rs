@@ -10,7 +10,6 @@ use serde::Deserialize;
 use super::Pages;
 use super::form::{Deed, Word, answered, own_form, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
-use super::text::Language;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
@@ -116,12 +115,15 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
     }
 }
 
-/// Alerts of a gyro that are not resolved, newest first.
+/// Alerts of a gyro that are not resolved, critical ones first, then the newest.
 pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
     let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
     let found = pages.pipeline.alerts(&filter, None, MOST_OF_A_GYRO).await?;
     let resolved = Standing::Resolved.name();
-    Ok(found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect())
+    let mut open: Vec<AlertBody> =
+        found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
+    open.sort_by_key(|alert| alert.severity != Severity::Critical.name());
+    Ok(open)
 }
 
 /// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can be.
@@ -155,7 +157,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             @if gyros { th scope="row" { a href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
             td.nowrap { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
             td.words {
-                (reason(viewer, alert))
+                (t.spoken(&alert.finding.reason))
                 @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
                     " " a href={ "/records/" (record) } { (t.record) }
                 }
@@ -178,7 +180,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
 }
 
 fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
-    html! { br; span.quiet { (said_by) " " (by) ": " (reason) } }
+    html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
 }
 
 fn severity(viewer: &Viewer, critical: bool) -> Markup {
@@ -189,19 +191,6 @@ fn severity(viewer: &Viewer, critical: bool) -> Markup {
 /// A time as the service writes it on the wire.
 pub(super) fn written(text: &str) -> Markup {
     time::parse(text).map_or_else(|_| html! { (text) }, instant)
-}
-
-/// An alert keeps its verdict in English words; the figures are the same in Chinese.
-fn reason(viewer: &Viewer, alert: &AlertBody) -> String {
-    let finding = &alert.finding;
-    match (viewer.language, finding.value) {
-        (Language::Chinese, Some(value)) => {
-            let unit = if finding.unit == "deg/(h g0)" { viewer.text().unit } else { &finding.unit };
-            let chance = finding.probability.map_or_else(String::new, |p| format!("，超限概率{:.1} %", 100.0 * p));
-            format!("量值{value:.5}，限值{:.5} {unit}{chance}。", finding.limit)
-        }
-        _ => finding.reason.clone(),
-    }
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -5,6 +5,7 @@ use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 
 use super::Pages;
+use super::corrections;
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
@@ -24,12 +25,17 @@ use crate::wire::record::RecordBody;
 pub(super) async fn record(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     match stored_record(&pages, &id).await {
         Ok(stored) if stored.row.kind == Kind::Campaign => Redirect::to(&format!("/campaigns/{id}")).into_response(),
-        stored => viewer.show(stored.and_then(|stored| record_page(&pages, &viewer, &stored))),
+        Ok(stored) => viewer.show(record_page(&pages, &viewer, &stored).await),
+        Err(problem) => viewer.show(Err(problem)),
     }
 }
 
 pub(super) async fn campaign(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    viewer.show(stored_campaign(&pages, &id).await.and_then(|stored| campaign_page(&pages, &viewer, &stored)))
+    let page = match stored_campaign(&pages, &id).await {
+        Ok(stored) => campaign_page(&pages, &viewer, &stored).await,
+        Err(problem) => Err(problem),
+    };
+    viewer.show(page)
 }
 
 async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
@@ -46,12 +52,13 @@ fn no_such(what: &str, id: &str) -> Problem {
     Problem::new(404, "Not found", format!("there is no {what} {id}"))
 }
 
-fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
+async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
     let t = viewer.text();
     let StoredRecord { row, answer, seen } = stored;
     let body: RecordBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
     let gyros: Vec<Parameters> = body.gyros.iter().map(Parameters::stated).collect();
     let title = format!("{} · {}", t.record, body.imu);
+    let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
     let markup = html! {
         h1 { (t.record) " " a href={ "/imus/" (encoded(&body.imu)) } { (body.imu) } }
         p.lead { (t.station) " " (body.station) " · " (t.calibrated) " " (instant(row.calibrated_at)) }
@@ -61,7 +68,8 @@ fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<
             @if let Some(operator) = &body.operator { " · " (t.operator) " " (operator) }
             @if let Some(temperature) = body.temperature_c { " · " (temperature) " °C" }
         }
-        @if let Some(note) = &body.note { p { (note) } }
+        @if let Some(note) = &body.note { p translate="no" { (note) } }
+        (standing)
         (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen)))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
@@ -69,13 +77,14 @@ fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
 }
 
-fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Result<Page, Problem> {
+async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Result<Page, Problem> {
     let t = viewer.text();
     let StoredCampaign { row, answer, seen } = stored;
     let body: CampaignBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
     let fits = &answer.calibration.gyros;
     let gyros: Vec<Parameters> = fits.iter().map(Parameters::fitted).collect();
     let title = format!("{} · {}", t.campaign, answer.imu);
+    let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
     let markup = html! {
         h1 { (t.campaign) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.lead {
@@ -87,18 +96,19 @@ fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Res
             a href={ "/v1/campaigns/" (row.id) } { code { (row.id) } }
         }
         p { a.action href={ "/campaigns/" (row.id) "/diagnosis" } { (t.diagnose) } }
+        (standing)
         (judged(viewer, fits.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen)))
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
-            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (gyro.reason) } }
+            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (t.spoken(&gyro.reason)) } }
         }
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
         section {
             h2 { (t.fit_quality) }
             (quality(viewer, fits))
             @for gyro in fits { (blind_directions(viewer, gyro)) }
-            @for note in &answer.notes { p.note { (note) } }
+            @for note in &answer.notes { p.note { (t.spoken(note)) } }
         }
         section {
             h2 { (t.residuals_by_dwell) }
@@ -157,7 +167,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
                     td.n { (gyro.rank) " / " (gyro.parameters.len()) } td.n { (gyro.dof) }
                     td.n { (short(gyro.reduced_chi2)) } td.n { (short(gyro.p_value)) }
                     td.n { (short(gyro.noise.rms_deg_per_h)) } td.n { (short(gyro.noise.sem_factor)) }
-                    td { (gyro.noise.source) }
+                    td { (t.spoken(&gyro.noise.source)) }
                 }
             } }
         } }

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::layout::symbol;
-use super::plot::{Plot, Series, Strip};
+use super::plot::{Band, Plot, Series, Strip};
 use crate::core::time::UtcMicros;
 
 /// Width and height of one strip, with the room that its axes take.
@@ -31,7 +31,7 @@ impl Scale {
         let t = bounds(times.map(|t| *t as f64))?;
         let measured = strip.series.iter().flat_map(|series| &series.v).copied();
         let measured = bounds(measured)?;
-        let edges = strip.bands.iter().flat_map(|(_, _, level, budget)| {
+        let edges = strip.bands.iter().flat_map(|(_, _, level, budget, _)| {
             let half = budget.unwrap_or(0.0);
             [level - half, level + half]
         });
@@ -81,7 +81,7 @@ fn one(plot: &Plot, strip: &Strip, scale: &Scale) -> Markup {
         figure.chart {
             figcaption { (symbol(strip.symbol)) ", " (plot.unit) }
             svg role="img" aria-label={ (plot.name) " " (strip.symbol) } viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } {
-                @for (from, to, level, budget) in &strip.bands { (band(scale, (*from, *to), *level, *budget)) }
+                @for one in &strip.bands { (band(scale, one)) }
                 @for figure in figures {
                     @let y = place(scale.y(figure));
                     line.grid x1=(LEFT) x2=(WIDTH - RIGHT) y1=(y) y2=(y) {}
@@ -101,12 +101,15 @@ fn one(plot: &Plot, strip: &Strip, scale: &Scale) -> Markup {
     }
 }
 
-fn band(scale: &Scale, (from, to): (i64, i64), level: f64, budget: Option<f64>) -> Markup {
+fn band(scale: &Scale, &(from, to, level, budget, control): &Band) -> Markup {
     let (x1, x2) = (scale.x(from), scale.x(to));
     html! {
         @if let Some(budget) = budget {
             @let (top, bottom) = (scale.y(level + budget), scale.y(level - budget));
             rect.band x=(place(x1)) y=(place(top)) width=(place((x2 - x1).max(1.0))) height=(place(bottom - top)) {}
+        }
+        @for limit in control.into_iter().flat_map(|control| [level - control, level + control]) {
+            line.control x1=(place(x1)) x2=(place(x2)) y1=(place(scale.y(limit))) y2=(place(scale.y(limit))) {}
         }
         line.level x1=(place(x1)) x2=(place(x2)) y1=(place(scale.y(level))) y2=(place(scale.y(level))) {}
     }
@@ -161,7 +164,7 @@ mod tests {
         let strip = Strip {
             symbol: "D_I",
             series: vec![Series::new("rigid", false, &points)],
-            bands: vec![(0, 86_400_000, 1.0, Some(0.5))],
+            bands: vec![(0, 86_400_000, 1.0, Some(0.5), Some(0.2))],
         };
         let marks = vec![Mark { t: 43_200_000, label: "repair".into(), event: true }];
         Plot { name: "A".into(), unit: "deg/(h g0)", strips: vec![strip], marks, states: [""; 4], since: None }
@@ -171,7 +174,12 @@ mod tests {
     fn every_point_is_drawn_in_its_shape_and_higher_values_stand_higher() {
         let drawn = strips(&plot(&[1.0, 1.2, 2.0])).into_string();
         assert_eq!((drawn.matches("<circle").count(), drawn.matches("class=\"outside\"").count()), (2, 1), "{drawn}");
-        assert!(drawn.contains("class=\"event\"") && drawn.contains("class=\"band\"") && drawn.contains("repair"));
+        assert!(
+            drawn.contains("class=\"event\"")
+                && drawn.contains("class=\"band\"")
+                && drawn.matches("class=\"control\"").count() == 2
+                && drawn.contains("repair")
+        );
         let heights: Vec<f64> =
             drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
         assert!(heights[1] < heights[0], "{heights:?}");

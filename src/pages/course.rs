@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use maud::{Markup, html};
 
+use super::corrections;
 use super::layout::instant;
 use super::plot::{Band, Mark, Plot, Point, Series, Strip, millis};
 use super::text::Text;
@@ -82,14 +83,9 @@ pub(super) fn name(name: Option<&Arc<str>>) -> &str {
 pub(super) fn plot(viewer: &Viewer, serial: &str, shown: Shown, course: &Course, tables: &Tables) -> Plot {
     let t = viewer.text();
     let bench_only = shown == Shown::Bench;
-    let budgets = [course.limits.d_i.baseline, course.limits.d_s.baseline, course.limits.closure];
     let columns = if bench_only { 0..2 } else { 0..3 };
     let strips = columns.map(|column| {
-        let band = |baseline: &Baseline| {
-            let level = baseline.level[column]?;
-            Some((millis(baseline.from), millis(baseline.until), level, budgets[column]))
-        };
-        let bands: Vec<_> = course.baselines.iter().filter_map(band).collect();
+        let bands = bands(course, shown.separation(), column);
         let mut series = Vec::new();
         if !bench_only && !course.figures.is_empty() {
             let points = separated(&course.figures, shown.separation(), column, (&bands, tables));
@@ -101,11 +97,7 @@ pub(super) fn plot(viewer: &Viewer, serial: &str, shown: Shown, course: &Course,
                 series.push(Series::new(t.method(method.name()), true, &points));
             }
         }
-        Strip {
-            symbol: ["D_I", "D_S", "D_O"][column],
-            series,
-            bands: course.baselines.iter().filter_map(band).collect(),
-        }
+        Strip { symbol: ["D_I", "D_S", "D_O"][column], series, bands }
     });
     let since = course.baselines.last().filter(|_| course.baselines.len() > 1).map(|baseline| millis(baseline.from));
     Plot {
@@ -118,16 +110,54 @@ pub(super) fn plot(viewer: &Viewer, serial: &str, shown: Shown, course: &Course,
     }
 }
 
-fn separated(rows: &[Figures], method: JudgedMethod, column: usize, (bands, tables): (&[Band], &Tables)) -> Vec<Point> {
-    let outside = |at: UtcMicros, value: f64| {
-        let of_time = |band: &&Band| (band.0..=band.1).contains(&millis(at));
-        bands.iter().rfind(of_time).is_some_and(|band| band.3.is_some_and(|budget| (value - band.2).abs() > budget))
+/// The levels of a coefficient, D_I, D_S or D_O, with what it is held against.
+pub(super) fn bands(course: &Course, method: JudgedMethod, column: usize) -> Vec<Band> {
+    let budgets = [course.limits.d_i.baseline, course.limits.d_s.baseline, course.limits.closure];
+    let last = course.baselines.len().saturating_sub(1);
+    let band = |(k, baseline): (usize, &Baseline)| {
+        let within = |at: UtcMicros| baseline.from <= at && (at < baseline.until || k == last);
+        let values: Vec<f64> = course
+            .figures
+            .iter()
+            .filter(|figures| within(figures.at))
+            .map(|figures| sample_of(figures, method).d[column].value)
+            .collect();
+        Some((
+            millis(baseline.from),
+            millis(baseline.until),
+            baseline.level[column]?,
+            budgets[column],
+            control(&values),
+        ))
     };
+    course.baselines.iter().enumerate().filter_map(band).collect()
+}
+
+/// Successive differences that are needed to know a gyro's own scatter.
+const LEAST_RANGES: usize = 7;
+/// The mean difference of two values over their standard deviation: 2/sqrt(pi).
+const MEAN_RANGE: f64 = std::f64::consts::FRAC_2_SQRT_PI;
+
+/// How far a gyro's own scatter reaches: three standard deviations, from the mean of successive differences (a control chart of
+/// individual values and moving ranges, ISO 7870-2).
+fn control(values: &[f64]) -> Option<f64> {
+    let ranges = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let count = ranges.len();
+    (count >= LEAST_RANGES).then(|| 3.0 * ranges.sum::<f64>() / (count as f64 * MEAN_RANGE))
+}
+
+/// Whether a value lies outside the budget about the baseline of its time.
+pub(super) fn is_outside(bands: &[Band], at: UtcMicros, value: f64) -> bool {
+    let of_time = |band: &&Band| (band.0..=band.1).contains(&millis(at));
+    bands.iter().rfind(of_time).is_some_and(|band| band.3.is_some_and(|budget| (value - band.2).abs() > budget))
+}
+
+fn separated(rows: &[Figures], method: JudgedMethod, column: usize, (bands, tables): (&[Band], &Tables)) -> Vec<Point> {
     let point = |figures: &Figures| Point {
         at: figures.at,
         measured: sample_of(figures, method).d[column],
         state: figures.states.0[column],
-        outside: outside(figures.at, sample_of(figures, method).d[column].value),
+        outside: is_outside(bands, figures.at, sample_of(figures, method).d[column].value),
         place: format!("{} · {}", seat(figures, tables), name(tables.stations.name(figures.station))),
     };
     rows.iter().map(point).collect()
@@ -189,7 +219,7 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
         .map(|event| {
             let said = html! {
                 td { strong { (t.event(event.event)) } }
-                td { (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } } }
+                td translate="no" { (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } } }
             };
             (event.at, said)
         })
@@ -197,6 +227,7 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
             let what = if change.seat { t.moved } else { t.other_station };
             (change.at, html! { td { (what) } td { (change.from) " → " (change.to) } })
         }))
+        .chain(course.corrections.iter().map(|one| (one.said.at, corrections::happening(viewer, one))))
         .collect();
     all.sort_by_key(|(at, _)| std::cmp::Reverse(*at));
     html! {
@@ -207,5 +238,29 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
                 div.scroll.tall.happenings tabindex="0" { table { tbody { @for (at, said) in all { tr { td { (instant(at)) } (said) } } } } }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_limits_are_three_of_the_scatter_that_successive_values_show() {
+        // +1, -1, +1 …: every difference is 2, and 3 x 2/1.128 = 5.317.
+        let swinging: Vec<f64> = (0..20).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert!((control(&swinging).unwrap() - 5.317).abs() < 1e-3);
+        // A drift of 0.1 from one to the next hardly widens them, however far it goes.
+        let drifting: Vec<f64> = (0..20).map(|k| 0.1 * f64::from(k)).collect();
+        assert!(control(&drifting).unwrap() < 0.27);
+        assert_eq!(control(&swinging[..7]), None, "six differences are too few");
+    }
+
+    #[test]
+    fn outside_is_told_by_the_baseline_of_the_time() {
+        let bands = [(0, 10, 1.0, Some(0.5), None), (10, 20, 5.0, Some(0.5), None)];
+        let at = |millis: i64| UtcMicros(1000 * millis);
+        assert!(!is_outside(&bands, at(5), 1.4) && is_outside(&bands, at(5), 1.6) && is_outside(&bands, at(15), 1.4));
+        assert!(!is_outside(&bands, at(30), 9.0), "no baseline, no budget");
     }
 }

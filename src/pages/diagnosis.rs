@@ -55,7 +55,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
         (blind_spots(t, &diagnosis))
         (next(t, &diagnosis))
         @if !diagnosis.notes.is_empty() {
-            section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (note) } } } }
+            section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (t.spoken(note)) } } } }
         }
     };
     Ok(Page { title: format!("{} · {}", t.diagnosis, stored.answer.imu), section: Section::Fleet, plots: false, body })
@@ -92,12 +92,12 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
                 }
                 tr {
                     th scope="row" { (t.noise_floor) } td.n { (short(d.noise_floor.deg_per_h)) }
-                    td.quiet colspan="2" { (d.noise_floor.source) }
+                    td.quiet colspan="2" { (t.spoken(&d.noise_floor.source)) }
                 }
             }
         } }
         @for sign in &d.remaining.signs {
-            p { (t.sign_of_more) ": " (sign.kind) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
+            p { (t.sign_of_more) ": " (t.spoken(&sign.kind)) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
         }
     }
 }
@@ -200,7 +200,7 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
                                     (residuals::closure_bar(closure, None)) (percent(closure))
                                 } @else { "–" }
                             }
-                            td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
+                            td.n { (short(candidate.p_value_adjusted)) } td.words { (t.spoken(&candidate.why_not)) }
                         }
                     } }
                 } }
@@ -256,7 +256,7 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
                     tbody { @for one in &d.not_identifiable {
                         tr {
                             td.words { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
-                            td.words { (one.reason) } td.words { (one.needs) }
+                            td.words { (t.spoken(&one.reason)) } td.words { (t.spoken(&one.needs)) }
                         }
                     } }
                 } }

@@ -174,7 +174,7 @@ fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], no
                 thead { tr {
                     th { (t.state) } th { (t.serial) } th { (t.imu) }
                     th { (symbol("D_I")) } th { (symbol("D_S")) }
-                    th { (t.violates) } th { (t.calibrated) } th { (t.station) }
+                    th { (t.violates) } th { (t.calibrated) }
                 } }
                 tbody { @for (row, glimpse) in rows.iter().zip(glimpses) { (line(viewer, pages, row, glimpse, now)) } }
             }
@@ -205,8 +205,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
                 }
                 @if standing.overdue_days.is_some() { span.broken { (t.overdue) } }
             }
-            td { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now)) } }
-            td { (row.station) }
+            td { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
         }
     }
 }
@@ -220,13 +219,13 @@ fn trend(glimpse: &Glimpse, column: usize, newest: Measured) -> Markup {
     }
 }
 
-fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros) -> Markup {
+fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup {
     let t = viewer.text();
     let days = now.days_since(at).floor();
     html! {
         span.nowrap { (instant(at)) }
         br;
-        span.quiet { @if days < 1.0 { (t.today) } @else { (format!("{days:.0}")) " " (t.days_ago) } }
+        span.quiet { @if days < 1.0 { (t.today) } @else { (format!("{days:.0}")) " " (t.days_ago) } " · " (station) }
     }
 }
 

@@ -7,6 +7,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::layout::{Page, Section};
+use super::text::Text;
 use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
 use crate::wire::problem::Problem;
@@ -91,17 +92,19 @@ pub(super) struct Deed<'a> {
 impl Deed<'_> {
     pub fn page(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Page {
         let t = viewer.text();
+        // Whoever has signed in need not write the name under which the audit trail has them anyway.
+        let by = if word.by.is_empty() { viewer.signed_in.as_deref().unwrap_or_default() } else { &word.by };
         let body = html! {
             h1 { (self.title) }
             (self.what)
             @if !faults.0.is_empty() {
-                ul.fault role="alert" { @for fault in &faults.0 { li { code { (fault.pointer) } " " (fault.detail) } } }
+                ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.spoken(&fault.detail)) } } }
             }
             form.deed action=(self.action) method="post" {
                 input type="hidden" name="back" value=(self.back);
                 (self.fields)
                 @if self.reasoned {
-                    label { (t.who) input name="by" value=(word.by) required maxlength="128" autocomplete="name"; }
+                    label { (t.who) input name="by" value=(by) required maxlength="128" autocomplete="name"; }
                     label { (t.reason_word) textarea name="reason" rows="3" required maxlength="4096" { (word.reason) } }
                 }
                 label.sure { input type="checkbox" name="confirm" value="yes" required; span { (t.confirm_word) } }
@@ -115,6 +118,25 @@ impl Deed<'_> {
     pub fn again(&self, viewer: &Viewer, word: &Word, faults: &Faults) -> Response {
         viewer.respond(StatusCode::UNPROCESSABLE_ENTITY, &self.page(viewer, word, faults))
     }
+}
+
+/// What a field is called on the form; a place within it as it stands.
+fn field(t: &Text, pointer: &str) -> Markup {
+    let label = match pointer {
+        "by" => t.who,
+        "reason" => t.reason_word,
+        "event" => t.event_word,
+        "at" => t.event_time,
+        "days" => t.silence_days,
+        "confirm" => t.confirmation,
+        "/name" => t.hook_name,
+        "/kind" => t.kind,
+        "/url" => t.hook_url,
+        "/secret" => t.hook_secret_word,
+        "/authorization" => t.hook_authorization,
+        _ => return html! { code { (pointer) } },
+    };
+    html! { (label) }
 }
 
 #[cfg(test)]

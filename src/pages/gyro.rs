@@ -8,12 +8,14 @@ use serde::Deserialize;
 use super::course::{self, Shown};
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
+use super::plot::Band;
 use super::standing::Grade;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use super::{Pages, alerts};
-use crate::core::judge::{Coefficient, Rule, State};
-use crate::pipeline::{Comparison, Course, Figures, Tables, sample_of};
+use crate::core::judge::{Rule, State};
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Comparison, Course, Figures, Id, Tables, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
@@ -77,6 +79,7 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
         (history(viewer, serial, shown, &facts.course, &tables))
         (agreement(viewer, serial, &facts.comparison))
         (course::happenings(viewer, &facts.course, &tables))
+        (benches(viewer, &facts.course, &tables))
         (calibrations(viewer, serial, shown, asked.skip, &facts.course, &tables))
     };
     Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
@@ -227,7 +230,7 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course
                     (skip + 1) "–" ((skip + ROWS).min(count)) " / " (count) ", "
                     (t.method_of(shown.separation())) ", " (t.unit)
                 }
-                (calibration_table(viewer, shown, rows, tables))
+                (calibration_table(viewer, shown, course, rows, tables, true))
                 nav.pager aria-label=(t.calibrations) {
                     @if skip > 0 { a href=(to(0)) { (t.newer) } }
                     @if skip + ROWS < count { a rel="next" href=(to(skip + ROWS)) { (t.older) } }
@@ -237,28 +240,47 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course
     }
 }
 
+/// `deeds`: whether each line leads to voiding it.
 pub(super) fn calibration_table<'a>(
     viewer: &Viewer,
     shown: Shown,
+    course: &Course,
     rows: impl Iterator<Item = &'a Figures>,
     tables: &Tables,
+    deeds: bool,
 ) -> Markup {
     let t = viewer.text();
+    let bands = [0, 1, 2].map(|column| course::bands(course, shown.separation(), column));
     html! {
         div.scroll tabindex="0" { table {
             thead { tr {
                 th { (t.calibrated) } th { (t.imu) } th { (t.station) }
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
+                @if deeds { th { (t.actions_word) } }
             } }
-            tbody { @for figures in rows { (calibration(viewer, shown, figures, tables)) } }
+            tbody { @for figures in rows { (calibration(viewer, shown, figures, (&bands, tables), deeds)) } }
         } }
     }
 }
 
-fn calibration(viewer: &Viewer, shown: Shown, figures: &Figures, tables: &Tables) -> Markup {
+fn calibration(
+    viewer: &Viewer,
+    shown: Shown,
+    figures: &Figures,
+    (bands, tables): (&[Vec<Band>; 3], &Tables),
+    deeds: bool,
+) -> Markup {
+    let t = viewer.text();
     let sample = sample_of(figures, shown.separation());
-    let states = [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().zip(figures.states.0);
-    let beyond: Vec<_> = states.filter(|(_, state)| *state == Some(State::Exceeded)).collect();
+    let beyond: Vec<usize> = (0..3).filter(|&column| figures.states.0[column] == Some(State::Exceeded)).collect();
+    let outside = |&column: &usize| course::is_outside(&bands[column], figures.at, sample.d[column].value);
+    // As in the plot: what some rule flags inside the budget is a warning.
+    let grade = match figures.states.worst() {
+        Some(State::Exceeded) if beyond.iter().any(outside) => Grade::Exceeded,
+        Some(State::Exceeded) => Grade::Warning,
+        Some(State::Within) => Grade::Within,
+        Some(State::Indeterminate) | None => Grade::Undecided,
+    };
     html! {
         tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
@@ -266,9 +288,44 @@ fn calibration(viewer: &Viewer, shown: Shown, figures: &Figures, tables: &Tables
             td { (course::name(tables.stations.name(figures.station))) }
             @for measured in sample.d { td.n { (figure::drift(measured.value, measured.sd)) } }
             td {
-                (verdicts::badge(viewer, figures.states.worst().unwrap_or(State::Indeterminate))) " "
-                @for (coefficient, _) in beyond { (symbol(coefficient.name())) " " }
+                (grade.badge(t)) " "
+                @for column in beyond { (symbol(["D_I", "D_S", "D_O"][column])) " " }
+            }
+            @if deeds { td { (void_link(viewer, "records", figures.record, figures.at)) } }
+        }
+    }
+}
+
+/// Each bench result by itself, newest first.
+fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
+    let t = viewer.text();
+    html! {
+        @if !course.benches.is_empty() {
+            section #benches {
+                h2 { (t.bench_results) }
+                div.scroll.tall tabindex="0" { table {
+                    thead { tr {
+                        th { (t.date) } th { (t.method) } th { (t.station) }
+                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th { (t.actions_word) }
+                    } }
+                    tbody { @for row in course.benches.iter().rev() {
+                        tr {
+                            td { (instant(row.measured_at)) }
+                            td { (t.method(row.method.name())) }
+                            td { (course::name(tables.stations.name(row.station))) }
+                            @for i in 0..2 { td.n { (figure::drift(row.d[i], row.sd[i])) } }
+                            td { (void_link(viewer, "bench-results", row.id, row.measured_at)) }
+                        }
+                    } }
+                } }
             }
         }
     }
+}
+
+/// To the page that voids an item; for a screen reader, which one.
+fn void_link(viewer: &Viewer, place: &str, id: Id, at: UtcMicros) -> Markup {
+    let t = viewer.text();
+    let href = format!("/{place}/{id}/void?back={}", encoded(&viewer.here));
+    html! { a.no-print href=(href) aria-label={ (t.void) " " (at.date()) } { (t.void) } }
 }

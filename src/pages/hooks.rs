@@ -64,7 +64,7 @@ fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
     let t = viewer.text();
     html! {
         @if hook.enabled { span.badge.within { (t.enabled) } } @else { span.badge.exceeded { (t.disabled) } }
-        @if let Some(why) = &hook.disabled_because { br; span.quiet { (why) } }
+        @if let Some(why) = &hook.disabled_because { br; span.quiet { (t.spoken(why)) } }
     }
 }
 

@@ -163,7 +163,7 @@ fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
             @for (line, outcome) in outcomes {
                 @match outcome {
                     Outcome::Faulty(faults) => (refused(t, *line, faults)),
-                    Outcome::Refused(why) => p.fault { (t.line) " " (line) ": " (why) },
+                    Outcome::Refused(why) => p.fault { (t.line) " " (line) ": " (t.spoken(&why.to_string())) },
                     Outcome::Stored { id, is_new, place } => p {
                         (t.line) " " (line) ": "
                         (if *is_new { t.is_stored } else { t.was_there }) " "
@@ -196,7 +196,7 @@ fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
         article.fault {
             h3 { (t.line) " " (line) " · " (t.refused) }
             ul { @for fault in &faults.0 {
-                li { @if !fault.pointer.is_empty() { code { (fault.pointer) } ": " } (fault.detail) }
+                li { @if !fault.pointer.is_empty() { code { (fault.pointer) } ": " } (t.spoken(&fault.detail)) }
             } }
         }
     }

@@ -9,6 +9,7 @@ use maud::{DOCTYPE, Markup, html};
 
 use super::assets::{PLOTLY, SCRIPT, STYLE};
 use super::viewer::{Theme, Viewer};
+use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
 use crate::wire::problem::Problem;
 use crate::wire::time;
@@ -66,9 +67,10 @@ impl Viewer {
         let t = self.text();
         let body = html! {
             h1 { (t.error_title) }
-            p.lead { (problem.detail) }
+            // What is wrong with a document stands below, place by place.
+            @if problem.errors.is_empty() { p.lead { (t.spoken(&problem.detail)) } }
             @if !problem.errors.is_empty() {
-                ul { @for place in &problem.errors { li { code { (place.pointer) } " " (place.detail) } } }
+                ul { @for place in &problem.errors { li { code { (place.pointer) } " " (t.spoken(&place.detail)) } } }
             }
             p { a href="/" { (t.error_back) } }
         };
@@ -147,8 +149,11 @@ fn clock(utc: &str) -> String {
     format!("{} UTC", utc.get(start..start + 5).unwrap_or_default())
 }
 
-/// `D_I` with its index set low.
+/// `D_I` with its index set low; nothing for `all`, the gyro as a whole.
 pub(super) fn symbol(name: &str) -> Markup {
+    if name == Coefficient::All.name() {
+        return html! {};
+    }
     match name.split_once('_') {
         Some((letter, index)) => html! { var { (letter) sub { (index) } } },
         None => html! { var { (name) } },

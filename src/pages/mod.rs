@@ -7,6 +7,7 @@ mod alerts;
 mod assets;
 mod calibration;
 mod chart;
+mod corrections;
 mod course;
 mod diagnosis;
 mod events;
@@ -70,7 +71,10 @@ pub fn router(pages: Pages) -> Router {
         .route("/hooks/{id}/redeliver", post(hooks::redeliver_dead))
         .route("/hooks/{id}/deliveries/{delivery}/redeliver", post(hooks::redeliver))
         .route("/records/{id}", get(calibration::record))
+        .route("/records/{id}/void", get(corrections::ask_record).post(corrections::void_record))
         .route("/campaigns/{id}", get(calibration::campaign))
+        .route("/campaigns/{id}/void", get(corrections::ask_record).post(corrections::void_record))
+        .route("/bench-results/{id}/void", get(corrections::ask_bench).post(corrections::void_bench))
         .route("/campaigns/{id}/diagnosis", get(diagnosis::page))
         .route("/stations", get(stations::page))
         .route("/import", get(import::page))

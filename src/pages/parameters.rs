@@ -54,7 +54,7 @@ impl Parameters {
             [0, 1, 2].map(|i| of_unit.get(i).and_then(|parameter| parameter.sd))
         };
         let split = |sd: Option<[f64; 3]>| sd.map_or([None; 3], |sd| sd.map(Some));
-        let g_squared = "pulse/(s g0^2)";
+        let g_squared = "pulse/(s*g0^2)";
         Self {
             slot: gyro.slot.into(),
             serial: gyro.serial.clone(),

@@ -44,8 +44,8 @@ pub(super) struct Series {
     of: usize,
 }
 
-/// From, to, level, budget.
-pub(super) type Band = (i64, i64, f64, Option<f64>);
+/// From, to, level, budget, and how far from the level its control limits lie.
+pub(super) type Band = (i64, i64, f64, Option<f64>, Option<f64>);
 
 /// One coefficient's strip.
 #[derive(Serialize)]

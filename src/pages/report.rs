@@ -46,7 +46,7 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
             section {
                 h2 { (t.calibrations) }
                 p.note { (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(shown.separation())) ", " (t.unit) }
-                (calibration_table(viewer, shown, facts.course.figures.iter().rev().take(ROWS), &tables))
+                (calibration_table(viewer, shown, &facts.course, facts.course.figures.iter().rev().take(ROWS), &tables, false))
             }
             (signature(viewer))
         }

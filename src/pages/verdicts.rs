@@ -27,7 +27,7 @@ impl Said {
     fn reason(&self, language: Language) -> String {
         match (language, &self.seen) {
             (Language::Chinese, Some(verdict)) => reason::in_chinese(verdict),
-            _ => self.body.reason.clone(),
+            _ => language.text().spoken(&self.body.reason),
         }
     }
 }
@@ -37,11 +37,6 @@ pub(super) fn worst(newest: &Figures, verdicts: &[Said]) -> State {
     let judged = verdicts.iter().filter(|said| said.body.value.is_some());
     let states = judged.filter_map(|said| State::from_name(&said.body.state));
     states.chain(newest.states.worst()).max().unwrap_or(State::Indeterminate)
-}
-
-/// By shape and word as well as by colour.
-pub(super) fn badge(viewer: &Viewer, state: State) -> Markup {
-    html! { span class={ "badge " (state.name()) } { (viewer.text().state(state)) } }
 }
 
 /// What is broken and what is undecided in full, the rest folded.

@@ -78,14 +78,16 @@
   const shapesOf = (strip, row, palette) => {
     const axis = row ? `y${row + 1}` : "y";
     const of = (shape) => ({ xref: "x", yref: axis, layer: "below", ...shape });
-    return strip.bands.flatMap(([from, to, level, budget]) => {
+    return strip.bands.flatMap(([from, to, level, budget, control]) => {
       const [x0, x1] = [new Date(from), new Date(to)];
       const middle = of({ type: "line", x0, x1, y0: level, y1: level, line: { color: palette.quiet, width: 1, dash: "dash" } });
-      if (budget === null) return [middle];
+      const limits = control === null ? [] : [level - control, level + control].map((y) =>
+        of({ type: "line", x0, x1, y0: y, y1: y, line: { color: palette.quiet, width: 1, dash: "dot" } }));
+      if (budget === null) return [middle, ...limits];
       const band = of({
         type: "rect", x0, x1, y0: level - budget, y1: level + budget, fillcolor: palette.band, line: { width: 0 },
       });
-      return [band, middle];
+      return [band, middle, ...limits];
     });
   };
 
@@ -116,7 +118,11 @@
       legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
       hovermode: "closest",
       dragmode: "zoom",
-      xaxis: { type: "date", gridcolor: palette.line, linecolor: palette.line, anchor: rows > 1 ? `y${rows}` : "y" },
+      // Dates in digits: the same in every language.
+      xaxis: { type: "date", tickformatstops: [
+        { dtickrange: [null, 36e5], value: "%H:%M:%S\n%Y-%m-%d" }, { dtickrange: [36e5, 864e5], value: "%H:%M\n%Y-%m-%d" },
+        { dtickrange: [864e5, "M1"], value: "%m-%d\n%Y" }, { dtickrange: ["M1", "M12"], value: "%Y-%m" }, { dtickrange: ["M12", null], value: "%Y" },
+      ], gridcolor: palette.line, linecolor: palette.line, anchor: rows > 1 ? `y${rows}` : "y" },
       shapes: [],
       annotations: [],
     };

@@ -2,11 +2,12 @@
 
 mod effects;
 pub(super) mod reason;
+mod sentences;
 mod words;
 
 pub(super) use words::Text;
 
-use crate::core::judge::{Coefficient, Event, Rule, Severity, State};
+use crate::core::judge::{Coefficient, Event, Rule, Severity};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Language {
@@ -37,14 +38,6 @@ impl Language {
 }
 
 impl Text {
-    pub fn state(&self, state: State) -> &'static str {
-        match state {
-            State::Within => self.within,
-            State::Indeterminate => self.indeterminate,
-            State::Exceeded => self.exceeded,
-        }
-    }
-
     pub fn rule(&self, rule: Rule) -> &'static str {
         match rule {
             Rule::Step => self.rule_step,

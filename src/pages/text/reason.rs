@@ -1,7 +1,8 @@
 //! Why a verdict is what it is, in Chinese. English is the core's own (`core/judge/reason.rs`); both say the same things in
 //! the same order.
 
-use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
+use super::words::CHINESE;
+use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Verdict};
 use crate::core::units::degrees;
 
 /// One or two sentences.
@@ -87,10 +88,10 @@ fn finding(verdict: &Verdict) -> String {
         Finding::Agreement { results, lowest, highest } => format!(
             "{name}的{results}个结果极差为{value:.p$}，最低{:.p$}（{}，{}），最高{:.p$}（{}，{}）",
             lowest.2,
-            lowest.0.name(),
+            source(lowest.0),
             lowest.1.date(),
             highest.2,
-            highest.0.name(),
+            source(highest.0),
             highest.1.date()
         ),
         Finding::Requirement { figure, low, high, others_outside } => {
@@ -102,6 +103,13 @@ fn finding(verdict: &Verdict) -> String {
             text
         }
         Finding::Overdue { last } => format!("上次标定于{}，距今{value:.1}天", last.date()),
+    }
+}
+
+fn source(source: Source) -> &'static str {
+    match source {
+        Source::Separation => "分离",
+        Source::Bench(method) => CHINESE.method(method.name()),
     }
 }
 
@@ -179,6 +187,12 @@ mod tests {
             let (english, chinese) = (verdict.reason(), in_chinese(&verdict));
             assert_eq!(numbers(&english), numbers(&chinese), "{english}\n{chinese}");
             assert!(!chinese.is_ascii());
+            // What an alert keeps in English is said in Chinese from the English.
+            let spoken = CHINESE.spoken(&english);
+            assert_eq!(numbers(&english), numbers(&spoken), "{english}\n{spoken}");
+            let words: Vec<&str> =
+                spoken.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| word.len() > 2).collect();
+            assert!(words.is_empty(), "{words:?} in {spoken}");
         }
     }
 }

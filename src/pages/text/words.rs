@@ -94,7 +94,7 @@ catalogue! {
 
     // One gyro.
     history: "History", "历史";
-    plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Drag to zoom, double-click for all.", "误差棒：一倍标准差；灰带：基线上下的允许范围。拖动放大，双击还原。";
+    plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Dotted: control limits, three standard deviations of the gyro's own scatter. Drag to zoom, double-click for all.", "误差棒：一倍标准差；灰带：基线上下的允许范围；点线：控制限，为陀螺自身离散的三倍标准差。拖动放大，双击还原。";
     since_baseline: "Since the last baseline", "自最近基线起";
     whole_history: "All", "全部";
     save_picture: "Save picture", "保存图片";
@@ -262,6 +262,9 @@ catalogue! {
     who: "Your name", "姓名";
     reason_word: "Reason", "原因";
     confirm_word: "I have read what this does, and mean it.", "我已阅读以上说明并确认执行。";
+    confirmation: "Confirmation", "确认";
+    event_time: "When", "时间";
+    hook_secret_word: "Secret", "密钥";
     must_confirm: "tick that you mean it", "请勾选确认";
     go_back: "Back without doing it", "返回，不执行";
     add_event: "Add an event", "添加事件";
@@ -270,6 +273,22 @@ catalogue! {
     resets_nothing: "no rule", "无规则";
     event_word: "Event", "事件";
     event_at: "When (UTC, as 2026-03-01T08:00:00Z; now, if empty)", "时间（UTC，如 2026-03-01T08:00:00Z；留空为现在）";
+
+    // What counts no more.
+    void: "Void", "作废";
+    void_record: "Void this record", "作废该标定记录";
+    void_campaign: "Void this campaign", "作废该标定试验";
+    void_bench: "Void this bench result", "作废该单表测试结果";
+    void_what: "It counts no more: baselines, trends, verdicts and alerts become what they would be if it had never come. It is kept as it was sent, with your name and reason, and stays to be seen. It cannot be made to count again; what was measured can be sent anew as a revision.", "该结果不再计入：基线、趋势、判定与警报均按从未收到它重新得出。原文连同姓名与原因永久保存，随时可查。作废不可撤销；可以修订的形式重新提交测量结果。";
+    voided: "voided", "已作废";
+    revised: "revised", "已修订";
+    was_voided: "Voided: it counts no more.", "已作废：不再计入。";
+    was_revised: "Revised: in its place stands", "已修订，代之以";
+    stands_for: "It stands in the place of", "代替";
+    replacement: "what stands in its place", "替代记录";
+    calibration_of: "calibration of", "标定";
+    bench_result: "bench result of", "单表测试";
+    bench_results: "Bench results", "单表测试结果";
 
     // Hooks.
     hooks: "Hooks", "通知目标";
@@ -315,7 +334,7 @@ catalogue! {
     report: "Report to print", "打印报告";
     report_of_gyro: "Report on gyro", "陀螺报告";
     report_of_imu: "Report on IMU", "惯性组合报告";
-    report_plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Circle: within, hollow if undecided. Triangle: filled outside the budget, hollow inside it but flagged by a rule. Diamond: bench. Upright lines: events, and dotted, changes of seat or station.", "误差棒：一倍标准差；灰带：基线允许范围。圆：合格，空心为待定；实心三角：超出允许范围；空心三角：在范围内但有规则报警；菱形：单表测试。竖线：事件；点线：更换位置或台站。";
+    report_plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline; dashed: the baseline; dotted: control limits, three standard deviations of the gyro's own scatter. Circle: within, hollow if undecided. Triangle: filled outside the budget, hollow inside it but flagged by a rule. Diamond: bench. Upright lines: events, and broken, changes of seat or station.", "误差棒：一倍标准差；灰带：基线允许范围；虚线：基线；点线：控制限（自身离散的三倍标准差）。圆：合格，空心为待定；实心三角：超出允许范围；空心三角：在范围内但有规则报警；菱形：单表测试。竖线：事件；断续竖线：更换位置或台站。";
     printed_at: "As of", "截至";
     identity: "Identity", "基本信息";
     budget_word: "Budget about the baseline", "基线允许范围";

@@ -1,0 +1,230 @@
+//! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and how an
+//! item stands that was voided or revised.
+
+use axum::Form;
+use axum::extract::{Path, Query, State as Held};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::course::name;
+use super::figure;
+use super::form::{Deed, Word, answered, own_form, see_other};
+use super::layout::{Section, encoded, instant, symbol};
+use super::viewer::Viewer;
+use crate::core::fault::Faults;
+use crate::core::mounting::Slot;
+use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
+use crate::wire::problem::Problem;
+
+/// What is to be voided, as it is shown to whoever is about to.
+struct Item {
+    corrected: Corrected,
+    /// Its own page, or its gyro's.
+    home: String,
+    /// Where the form is sent.
+    action: String,
+    title: &'static str,
+    shown: Markup,
+}
+
+pub(super) async fn ask_record(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Query(word): Query<Word>,
+) -> Response {
+    asked(&viewer, calibration(&pages, &viewer, &id).await, &word)
+}
+
+pub(super) async fn ask_bench(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Query(word): Query<Word>,
+) -> Response {
+    asked(&viewer, bench(&pages, &viewer, &id).await, &word)
+}
+
+pub(super) async fn void_record(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+    Form(word): Form<Word>,
+) -> Response {
+    let item = calibration(&pages, &viewer, &id).await;
+    answered(&viewer, void(&pages, &viewer, &headers, item, word).await)
+}
+
+pub(super) async fn void_bench(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+    Form(word): Form<Word>,
+) -> Response {
+    let item = bench(&pages, &viewer, &id).await;
+    answered(&viewer, void(&pages, &viewer, &headers, item, word).await)
+}
+
+fn asked(viewer: &Viewer, item: Result<Item, Problem>, word: &Word) -> Response {
+    viewer.show(item.map(|item| with_form(viewer, &item, word, |deed| deed.page(viewer, word, &Faults::default()))))
+}
+
+async fn void(
+    pages: &Pages,
+    viewer: &Viewer,
+    headers: &HeaderMap,
+    item: Result<Item, Problem>,
+    word: Word,
+) -> Result<Response, Problem> {
+    own_form(headers)?;
+    let item = item?;
+    let mut faults = Faults::default();
+    word.check(viewer, &mut faults);
+    if !faults.is_empty() {
+        return Ok(with_form(viewer, &item, &word, |deed| deed.again(viewer, &word, &faults)));
+    }
+    let home = word.back_or(&item.home).to_owned();
+    let Word { by: author, reason, .. } = word;
+    let correction = Correction { item: item.corrected, author, reason, replacement: None, by: Actor::by_caller() };
+    pages.pipeline.submit(Submission::Correction(Box::new(correction))).await?;
+    Ok(see_other(&home))
+}
+
+/// A record or campaign that still counts.
+async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
+    let unknown = || Problem::new(404, "No such record", format!("there is no record {id}"));
+    let number: Id = id.parse().map_err(|_| unknown())?;
+    let stored = pages.pipeline.stored_record(number).await?.ok_or_else(unknown)?;
+    still_counts(pages, number).await?;
+    let t = viewer.text();
+    let row = &stored.row;
+    let tables = pages.pipeline.store().names().read();
+    let campaign = row.kind == Kind::Campaign;
+    let shown = html! {
+        p.lead {
+            (if campaign { t.campaign } else { t.record }) " · " (name(tables.imus.name(row.imu)))
+            " · " (t.station) " " (name(tables.stations.name(row.station)))
+            " · " (t.calibrated) " " (instant(row.calibrated_at))
+        }
+        div.scroll tabindex="0" { table {
+            thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
+            tbody { @for one in &stored.answer.separations {
+                tr {
+                    th scope="row" { (Slot::from(one.slot).name()) " " (one.serial) }
+                    @for value in [&one.d_i, &one.d_s, &one.d_o] { td.n { (figure::drift(value.value, value.sd)) } }
+                }
+            } }
+        } }
+    };
+    let place = if campaign { "campaigns" } else { "records" };
+    Ok(Item {
+        corrected: Corrected::Calibration { id: number, kind: Some(row.kind) },
+        home: format!("/{place}/{number}"),
+        action: format!("/{place}/{number}/void"),
+        title: if campaign { t.void_campaign } else { t.void_record },
+        shown,
+    })
+}
+
+async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
+    let unknown = || Problem::new(404, "No such bench result", format!("there is no bench result {id}"));
+    let number: Id = id.parse().map_err(|_| unknown())?;
+    let row = pages.pipeline.store().bench_result(number).await?.ok_or_else(unknown)?;
+    still_counts(pages, number).await?;
+    let t = viewer.text();
+    let tables = pages.pipeline.store().names().read();
+    let serial = name(tables.gyros.name(row.gyro));
+    let shown = html! {
+        p.lead {
+            (serial) " · " (t.method(row.method.name())) " · " (t.station) " " (name(tables.stations.name(row.station)))
+            " · " (t.measured) " " (instant(row.measured_at))
+        }
+        p {
+            (symbol("D_I")) " " (figure::drift(row.d[0], row.sd[0])) " · "
+            (symbol("D_S")) " " (figure::drift(row.d[1], row.sd[1])) " " (t.unit)
+        }
+    };
+    Ok(Item {
+        corrected: Corrected::Bench(number),
+        home: format!("/gyros/{}", encoded(serial)),
+        action: format!("/bench-results/{number}/void"),
+        title: t.void_bench,
+        shown,
+    })
+}
+
+async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
+    let said = pages.pipeline.store().corrections(id).await?;
+    if said.iter().all(|row| row.item != id) {
+        return Ok(());
+    }
+    Err(Problem::new(409, "Already voided or revised", format!("{id} has been voided or revised already")))
+}
+
+fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    show(&Deed {
+        section: Section::Fleet,
+        title: item.title,
+        what: html! { (item.shown) p.lead { (t.void_what) } },
+        fields: html! {},
+        action: &item.action,
+        button: t.void,
+        back: word.back_or(&item.home),
+        reasoned: true,
+    })
+}
+
+/// How an item stands that does not count any more, or that stands in another's place; and the way to void one that counts.
+pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Markup, Problem> {
+    let t = viewer.text();
+    let said = pages.pipeline.store().corrections(id).await?;
+    let counts = said.iter().all(|row| row.item != id);
+    let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
+    Ok(html! {
+        @for row in &said { (remark(viewer, row, id)) }
+        @if counts {
+            p.actions { a.action href={ "/" (place) "/" (id) "/void?back=" (encoded(&viewer.here)) } {
+                (if kind == Kind::Campaign { t.void_campaign } else { t.void_record })
+            } }
+        }
+    })
+}
+
+fn remark(viewer: &Viewer, row: &CorrectionRow, id: Id) -> Markup {
+    let t = viewer.text();
+    html! {
+        p.(if row.item == id { "fault" } else { "sound" }) {
+            @match row.replaced_by {
+                None => strong { (t.was_voided) },
+                Some(_) if row.item != id => { strong { (t.stands_for) } " " a href={ "/records/" (row.item) } { code { (row.item) } } },
+                Some(other) => { strong { (t.was_revised) } " " a href={ "/records/" (other) } { code { (other) } } },
+            }
+            " · " (instant(row.at)) " · " (said(t.said_by, row))
+        }
+    }
+}
+
+fn said(by: &str, row: &CorrectionRow) -> Markup {
+    html! { (by) " " span translate="no" { (row.author) ": " (row.reason) } }
+}
+
+/// What does not count any more, as a line of a gyro's course: what it was, who said so and why.
+pub(super) fn happening(viewer: &Viewer, correction: &GyroCorrection) -> Markup {
+    let t = viewer.text();
+    let row = &correction.said;
+    html! {
+        td { strong { (if row.replaced_by.is_some() { t.revised } else { t.voided }) } }
+        td {
+            (if correction.is_bench { t.bench_result } else { t.calibration_of }) " "
+            @if correction.is_bench { (instant(correction.measured_at)) }
+            @else { a href={ "/records/" (row.item) } { (instant(correction.measured_at)) } }
+            @if let Some(other) = row.replaced_by { " → " a href={ "/records/" (other) } { (t.replacement) } }
+            " · " (said(t.said_by, row))
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What the service says in English, said in Chinese: faults of documents, reasons of a diagnosis, refusals.
+//!
+//! Those words are made where they are known (`core`, `wire`, `pipeline`), for programs as well as for people, and in one
+//! language. Here each form of sentence stands beside its Chinese. `{}` stands for whatever was filled in; in Chinese `{0}`,
+//! `{1}` … (`{a}` after `{9}`) for what the first, the second … held. What was filled in may be a sentence or the name of an effect itself.
+//! What is not known is left as it is.
+
+mod diagnosis;
+mod faults;
+mod refusals;
+mod verdicts;
+
+use super::Text;
+use crate::core::effects::Effect;
+
+type Sentence = (&'static str, &'static str);
+
+const ALL: [&[Sentence]; 4] = [verdicts::SENTENCES, diagnosis::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
+
+impl Text {
+    /// Words of the service in this language.
+    pub fn spoken(&self, english: &str) -> String {
+        if self.tag == "zh" { in_chinese(english) } else { english.to_owned() }
+    }
+}
+
+fn in_chinese(english: &str) -> String {
+    if let Some(effect) = Effect::from_id(english) {
+        return super::Language::Chinese.text().effect(effect).to_owned();
+    }
+    let known = ALL.iter().copied().flatten().find_map(|(form, chinese)| Some((fillings(form, english)?, chinese)));
+    let Some((fillings, chinese)) = known else { return english.to_owned() };
+    let mut text = (*chinese).to_owned();
+    for (k, filling) in fillings.iter().enumerate() {
+        text = text.replace(&format!("{{{k:x}}}"), &in_chinese(filling));
+    }
+    text
+}
+
+/// What stands in the places of a form, if the text has that form. Each place takes as little as it can.
+fn fillings<'t>(form: &str, text: &'t str) -> Option<Vec<&'t str>> {
+    let mut fixed = form.split("{}");
+    let mut rest = text.strip_prefix(fixed.next()?)?;
+    let mut found = Vec::new();
+    let parts: Vec<&str> = fixed.collect();
+    let Some((last, inner)) = parts.split_last() else { return rest.is_empty().then_some(found) };
+    for part in inner {
+        let (filling, after) = rest.split_once(part)?;
+        found.push(filling);
+        rest = after;
+    }
+    found.push(rest.strip_suffix(last)?);
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::effects::CATALOGUE;
+
+    #[test]
+    fn what_was_filled_in_is_kept_and_said_in_chinese_itself() {
+        assert_eq!(in_chinese("must have 3 elements, has 4"), "应有3个元素，实有4个");
+        assert_eq!(in_chinese("line 7, column 2 (start_s): empty"), "第7行第2列（start_s）：为空");
+        let reason = in_chinese("it explains the same dwells as warmup less well, and nothing beside it");
+        assert!(reason.contains("上电预热") && reason.contains("位置段"), "{reason}");
+        assert_eq!(in_chinese("what nobody has said before"), "what nobody has said before");
+    }
+
+    #[test]
+    fn a_form_fits_whole_sentences_alone() {
+        assert_eq!(fillings("a {} c", "a b c"), Some(vec!["b"]));
+        assert_eq!(fillings("{}: {}", "a: b: c"), Some(vec!["a", "b: c"]));
+        assert_eq!((fillings("a", "a b"), fillings("a {} c", "a b")), (None, None));
+        assert_eq!(fillings("", ""), Some(vec![]));
+    }
+
+    #[test]
+    fn every_sentence_uses_what_it_was_told_and_nothing_else() {
+        for (english, chinese) in ALL.concat() {
+            let places = english.matches("{}").count();
+            for k in 0..16 {
+                let used = chinese.contains(&format!("{{{k:x}}}"));
+                assert!(k < places || !used, "{english}: {chinese}");
+            }
+            assert!(!chinese.is_ascii() || chinese.starts_with('{'), "{english}: {chinese}");
+        }
+    }
+
+    #[test]
+    fn everything_in_the_catalogue_of_effects_is_said_in_chinese() {
+        for entry in CATALOGUE {
+            let needs = in_chinese(entry.needs);
+            assert!(!needs.is_ascii(), "{}: {needs}", entry.id);
+        }
+    }
+}

@@ -36,6 +36,18 @@ pub fn is_installed() -> bool {
     installed
 }
 
+/// axe-core's source, where `npm ci --prefix tests/chromium` has put it. Where it is required, its absence is a failure.
+pub fn axe() -> Option<String> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/chromium/node_modules/axe-core/axe.min.js");
+    let source = std::fs::read_to_string(file).ok();
+    if source.is_none() {
+        let required = std::env::var("GYROWATCH_TEST_AXE").is_ok_and(|value| value == "required");
+        assert!(!required, "axe-core is required: npm ci --prefix tests/chromium");
+        eprintln!("passed over: axe-core is not installed (npm ci --prefix tests/chromium)");
+    }
+    source
+}
+
 impl Browser {
     /// Opens a browser of its own whose downloads go to `downloads`.
     pub async fn open(base: &str, downloads: &Path) -> Self {
@@ -124,6 +136,22 @@ impl Browser {
         let press = |kind: &str| json!({"type": kind, "button": 0});
         let steps = json!([go(from), press("pointerDown"), go(half), go(to), press("pointerUp")]);
         self.post("actions", &json!({"actions": [{"type": "pointer", "id": "mouse", "actions": steps}]})).await;
+    }
+
+    /// From the next page on every page can be judged by axe-core.
+    pub async fn learn_axe(&self, source: &str) {
+        self.cdp("Page.enable", json!({})).await;
+        self.cdp("Page.addScriptToEvaluateOnNewDocument", json!({"source": source})).await;
+    }
+
+    /// What axe-core calls serious or critical on this page.
+    pub async fn grave_faults(&self) -> Value {
+        self.eval(
+            "axe.run(document, {resultTypes: ['violations']}).then((found) => found.violations \
+            .filter((fault) => fault.impact === 'serious' || fault.impact === 'critical') \
+            .map((fault) => `${fault.impact} ${fault.id}: ${fault.help}: ${fault.nodes.map((node) => node.html.slice(0, 120)).join(' | ')}`))",
+        )
+        .await
     }
 
     /// What a person reads.

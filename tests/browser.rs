@@ -378,7 +378,7 @@ const FAULTS: &str = r#"(() => {
 /// English left on a Chinese page: words that are neither a name with digits or capitals, nor a unit, nor what somebody wrote.
 const ENGLISH: &str = r#"(() => {
   const allowed = new Set(["deg", "arcsec", "pulse", "rms", "gyrowatch", "English", "standard-webhooks", "alertmanager",
-    "alertmanager-webhook", "cloudevents", "Authorization", "Bearer", "import"]);
+    "alertmanager-webhook", "cloudevents", "Authorization", "Bearer", "import", "https"]);
   const found = new Set();
   const look = (text) => {
     for (const word of text.match(/[A-Za-z0-9_./:'’-]+/g) || []) {
@@ -425,7 +425,7 @@ fn pictures() -> PathBuf {
 /// A hook with something to tell that nobody hears: its identifier.
 async fn set_up_hook(browser: &Browser) -> String {
     let hook = "fetch('/v1/hooks', {method: 'POST', headers: {'content-type': 'application/json'}, \
-        body: '{\"kind\": \"cloudevents\", \"name\": \"chat\", \"url\": \"http://127.0.0.1:9/\"}'}).then((answer) => answer.json())";
+        body: '{\"kind\": \"cloudevents\", \"name\": \"值班台\", \"url\": \"http://127.0.0.1:9/\"}'}).then((answer) => answer.json())";
     let id = browser.eval(hook).await["id"].as_str().unwrap().to_owned();
     browser.eval(&format!("fetch('/v1/hooks/{id}/test', {{method: 'POST'}}).then((answer) => answer.status)")).await;
     id

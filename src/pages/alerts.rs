@@ -162,7 +162,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
                     " " a href={ "/records/" (record) } { (t.record) }
                 }
             }
-            td { (written(&alert.fired_at)) }
+            td data-label=(t.fired) { (written(&alert.fired_at)) }
             td.words {
                 (t.standing(&alert.state))
                 @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }

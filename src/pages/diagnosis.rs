@@ -97,7 +97,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
             }
         } }
         @for sign in &d.remaining.signs {
-            p { (t.sign_of_more) ": " (t.spoken(&sign.kind)) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
+            p { (t.sign_of_more) ": " (t.spoken(t.sign(&sign.kind))) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
         }
     }
 }

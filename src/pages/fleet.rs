@@ -257,7 +257,7 @@ fn stations(viewer: &Viewer, all: &[Row]) -> Markup {
         @if !stations.is_empty() {
             h2 { (t.stations) }
             div.scroll tabindex="0" { table {
-                thead { tr { th { (t.station) } th { (t.gyros) } th { (t.exceeded) } th { (t.last_seen) } } }
+                thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.exceeded) } th { (t.last_seen) } } }
                 tbody { @for (name, (count, exceeded, last)) in stations {
                     tr {
                         th scope="row" { a href={ "/?station=" (encoded(name)) } { (name) } }

@@ -46,7 +46,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
 fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
     html! {
         tr {
-            th scope="row" { a href={ "/hooks/" (hook.id) } { (hook.name) } }
+            th scope="row" translate="no" { a href={ "/hooks/" (hook.id) } { (hook.name) } }
             td.nowrap { (hook.kind) }
             td.words { code { (hook.url) } (filter(viewer, &hook.filter)) }
             td { (state(viewer, hook)) }

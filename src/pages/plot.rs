@@ -12,7 +12,7 @@ use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
 
 /// Points of one coefficient at the most: more would weigh more than a page should and show no more.
-const MOST_POINTS: usize = 2000;
+const MOST_POINTS: usize = 1000;
 
 /// One measured value with what is said when the pointer is over it.
 pub(super) struct Point {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::Pipeline;
 use super::line::{load_marks, sample_of};
-use crate::core::judge::Event;
 use crate::core::time::UtcMicros;
 use crate::store::{Figures, Span, StoreError};
 
@@ -45,9 +44,9 @@ impl Pipeline {
         for gyro in gyros {
             let rows = self.store.newest_history(gyro, Span::EVER, RECORDS).await?;
             let marks = load_marks(&self.store, gyro).await?;
-            let repairs: Vec<UtcMicros> =
-                marks.iter().filter(|mark| mark.event == Event::Repair).map(|mark| mark.at).collect();
-            self.look_through(&rows, &repairs, &mut seen);
+            let resets: Vec<UtcMicros> =
+                marks.iter().filter(|mark| mark.event.resets_baseline()).map(|mark| mark.at).collect();
+            self.look_through(&rows, &resets, &mut seen);
         }
         let tables = self.store.names().read();
         let named = seen.into_iter().filter_map(|(number, seen)| Some(seen.summed_up(tables.stations.name(number)?)));
@@ -56,7 +55,7 @@ impl Pipeline {
         Ok(effects)
     }
 
-    fn look_through(&self, rows: &[Figures], repairs: &[UtcMicros], seen: &mut BTreeMap<u32, Seen>) {
+    fn look_through(&self, rows: &[Figures], resets: &[UtcMicros], seen: &mut BTreeMap<u32, Seen>) {
         let values = |figures: &Figures| {
             let [d_i, d_s, _] = sample_of(figures, self.config.judging.method).d;
             [d_i.value, d_s.value]
@@ -71,8 +70,8 @@ impl Pipeline {
             of_station.records += 1;
             of_station.last = of_station.last.max(row.at);
             let Some(before) = i.checked_sub(1).map(|i| &rows[i]) else { continue };
-            // A repaired gyro is another gyro: its change says nothing about the station.
-            if repairs.iter().any(|at| (before.at..=row.at).contains(at)) {
+            // Over a repair or a new seat it is another gyro: its change says nothing about the station.
+            if resets.iter().any(|at| (before.at..=row.at).contains(at)) {
                 continue;
             }
             let (old, new) = (values(before), values(row));

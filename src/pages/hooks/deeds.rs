@@ -108,7 +108,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> 
         label { (t.kind) select name="kind" {
             @for kind in KINDS { option value=(kind) selected[kind == new.kind] { (kind) } }
         } }
-        label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://"; }
+        label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://" translate="no"; }
         label { (t.hook_secret) input name="secret" value=(new.secret) autocomplete="off"; }
         label { (t.hook_authorization) input name="authorization" value=(new.authorization) autocomplete="off" placeholder="Bearer …"; }
         label { (t.hook_rules) input name="rules" value=(new.rules) placeholder="step, baseline" translate="no"; }

@@ -47,7 +47,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
     deliveries.truncate(ROWS);
     let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");
     let body = html! {
-        h1 { (hook.name) " " (state(viewer, &hook)) }
+        h1 { span translate="no" { (hook.name) } " " (state(viewer, &hook)) }
         p { (hook.kind) " · " code { (hook.url) } (filter(viewer, &hook.filter)) }
         (buttons(viewer, &hook))
         h2 { (t.deliveries) }

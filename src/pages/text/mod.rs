@@ -102,6 +102,22 @@ impl Text {
         }
     }
 
+    /// What shows that more remains, by its name on the wire.
+    pub fn sign<'n>(&self, kind: &'n str) -> &'n str {
+        match kind {
+            "lack_of_fit" => self.sign_lack_of_fit,
+            "spread" => self.sign_spread,
+            "neighbours_in_time" => self.sign_neighbours_in_time,
+            "runs_in_time" => self.sign_runs_in_time,
+            "same_specific_force" => self.sign_same_force,
+            "neighbouring_orientations" => self.sign_orientations,
+            "similar_rates" => self.sign_similar_rates,
+            "same_orientation_before" => self.sign_orientation_before,
+            "similar_temperatures" => self.sign_temperatures,
+            other => other,
+        }
+    }
+
     /// The phase of a dwell by its name on the wire.
     pub fn phase(&self, name: &str) -> &'static str {
         if name == "rate" { self.phase_rate } else { self.phase_static }

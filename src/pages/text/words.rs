@@ -163,6 +163,15 @@ catalogue! {
     gap_after: "Left after", "解释后";
     noise_floor: "Noise floor", "噪声底";
     sign_of_more: "Sign of more", "还有其他迹象";
+    sign_lack_of_fit: "the fit leaves more than repeats scatter", "拟合残差大于重复测量的离散";
+    sign_spread: "residuals spread wider than the noise", "残差的离散大于噪声";
+    sign_neighbours_in_time: "successive dwells err alike", "相继的位置段误差相似";
+    sign_runs_in_time: "dwells of one stretch of time err alike", "同一时段的位置段误差相似";
+    sign_same_force: "dwells of one specific force err alike", "比力相同的位置段误差相似";
+    sign_orientations: "dwells of neighbouring orientations err alike", "姿态相邻的位置段误差相似";
+    sign_similar_rates: "dwells of similar rates err alike", "角速度相近的位置段误差相似";
+    sign_orientation_before: "dwells after one and the same orientation err alike", "前一姿态相同的位置段误差相似";
+    sign_temperatures: "dwells of similar temperatures err alike", "温度相近的位置段误差相似";
     what_parts_them: "What parts them", "差异来源";
     no_effect: "No effect is named.", "没有指出任何效应。";
     all_together: "All together", "合计";

@@ -222,3 +222,66 @@ async fn a_trend_that_has_not_changed_is_not_sent_again() {
     lab.posts(&record("IMU-1", &day(20), &[("G1", "A", 1.0, 2.0)])).await;
     assert_eq!(ask(tag).await.status, 200);
 }
+
+#[tokio::test]
+async fn years_are_seen_by_day_week_and_month() {
+    let history = [(0, 1.0), (3, 1.004), (5, 0.998), (31, 1.006), (32, 1.002)];
+    let lab = lab_with(&history).await;
+    assert!(day(0).starts_with("2025-01-01"), "a Wednesday");
+    let months = lab.get("/v1/gyros/A/trend?every=month").await.ok();
+    assert_eq!(
+        (&months["every"], &months["method"], &months["next"]),
+        (&json!("month"), &json!("rigid"), &Value::Null)
+    );
+    let seen = |answer: &Value| -> Vec<(String, i64)> {
+        let periods = answer["periods"].as_array().unwrap().iter();
+        periods.map(|p| (p["begins"].as_str().unwrap()[..10].to_owned(), p["count"].as_i64().unwrap())).collect()
+    };
+    assert_eq!(seen(&months), [("2025-01-01".to_owned(), 3), ("2025-02-01".to_owned(), 2)]);
+    let january = &months["periods"][0];
+    for (figure, expected) in [("min", 0.998), ("max", 1.004), ("mean", (1.0 + 1.004 + 0.998) / 3.0), ("last", 0.998)] {
+        assert_close(&january[figure], expected, 1e-12);
+    }
+    let weeks = lab.get("/v1/gyros/A/trend?every=week").await.ok();
+    let expected = [("2024-12-30", 2), ("2025-01-06", 1), ("2025-01-27", 2)];
+    assert_eq!(seen(&weeks), expected.map(|(begins, count)| (begins.to_owned(), count)));
+    assert_eq!(seen(&lab.get("/v1/gyros/A/trend?every=day").await.ok()).len(), history.len());
+}
+
+#[tokio::test]
+async fn pages_of_periods_hold_every_measurement_once() {
+    let history: Vec<(i64, f64)> = (0..120).map(|k| (k * 2, 1.0 + (k as f64) * 1e-5)).collect();
+    let lab = lab_with(&history).await;
+    for every in ["day", "week", "month"] {
+        let whole = lab.get(&format!("/v1/gyros/A/trend?every={every}")).await.ok();
+        let (mut pages, mut cursor) = (Vec::new(), String::new());
+        loop {
+            let page = lab.get(&format!("/v1/gyros/A/trend?every={every}&limit=3{cursor}")).await.ok();
+            pages.extend(page["periods"].as_array().unwrap().clone());
+            match page["next"].as_str() {
+                Some(next) => cursor = format!("&cursor={next}"),
+                None => break,
+            }
+        }
+        assert_eq!(&Value::Array(pages), &whole["periods"], "{every}");
+        let last = lab.get(&format!("/v1/gyros/A/trend?every={every}&last=2")).await.ok();
+        let (last, whole) = (last["periods"].as_array().unwrap(), whole["periods"].as_array().unwrap());
+        assert_eq!(last[..], whole[whole.len() - 2..], "{every}");
+        let counted: i64 = whole.iter().map(|period| period["count"].as_i64().unwrap()).sum();
+        assert_eq!(counted, 120, "{every}");
+    }
+}
+
+#[tokio::test]
+async fn periods_come_as_csv_and_a_wrong_period_is_named() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
+    let text = lab.get("/v1/gyros/A/trend?every=month&format=csv").await.text;
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "serial,coefficient,unit,method,every,begins,count,min,max,mean,last");
+    assert!(lines[1].starts_with("A,D_I,deg/(h*g0),rigid,month,2025-01-01T00:00:00Z,1,"), "{}", lines[1]);
+    assert_eq!(lines.len(), 3);
+    let wrong = lab.get("/v1/gyros/A/trend?every=year").await;
+    assert_eq!(wrong.status, 400);
+    assert!(wrong.text.contains("every must be day, week or month, is year"), "{}", wrong.text);
+    assert_eq!(lab.get("/v1/gyros/A/trend?every=day&voided=include").await.status, 400);
+}

@@ -18,6 +18,7 @@ pub mod judge;
 pub mod model;
 pub mod mounting;
 pub mod notify;
+pub mod period;
 pub mod record;
 pub mod route;
 pub mod separate;

@@ -1,6 +1,7 @@
 //! `/v1/gyros/{serial}/trend`: the history of one coefficient.
 
 mod csv;
+mod periods;
 
 use std::fmt::Write as _;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -14,12 +15,14 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use self::periods::PeriodTrend;
 use super::App;
 use super::events::EventBody;
 use super::query::{self, Parameters, bad};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::{Coefficient, State as Judgement};
+use crate::core::period::Period;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{BenchRow, Figures, Names, Span, Tables, sample_of};
 use crate::wire::cursor;
@@ -54,8 +57,19 @@ struct TrendQuery {
     cursor: Option<String>,
     /// `json` or `csv`; without it, `Accept` decides.
     format: Option<String>,
+    /// `day`, `week` or `month`: the least, largest, mean and last of each period instead of points.
+    every: Option<String>,
     /// `include` shows what was voided or revised as well, each point flagged; such points are left out otherwise.
     voided: Option<String>,
+}
+
+/// Points, or periods where `every` asks for them.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+#[expect(dead_code, reason = "describes the two forms of the answer in the OpenAPI document")]
+enum TrendAnswer<'a> {
+    Points(Trend<'a>),
+    Periods(PeriodTrend<'a>),
 }
 
 /// The history of one coefficient, oldest first.
@@ -104,11 +118,21 @@ enum Method {
     Bench(BenchMethod),
 }
 
+impl Method {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Separated(JudgedMethod::Rigid) => "rigid",
+            Self::Separated(JudgedMethod::Published) => "published",
+            Self::Bench(method) => method.name(),
+        }
+    }
+}
+
 /// The history of one coefficient of a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/trend", tag = "gyros",
     params(("serial" = String, Path, description = "serial number of the gyro"), TrendQuery),
     responses(
-        (status = 200, description = "the points", content((Trend = "application/json"), (String = "text/csv")),
+        (status = 200, description = "the points, or with `every` the periods", content((TrendAnswer = "application/json"), (String = "text/csv")),
             headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
         (status = 304, description = "as it was"),
         (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
@@ -128,6 +152,14 @@ async fn get_trend(
     let seen = |rows: &mut dyn Iterator<Item = Seen>| {
         rows.chain(events.iter().map(|event| (event.id.0, None))).collect::<Vec<_>>()
     };
+    if let Some(period) = request.every {
+        let (summaries, next) = request.periods(&app, gyro, period).await?;
+        let tag = periods::etag(&request, &summaries, &done, &next);
+        if is_known(&headers, &tag) {
+            return Ok(not_modified(&tag));
+        }
+        return Ok(answer(request.written_by_period(&serial, period, &summaries, &done, next)?, &tag, &uri));
+    }
     let tag;
     let body = match request.method {
         Method::Separated(method) => {
@@ -166,6 +198,7 @@ struct Request {
     limit: usize,
     newest: bool,
     voided: bool,
+    every: Option<Period>,
     csv: bool,
 }
 
@@ -223,7 +256,8 @@ impl Request {
         if let Some(cursor) = &asked.cursor {
             span.from = span.from.max(UtcMicros(query::position(cursor)?.saturating_add(1)));
         }
-        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, csv })
+        let every = Self::period(asked.every.as_deref(), voided)?;
+        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, every, csv })
     }
 
     /// One page of rows, and where the next begins.
@@ -357,8 +391,13 @@ type Seen = (i64, Option<&'static str>);
 /// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
 fn etag(request: &Request, seen: &[Seen], next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
-    (request.coefficient, request.csv, request.voided, next, format!("{:?}", request.method)).hash(&mut hasher);
     seen.hash(&mut hasher);
+    tag(request, next, hasher)
+}
+
+fn tag(request: &Request, next: &Option<String>, mut hasher: DefaultHasher) -> HeaderValue {
+    let Request { coefficient, method, voided, every, csv, .. } = request;
+    (coefficient, csv, voided, every, next, format!("{method:?}")).hash(&mut hasher);
     let mut tag = String::new();
     write!(tag, "\"{:016x}\"", hasher.finish()).expect("writing to a string cannot fail");
     HeaderValue::from_str(&tag).expect("hexadecimal digits in quotes are a valid header")

@@ -1,0 +1,182 @@
+//! A trend of years: the least, the largest, the mean and the last of each day, week or month.
+
+use std::hash::{DefaultHasher, Hash};
+
+use axum::http::HeaderValue;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{Method, Request, Written, cut};
+use crate::config::JudgedMethod;
+use crate::core::period::{Gatherer, Period, Summary};
+use crate::core::time::UtcMicros;
+use crate::http::App;
+use crate::http::events::EventBody;
+use crate::http::query::bad;
+use crate::pipeline::{Span, sample_of};
+use crate::wire::problem::Problem;
+use crate::wire::time::Stamp;
+
+/// Rows that are read at a time: what a gyro has in decades goes through a few megabytes.
+const ROWS: usize = 16_384;
+
+/// The history of one coefficient by day, week or month, oldest first; periods without a measurement are left out.
+#[derive(Serialize, ToSchema)]
+pub(super) struct PeriodTrend<'a> {
+    serial: &'a str,
+    coefficient: &'static str,
+    /// `deg/(h*g0)`.
+    unit: &'static str,
+    method: &'static str,
+    /// `day`, `week` (from Monday) or `month`, UTC.
+    every: &'static str,
+    periods: Vec<PeriodBody>,
+    /// What was done to the gyro in the stretch that was asked for, oldest first.
+    #[schema(value_type = Vec<EventBody>)]
+    events: &'a [EventBody],
+    /// Cursor of the next page; null on the last.
+    next: Option<String>,
+}
+
+#[derive(Serialize, ToSchema)]
+struct PeriodBody {
+    /// First instant of the period.
+    begins: String,
+    count: usize,
+    min: f64,
+    max: f64,
+    /// Unweighted.
+    mean: f64,
+    last: f64,
+}
+
+impl Request {
+    /// `every`, which goes with what counts only.
+    pub(super) fn period(name: Option<&str>, voided: bool) -> Result<Option<Period>, Problem> {
+        let Some(name) = name else { return Ok(None) };
+        let period =
+            Period::from_name(name).ok_or_else(|| bad(&format!("every must be day, week or month, is {name}")))?;
+        if voided {
+            return Err(bad("every goes with what counts only, not with voided=include"));
+        }
+        Ok(Some(period))
+    }
+
+    /// One page of periods, and where the next begins.
+    pub(super) async fn periods(
+        &self,
+        app: &App,
+        gyro: u32,
+        period: Period,
+    ) -> Result<(Vec<Summary>, Option<String>), Problem> {
+        let mut gatherer = Gatherer::new(period);
+        match self.method {
+            Method::Separated(method) => self.gather(app, gyro, method, &mut gatherer).await?,
+            Method::Bench(method) => {
+                let Some(column) = self.coefficient.column().filter(|&column| column < 2) else {
+                    return Ok((Vec::new(), None));
+                };
+                let rows = app.pipeline.store().bench_results(gyro, self.span).await?;
+                rows.iter()
+                    .filter(|row| row.method == method)
+                    .for_each(|row| gatherer.push(row.measured_at, row.d[column]));
+            }
+        }
+        let mut summaries = gatherer.finish();
+        if self.newest {
+            summaries.drain(..summaries.len().saturating_sub(self.limit));
+            return Ok((summaries, None));
+        }
+        // A page ends with a period; the next begins with whatever comes after it.
+        let ends = |summary: &Summary| UtcMicros(next_of(period, summary.begins).0 - 1);
+        let next = cut(&mut summaries, self.limit, ends);
+        Ok((summaries, next))
+    }
+
+    async fn gather(&self, app: &App, gyro: u32, method: JudgedMethod, gatherer: &mut Gatherer) -> Result<(), Problem> {
+        let column = self.coefficient.column().unwrap_or_default();
+        let mut span = self.span;
+        loop {
+            let rows = app.pipeline.store().history(gyro, span, ROWS).await?;
+            // Where the published method is not defined, a mean of both methods would be a figure of neither.
+            let of_method = rows.iter().filter(|row| method == JudgedMethod::Rigid || row.published.is_some());
+            of_method.for_each(|row| gatherer.push(row.at, sample_of(row, method).d[column].value));
+            match rows.last() {
+                Some(last) if rows.len() == ROWS && last.at < span.to => {
+                    span = Span { from: UtcMicros(last.at.0 + 1), ..span };
+                }
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    pub(super) fn written_by_period(
+        &self,
+        serial: &str,
+        period: Period,
+        summaries: &[Summary],
+        events: &[EventBody],
+        next: Option<String>,
+    ) -> Result<Written, Problem> {
+        let trend = PeriodTrend {
+            serial,
+            coefficient: self.coefficient.name(),
+            unit: "deg/(h*g0)",
+            method: self.method.name(),
+            every: period.name(),
+            periods: summaries.iter().map(PeriodBody::of).collect(),
+            events,
+            next: next.clone(),
+        };
+        let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
+        let text = text.ok_or_else(|| Problem::new(500, "Internal error", "the periods could not be written"))?;
+        Ok(Written { text, csv: self.csv, next })
+    }
+}
+
+impl PeriodBody {
+    fn of(summary: &Summary) -> Self {
+        let Summary { begins, count, min, max, mean, last } = *summary;
+        Self { begins: Stamp::of(begins).as_str().to_owned(), count, min, max, mean, last }
+    }
+}
+
+/// First instant of the period after the one that begins at `begins`.
+fn next_of(period: Period, begins: UtcMicros) -> UtcMicros {
+    // The longest month has 31 days; four more reach into the next and not beyond it.
+    let days = match period {
+        Period::Day => 1,
+        Period::Week => 7,
+        Period::Month => 35,
+    };
+    period.begin(UtcMicros(begins.0.saturating_add(days * UtcMicros::DAY)))
+}
+
+/// RFC 4180: one header line, times in UTC, every figure at full precision.
+fn csv(trend: &PeriodTrend<'_>) -> Option<Vec<u8>> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let columns = ["serial", "coefficient", "unit", "method", "every", "begins", "count", "min", "max", "mean", "last"];
+    writer.write_record(columns).ok()?;
+    for period in &trend.periods {
+        let figures = [period.min, period.max, period.mean, period.last].map(|figure| figure.to_string());
+        let count = period.count.to_string();
+        let head = [trend.serial, trend.coefficient, trend.unit, trend.method, trend.every, &period.begins, &count];
+        writer.write_record(head.into_iter().chain(figures.iter().map(String::as_str))).ok()?;
+    }
+    writer.into_inner().ok()
+}
+
+/// A tag of what the answer holds, and how it was asked for.
+pub(super) fn etag(
+    request: &Request,
+    summaries: &[Summary],
+    events: &[EventBody],
+    next: &Option<String>,
+) -> HeaderValue {
+    let mut hasher = DefaultHasher::new();
+    for Summary { begins, count, min, max, mean, last } in summaries {
+        (begins, count, [min, max, mean, last].map(|figure| figure.to_bits())).hash(&mut hasher);
+    }
+    serde_json::to_string(events).unwrap_or_default().hash(&mut hasher);
+    super::tag(request, next, hasher)
+}

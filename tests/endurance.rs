@@ -188,14 +188,19 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
     for sender in senders {
         sender.await.unwrap();
     }
-    let patience = Instant::now() + Duration::from_secs(60);
+    // As long as it gets on, however slowly.
+    let (mut least, mut since) = (i64::MAX, Instant::now());
     loop {
         let queue = server.get(&format!("/v1/hooks/{hook}")).await.json()["queue"].clone();
         assert_eq!(queue["dead"], 0, "{queue}");
-        if queue["open"] == 0 {
+        let open = queue["open"].as_i64().unwrap();
+        if open == 0 {
             break;
         }
-        assert!(Instant::now() < patience, "{queue}\n{}", server.log());
+        if open < least {
+            (least, since) = (open, Instant::now());
+        }
+        assert!(since.elapsed() < Duration::from_secs(30), "{queue}\n{}", server.log());
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
     let times = times.lock().unwrap().clone();
@@ -226,7 +231,8 @@ async fn metric(server: &Server, name: &str) -> f64 {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hours_of_load_with_slow_readers_and_restarts_change_nothing() {
     let seconds = asked("GYROWATCH_SOAK_SECONDS", 6) as u64;
-    let restart_every = Duration::from_secs((seconds / 5).max(3));
+    // In the first half; in the second it is left alone, so that what grows can be seen.
+    let restart_every = Duration::from_secs((seconds / 6).max(2));
     let rate = asked("GYROWATCH_SOAK_RATE", 60) as f64;
     let pages = 1000_u64;
     let mut server = Server::start_with(&[("GYROWATCH_DATABASE__CHECKPOINT_PAGES", &pages.to_string())]).await;
@@ -247,7 +253,7 @@ async fn hours_of_load_with_slow_readers_and_restarts_change_nothing() {
         }
         largest_log = largest_log.max(metric(&server, "gyrowatch_database_log_size_bytes").await);
         samples.push((began.elapsed().as_secs_f64(), memory(&server, "VmRSS") as f64));
-        if since.elapsed() > restart_every {
+        if since.elapsed() > restart_every && began.elapsed() < Duration::from_secs(seconds / 2) {
             assert!(server.terminate().0.success());
             server.restart();
             (restarts, since) = (restarts + 1, Instant::now());

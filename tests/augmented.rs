@@ -145,6 +145,38 @@ fn a_simulated_campaign_shows_the_effects_of_a_model_file() {
 }
 
 #[test]
+fn a_tilt_of_the_table_is_fitted_once_for_all_gyros() {
+    let bench = Bench::new();
+    let model = bench.path("model.json");
+    let tilt = |name: &str, value: f64| json!({"slot": "all", "name": name, "value": value, "sd": 1e-6, "unit": "rad"});
+    let gyros = json!(["G1", "G2", "G3"]);
+    let file = json!({"terms": [], "effects": [{"effect": "levelling", "gyros": gyros, "shape": {"with_rate": false},
+        "estimates": [tilt("east", 4e-4), tilt("north", -2.5e-4)]}]});
+    std::fs::write(&model, file.to_string()).unwrap();
+    let campaign = bench.path("c.json");
+    let [campaign, model] = [&campaign, &model].map(|path| path.to_str().unwrap());
+    let (status, _, error) = run(&["simulate", "--seed", "11", "--model", model, "--out", campaign]);
+    assert_eq!(status, 0, "{error}");
+    let fitted = json_of(&["calibrate", campaign, "--model", model]);
+    let of = |gyro: usize| fitted["calibration"]["gyros"][gyro]["effects"].clone();
+    for (gyro, c) in [(1, 0), (1, 1), (2, 0), (2, 1)] {
+        assert_eq!(of(gyro)[c]["value"], of(0)[c]["value"], "one tilt");
+    }
+    for (effect, truth) in of(0).as_array().unwrap().iter().zip([4e-4, -2.5e-4]) {
+        let (value, sd) = (effect["value"].as_f64().unwrap(), effect["sd"].as_f64().unwrap());
+        assert!((value - truth).abs() < 4.0 * sd && sd < 0.1 * truth.abs(), "{effect}");
+    }
+    // Two numbers were fitted to all gyros, not two to each.
+    let dof = |answer: &Value| -> i64 {
+        answer["calibration"]["gyros"].as_array().unwrap().iter().map(|g| g["dof"].as_i64().unwrap()).sum()
+    };
+    assert_eq!(dof(&json_of(&["calibrate", campaign])) - dof(&fitted), 2);
+    // The diagnosis against that model finds nothing more, and the fit knows D_I and D_S hardly less well.
+    let against = json_of(&["diagnose", campaign, "--model", model]);
+    assert_eq!(against["verdict"], "no_gap", "{against}");
+}
+
+#[test]
 fn a_term_of_model_6_that_was_named_joins_the_terms() {
     let bench = Bench::new();
     let model = bench.path("model.json");

@@ -2,15 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::common::Shared;
 use super::design::Design;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{self, Adopted};
-use crate::core::effects::{Coefficient, Effect};
+use crate::core::effects::{Coefficient, Effect, Scope};
 use crate::core::fit::Factor;
 
 /// Share of a regressor's whitened power that the columns before it must leave over for it to be fitted: below that,
 /// the effect and model (6) are one to this campaign, and both would be lost.
-const LEAST_VISIBLE: f64 = 1e-6;
+pub(super) const LEAST_VISIBLE: f64 = 1e-6;
 
 /// One coefficient's regressor in the output of one gyro.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,34 +22,50 @@ pub struct Regressor {
     pub column: DVector<f64>,
 }
 
-/// The regressors of the adopted effects, gyro by gyro, and why some cannot be formed.
-pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> (Vec<Vec<Regressor>>, Vec<String>) {
-    let none = || vec![Vec::new(); campaign.gyros.len()];
+/// The regressors of the adopted effects.
+pub(super) struct Regressors {
+    /// Of each gyro for itself.
+    pub own: Vec<Vec<Regressor>>,
+    /// Of coefficients that all gyros share.
+    pub shared: Vec<Shared>,
+    /// Why some cannot be formed.
+    pub notes: Vec<String>,
+}
+
+pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors {
+    let none = |notes| Regressors { own: vec![Vec::new(); campaign.gyros.len()], shared: Vec::new(), notes };
     if adopted.is_empty() {
-        return (none(), Vec::new());
+        return none(Vec::new());
     }
-    let (setting, mut notes) = match diagnose::setting(campaign) {
+    let (setting, notes) = match diagnose::setting(campaign) {
         Ok(found) => found,
-        Err(why) => return (none(), vec![format!("the effects of the model are left out: {why}")]),
+        Err(why) => return none(vec![format!("the effects of the model are left out: {why}")]),
     };
-    let mut gyros = none();
+    let mut all = none(notes);
     for adopted in adopted {
         let entry = adopted.effect.entry();
         if let Some(missing) = (entry.missing)(&setting) {
-            notes.push(format!("{} is left out of the fit: {missing}", entry.id));
+            all.notes.push(format!("{} is left out of the fit: {missing}", entry.id));
             continue;
         }
         let coefficients = (entry.coefficients)(adopted.shape);
+        let first = all.shared.len();
+        if entry.scope == Scope::Common {
+            all.shared.resize_with(first + coefficients.len(), || vec![None; campaign.gyros.len()]);
+        }
         for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| adopted.slots.contains(&axes.slot)) {
             let columns = (entry.columns)(&setting, j, adopted.shape);
-            gyros[j].extend(columns.into_iter().zip(&coefficients).map(|(column, coefficient)| Regressor {
-                effect: adopted.effect,
-                coefficient: *coefficient,
-                column: axes.scale * DVector::from_vec(column),
-            }));
+            for (c, (column, coefficient)) in columns.into_iter().zip(&coefficients).enumerate() {
+                let column = axes.scale * DVector::from_vec(column);
+                let regressor = Regressor { effect: adopted.effect, coefficient: *coefficient, column };
+                match entry.scope {
+                    Scope::Gyro => all.own[j].push(regressor),
+                    Scope::Common => all.shared[first + c][j] = Some(regressor),
+                }
+            }
         }
     }
-    (gyros, notes)
+    all
 }
 
 /// The regressors that leave something over beside model (6) and those before them, and the effects that do not.

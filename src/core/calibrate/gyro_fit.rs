@@ -1,7 +1,8 @@
 //! The fit of one gyro on the way: least squares done, its noise not yet judged.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::common::{CommonFit, Own};
 use super::design::{self, Design};
 use super::further::{self, Regressor};
 use super::growth;
@@ -58,9 +59,21 @@ pub(super) struct GyroFit {
     /// Fitted effects, after model (6)'s columns; and those that could not be.
     regressors: Vec<Regressor>,
     pub hidden: Vec<Effect>,
+    /// What this gyro shares with the others.
+    common: Option<OfCommon>,
     /// Variances over those of the weights.
     pub variances: DVector<f64>,
     pub evidence: Evidence,
+}
+
+/// The shared coefficients as one gyro sees them.
+struct OfCommon {
+    effects: Vec<Regressor>,
+    /// Their values, and covariance over the gyro's noise as weighted.
+    values: DVector<f64>,
+    covariance: DMatrix<f64>,
+    /// What the gyro's own columns make of the shared regressors, q x m.
+    into: DMatrix<f64>,
 }
 
 pub(super) fn fit_gyro(
@@ -97,10 +110,59 @@ pub(super) fn fit_gyro(
         (None, false) => ScaleSource::Missing,
     };
     let variances = DVector::from_element(c.dwells.len(), 1.0);
-    GyroFit { factor, scale_source, known_e, fit, of_position, regressors, hidden, variances, evidence }
+    GyroFit { factor, scale_source, known_e, fit, of_position, regressors, hidden, common: None, variances, evidence }
 }
 
 impl GyroFit {
+    /// The gyro as its own columns leave it; without standard errors its residuals say how it weighs against the others.
+    pub fn own<'a>(&'a self, has_sem: bool, shared: &'a SharedFactors) -> Own<'a> {
+        let scatter = || self.fit.chi2 / self.fit.dof.max(1) as f64;
+        let variance = if has_sem { 1.0 } else { scatter().max(f64::MIN_POSITIVE) };
+        Own { factor: &shared.0[self.factor].2, residuals: &self.fit.residuals, variance }
+    }
+
+    /// Takes the shared coefficients out, which cost this gyro `dof` degrees of freedom.
+    pub fn take_out(
+        &mut self,
+        common: &CommonFit,
+        j: usize,
+        dof: usize,
+        repeats: &[Vec<usize>],
+        shared: &SharedFactors,
+    ) {
+        let (_, sd, factor) = &shared.0[self.factor];
+        let own = self.fit.estimate.len() - self.regressors.len();
+        let of_effects = |estimate: &DVector<f64>, into: &mut DVector<f64>, sign: f64| {
+            for (regressor, k) in self.regressors.iter().zip(estimate.iter().skip(own)) {
+                into.axpy(sign * k, &regressor.column, 1.0);
+            }
+        };
+        of_effects(&self.fit.estimate, &mut self.of_position, 1.0);
+        let (mut into, mut effects) = (DMatrix::zeros(self.fit.estimate.len(), common.kept.len()), Vec::new());
+        for (m, regressor) in common.kept.iter().enumerate() {
+            let Some(regressor) = &regressor[j] else { continue };
+            let (k, seen) = (common.estimate[m], factor.fit(&regressor.column));
+            self.fit.residuals.axpy(-k, &seen.residuals, 1.0);
+            self.fit.estimate.axpy(-k, &seen.estimate, 1.0);
+            self.of_position.axpy(-k, &regressor.column, 1.0);
+            into.set_column(m, &seen.estimate);
+            effects.push((m, regressor.clone()));
+        }
+        of_effects(&self.fit.estimate, &mut self.of_position, -1.0);
+        self.fit.chi2 = self.fit.residuals.component_mul(factor.weights()).norm_squared();
+        self.fit.leverage += &common.leverage[j];
+        self.fit.dof = self.fit.dof.saturating_sub(dof);
+        let pure_error = PureError::of(repeats, |k| self.of_position[k], |k| sd[k]);
+        self.evidence = Evidence::of(self.fit.chi2, self.fit.dof, pure_error);
+        let (places, effects): (Vec<usize>, Vec<Regressor>) = effects.into_iter().unzip();
+        self.common = Some(OfCommon {
+            effects,
+            values: common.estimate.select_rows(&places),
+            covariance: common.covariance.select_rows(&places).select_columns(&places) / common.variances[j],
+            into: into.select_columns(&places),
+        });
+    }
+
     pub fn unweighted<'a>(&'a self, x: &'a DVector<f64>) -> growth::Unweighted<'a> {
         growth::Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, x }
     }
@@ -129,11 +191,13 @@ impl GyroFit {
 
     pub fn finish(self, gyro: &CampaignGyro, noise: Noise, shared: &SharedFactors) -> GyroCalibration {
         let (design, sd, factor) = &shared.0[self.factor];
-        let Self { scale_source, known_e, fit, variances, evidence, regressors, .. } = self;
+        let Self { scale_source, known_e, fit, variances, evidence, regressors, common, .. } = self;
         let values = &design.expand * &fit.estimate;
         let covariance = noise.covariance_scale().map(|scale| {
             let equal = variances.iter().all(|v| *v == 1.0);
             let reduced = if equal { fit.covariance.clone() } else { factor.covariance_for(&variances) };
+            let shared = common.as_ref().map(|common| &common.into * &common.covariance * common.into.transpose());
+            let reduced = shared.into_iter().fold(reduced, |reduced, shared| reduced + shared);
             &design.expand * reduced * design.expand.transpose() * scale
         });
         let determined: Vec<bool> = design.expand.row_iter().map(|row| factor.determines(&row.transpose())).collect();
@@ -145,7 +209,16 @@ impl GyroFit {
             value: values[p + m],
             sd: covariance.as_ref().map(|c| c[(p + m, p + m)].max(0.0).sqrt()),
         });
-        let effects = effects.collect();
+        let scale = noise.covariance_scale();
+        let of_common = common.iter().flat_map(|common| {
+            common.effects.iter().enumerate().map(move |(m, r)| EffectParameter {
+                effect: r.effect,
+                coefficient: r.coefficient,
+                value: common.values[m],
+                sd: scale.map(|scale| (common.covariance[(m, m)] * scale).max(0.0).sqrt()),
+            })
+        });
+        let effects = effects.chain(of_common).collect();
         let covariance = covariance.map(|c| c.view((0, 0), (p, p)).into_owned());
         let parameters = design::parameter_names(design.terms)
             .into_iter()

@@ -1,11 +1,13 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
 //! Reading order: [`design`] (what is fitted, in which gauge), [`super::fit`] (least squares), [`repeats`] and
-//! [`noise`] with [`growth`] (how far outputs can be trusted), [`further`] (effects beyond model (6)), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
+//! [`noise`] with [`growth`] (how far outputs can be trusted), [`further`] (effects beyond model (6)) and `common`
+//! (those that all gyros share), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
 //! fixture). [`outcome`] puts them together: what a campaign comes to.
 
 pub mod bench;
 mod bench_form;
+mod common;
 pub mod design;
 pub mod drift;
 pub mod further;
@@ -23,6 +25,8 @@ use super::effects::{Coefficient, Effect};
 use super::model::{Term, Terms};
 use super::mounting::Slot;
 use super::record::Name;
+use common::{Own, Shared};
+use further::Regressors;
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
 use noise::{Evidence, Noise};
 use repeats::PureError;
@@ -132,20 +136,18 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
     calibrate_augmented(campaign, terms, &[])
 }
 
-/// As [`calibrate`], with the effects of an augmented model fitted beside the terms, each gyro for itself.
+/// As [`calibrate`], with the effects of an augmented model fitted beside the terms: each gyro for itself, and those of the
+/// station once for all gyros together.
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
-    let (regressors, mut notes) = further::regressors(campaign, adopted);
+    let Regressors { own, shared: of_all, mut notes } = further::regressors(campaign, adopted);
     let dwells = &campaign.dwells;
     let has_sem = dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
     let repeats = repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
-    let mut fits: Vec<GyroFit> = regressors
-        .into_iter()
-        .enumerate()
-        .map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared))
-        .collect();
+    let mut fits: Vec<GyroFit> =
+        own.into_iter().enumerate().map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared)).collect();
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
         notes.extend(fit.hidden.iter().map(|effect| {
             format!(
@@ -154,6 +156,9 @@ pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted
                 effect.id()
             )
         }));
+    }
+    if !of_all.is_empty() {
+        notes.extend(fit_common(of_all, &mut fits, has_sem, &repeats, &shared));
     }
     let growth = if has_sem { 0.0 } else { unequal_variances(campaign, &repeats, &mut fits) };
     let evidence: Vec<Evidence> = fits.iter().map(|f| f.evidence).collect();
@@ -165,6 +170,28 @@ pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted
         .map(|(j, ((fit, noise), gyro))| fit.finish(gyro, noise.with_scatter(sem_scatter(dwells, j)), &shared))
         .collect();
     Calibration { terms, has_sem, repeats, growth, gyros, notes }
+}
+
+/// Fits what all gyros share and takes it out of each gyro's fit; answers what these dwells cannot tell.
+fn fit_common(
+    of_all: Vec<Shared>,
+    fits: &mut [GyroFit],
+    has_sem: bool,
+    repeats: &[Vec<usize>],
+    shared: &SharedFactors,
+) -> Vec<String> {
+    let own: Vec<Own> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
+    let common = common::fit(of_all, &own);
+    let mut taken = 0.0;
+    for (j, fit) in fits.iter_mut().enumerate() {
+        let before = f64::round(taken);
+        taken += common.leverage[j].sum();
+        fit.take_out(&common, j, (taken.round() - before) as usize, repeats, shared);
+    }
+    let told = |effect: &Effect| {
+        format!("{} is left out of the fit: these dwells cannot tell it from the other terms", effect.id())
+    };
+    common.hidden.iter().map(told).collect()
 }
 
 /// Lets the residuals say how the noise grows with the rate, and what follows for each fit's evidence.

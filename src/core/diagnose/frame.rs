@@ -2,11 +2,12 @@
 
 use nalgebra::Vector3;
 
-use super::basis::{Basis, dot};
+use super::basis::{Basis, axpy, dot};
+use super::fit::{self, Part};
 use super::noise::{self, Noise};
 use super::{Adopted, Options, Refusal};
 use crate::core::campaign::{Campaign, CampaignGyro, TestKind};
-use crate::core::effects::{GyroAxes, Setting};
+use crate::core::effects::{GyroAxes, Scope, Setting};
 use crate::core::model::{Term, Terms};
 
 /// One gyro: everything whitened, that is divided by `sd`.
@@ -27,7 +28,7 @@ pub(super) struct Frame {
     pub adopted: Vec<Adopted>,
     pub gyros: Vec<GyroFrame>,
     pub noise: Noise,
-    /// Output of each gyro, deg/h, and the raw columns of the model in use.
+    /// Output of each gyro, deg/h, less what the model in use says of all gyros together; and the raw columns of the rest of it.
     pub outputs: Vec<Vec<f64>>,
     pub designs: Vec<Vec<Vec<f64>>>,
     /// Whether E of each gyro is among the fitted columns.
@@ -59,14 +60,34 @@ impl Frame {
         }
         let (setting, mut notes) = setting(campaign)?;
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
-        let designs: Vec<Vec<Vec<f64>>> = (0..campaign.gyros.len())
-            .map(|j| design(&setting, j, terms, &campaign.gyros[j], &options.adopted))
-            .collect();
-        let noise = noise::of(campaign, &setting, &outputs, &designs);
+        let designs = |adopted: &[Adopted]| -> Vec<Vec<Vec<f64>>> {
+            (0..campaign.gyros.len()).map(|j| design(&setting, j, terms, &campaign.gyros[j], adopted)).collect()
+        };
+        let noise = noise::of(campaign, &setting, &outputs, &designs(&options.adopted));
         notes.extend(noise.notes.iter().cloned());
         let scale_fitted = campaign.gyros.iter().map(|gyro| gyro.known_e.is_none()).collect();
+        let common = |adopted: &&Adopted| adopted.effect.entry().scope == Scope::Common;
+        let (shared, own): (Vec<&Adopted>, Vec<&Adopted>) = options.adopted.iter().partition(common);
+        let designs = designs(&own.into_iter().cloned().collect::<Vec<_>>());
         let (gyros, adopted) = (Vec::new(), options.adopted.clone());
-        Self { setting, terms, adopted, gyros, noise, outputs, designs, scale_fitted, notes }.whitened()
+        let frame = Self { setting, terms, adopted, gyros, noise, outputs, designs, scale_fitted, notes }.whitened()?;
+        if shared.is_empty() { Ok(frame) } else { frame.without(&shared) }
+    }
+
+    /// The same less effects whose coefficients all gyros share: as columns of each gyro they would be fitted once a gyro.
+    fn without(mut self, shared: &[&Adopted]) -> Result<Self, Refusal> {
+        let seen = shared.iter().filter(|adopted| (adopted.effect.entry().missing)(&self.setting).is_none());
+        let part = |adopted: &&Adopted| Part {
+            effect: adopted.effect,
+            shape: adopted.shape,
+            members: self.setting.gyros.iter().map(|gyro| adopted.slots.contains(&gyro.slot)).collect(),
+        };
+        let parts: Vec<Part> = seen.copied().map(|adopted| part(&adopted)).collect();
+        let drift = fit::fit(&self, &parts).drift;
+        for (output, drift) in self.outputs.iter_mut().zip(&drift) {
+            axpy(-1.0, drift, output);
+        }
+        self.whitened()
     }
 
     /// The same campaign with another growth of noise with rate.

@@ -1,0 +1,178 @@
+//! Coefficients that all gyros of an IMU share: a tilt of the table is one tilt to all of them.
+//!
+//! With `B_j` an orthonormal basis of gyro j's own whitened columns (model (6) and its own effects), `X_j` the regressors of
+//! the shared coefficients `k`, `W_j` its weights and `s_j` its noise over them,
+//!
+//! ```text
+//! k = (sum_j Z_j'Z_j / s_j^2)^-1 sum_j Z_j' W_j y_j / s_j^2,   Z_j = (1 - B_j B_j') W_j X_j
+//! ```
+//!
+//! is what one fit of all gyros together gives (Frisch and Waugh 1933, Lovell 1963). Each gyro's own parameters are those of
+//! `y_j - X_j k`, and their covariance that of its own fit plus `T_j cov(k) T_j'`, `T_j` what its own columns make of `X_j`.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::further::{LEAST_VISIBLE, Regressor};
+use crate::core::effects::Effect;
+use crate::core::fit::Factor;
+
+/// One shared coefficient: its regressor in each gyro, pulse/s per unit; none where the gyro is not one of those that have it.
+pub(super) type Shared = Vec<Option<Regressor>>;
+
+/// One gyro as its own columns leave it.
+pub(super) struct Own<'a> {
+    pub factor: &'a Factor,
+    /// Residuals of its own fit, pulse/s.
+    pub residuals: &'a DVector<f64>,
+    /// s_j^2.
+    pub variance: f64,
+}
+
+/// The shared coefficients, and how much of each gyro they take.
+pub(super) struct CommonFit {
+    /// By coefficient, and in each gyro that has it the regressor.
+    pub kept: Vec<Shared>,
+    pub hidden: Vec<Effect>,
+    pub estimate: DVector<f64>,
+    pub covariance: DMatrix<f64>,
+    /// s_j^2 of each gyro: the covariance is in these units.
+    pub variances: Vec<f64>,
+    /// By gyro: share of each measurement in its own fitted value that the shared coefficients add.
+    pub leverage: Vec<DVector<f64>>,
+}
+
+/// Fits what all gyros share beside what each has for itself.
+pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
+    let columns: Vec<DVector<f64>> = shared.iter().map(|regressor| stacked(regressor, gyros)).collect();
+    let raw = |regressor: &Shared| -> f64 {
+        let power = |(r, own): (&Option<Regressor>, &Own)| {
+            r.as_ref().map_or(0.0, |r| r.column.component_mul(own.factor.weights()).norm_squared() / own.variance)
+        };
+        regressor.iter().zip(gyros).map(power).sum()
+    };
+    let (mut kept, mut hidden, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    for (place, regressor) in shared.into_iter().enumerate() {
+        let mut left = columns[place].clone();
+        for _ in 0..2 {
+            basis.iter().for_each(|q| left.axpy(-q.dot(&left), q, 1.0));
+        }
+        if left.norm_squared() > LEAST_VISIBLE * raw(&regressor) {
+            basis.push(left.normalize());
+            places.push(place);
+            kept.push(regressor);
+        } else if let Some(effect) = regressor.iter().flatten().map(|r| r.effect).next()
+            && !hidden.contains(&effect)
+        {
+            hidden.push(effect);
+        }
+    }
+    let m = kept.len();
+    let n = gyros.first().map_or(0, |own| own.residuals.len());
+    let side = DVector::from_iterator(
+        gyros.len() * n,
+        gyros.iter().flat_map(|own| {
+            let whitened = own.residuals.component_mul(own.factor.weights()) / own.variance.sqrt();
+            whitened.iter().copied().collect::<Vec<f64>>()
+        }),
+    );
+    let along = DVector::from_iterator(m, basis.iter().map(|q| q.dot(&side)));
+    // The kept columns are R on the basis, upper triangular, as Gram and Schmidt leave them.
+    let r = DMatrix::from_fn(m, m, |i, j| if i <= j { basis[i].dot(&columns[places[j]]) } else { 0.0 });
+    let back = r.solve_upper_triangular(&DMatrix::identity(m, m)).unwrap_or_else(|| DMatrix::zeros(m, m));
+    let leverage = (0..gyros.len())
+        .map(|j| DVector::from_fn(n, |k, _| basis.iter().map(|q| q[j * n + k].powi(2)).sum()))
+        .collect();
+    let variances = gyros.iter().map(|own| own.variance).collect();
+    CommonFit { kept, hidden, estimate: &back * along, covariance: &back * back.transpose(), variances, leverage }
+}
+
+/// Z of all gyros end to end, each over its noise.
+fn stacked(regressor: &Shared, gyros: &[Own]) -> DVector<f64> {
+    let of_gyro = |(regressor, own): (&Option<Regressor>, &Own)| -> Vec<f64> {
+        let Some(regressor) = regressor else { return vec![0.0; own.residuals.len()] };
+        let mut left = regressor.column.component_mul(own.factor.weights());
+        for _ in 0..2 {
+            left -= own.factor.basis() * own.factor.basis().tr_mul(&left);
+        }
+        left.unscale_mut(own.variance.sqrt());
+        left.iter().copied().collect()
+    };
+    DVector::from_vec(regressor.iter().zip(gyros).flat_map(of_gyro).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::effects::Effect;
+
+    /// A fixed sequence without any pattern that the columns have.
+    fn number(i: usize) -> f64 {
+        (7.3 * i as f64).sin() + 0.4 * (3.1 * i as f64 * i as f64).cos()
+    }
+
+    const N: usize = 9;
+
+    fn column(from: usize) -> DVector<f64> {
+        DVector::from_fn(N, |k, _| number(from + k))
+    }
+
+    fn regressor(column: DVector<f64>) -> Option<Regressor> {
+        let coefficient = (Effect::Levelling.entry().coefficients)(crate::core::effects::Shape::Linear)[0];
+        Some(Regressor { effect: Effect::Levelling, coefficient, column })
+    }
+
+    #[test]
+    fn shared_coefficients_are_those_of_one_fit_of_all_gyros_together() {
+        let sd = [vec![0.5; N], (0..N).map(|k| 1.0 + 0.1 * k as f64).collect::<Vec<f64>>()];
+        let variances = [1.7, 0.6];
+        let designs = [10, 400].map(|from| DMatrix::from_fn(N, 2, |k, c| number(from + 50 * c + k)));
+        let outputs = [column(800), column(900)];
+        let x = [[column(1000), column(1100)], [column(1200), column(1300)]];
+        let factors: Vec<Factor> = (0..2).map(|j| Factor::new(designs[j].clone(), &sd[j])).collect();
+        let residuals: Vec<DVector<f64>> = (0..2).map(|j| factors[j].fit(&outputs[j]).residuals).collect();
+        let own: Vec<Own> =
+            (0..2).map(|j| Own { factor: &factors[j], residuals: &residuals[j], variance: variances[j] }).collect();
+        let shared = x.iter().map(|gyros| gyros.iter().map(|c| regressor(c.clone())).collect()).collect();
+        let found = fit(shared, &own);
+
+        // All at once: two columns of each gyro of its own, then the two shared ones, rows over their deviations.
+        let mut all = DMatrix::zeros(2 * N, 6);
+        let mut side = DVector::zeros(2 * N);
+        for j in 0..2 {
+            for k in 0..N {
+                let weight = 1.0 / (sd[j][k] * f64::sqrt(variances[j]));
+                side[j * N + k] = weight * outputs[j][k];
+                for c in 0..2 {
+                    all[(j * N + k, 2 * j + c)] = weight * designs[j][(k, c)];
+                    all[(j * N + k, 4 + c)] = weight * x[c][j][k];
+                }
+            }
+        }
+        let back = all.clone().svd(true, true).solve(&DMatrix::identity(2 * N, 2 * N), 1e-12).unwrap();
+        let (together, normal) = (&back * side, &back * back.transpose());
+        for c in 0..2 {
+            assert!((found.estimate[c] - together[4 + c]).abs() < 1e-9, "{} {}", found.estimate, together);
+            for d in 0..2 {
+                assert!((found.covariance[(c, d)] - normal[(4 + c, 4 + d)]).abs() < 1e-9);
+            }
+        }
+        let hat = &all * &normal * all.transpose();
+        for j in 0..2 {
+            for k in 0..N {
+                let leverage = factors[j].leverage()[k] + found.leverage[j][k];
+                assert!((leverage - hat[(j * N + k, j * N + k)]).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_gyros_own_columns_span_is_not_fitted() {
+        let factor = Factor::new(DMatrix::from_fn(N, 2, |k, c| number(10 + 50 * c + k)), &[1.0; N]);
+        let residuals = factor.fit(&column(800)).residuals;
+        let own = [Own { factor: &factor, residuals: &residuals, variance: 1.0 }];
+        let hidden = DVector::from_fn(N, |k, _| number(10 + k) - 2.0 * number(60 + k));
+        let found = fit(vec![vec![regressor(hidden)], vec![regressor(column(1000))]], &own);
+        assert_eq!((found.kept.len(), found.hidden), (1, vec![Effect::Levelling]));
+    }
+}

@@ -1,0 +1,97 @@
+//! Suspects that follow the orientation, this one or the one before.
+
+use nalgebra::Vector3;
+
+use super::{Prior, Suspect, one, picked};
+use crate::core::campaign::Phase;
+use crate::core::effects::{Effect, Setting, Shape, Typical};
+
+pub const ORIENTATION_HARMONICS: Suspect = Suspect {
+    id: "orientation_harmonics",
+    looks_like: "a function of orientation beyond second degree",
+    cause: "flexure of case and mount under their own weight beyond second degree",
+    equation: "sum of c a_x^l a_y^m a_z^n, l + m + n = 3 and 4",
+    unit: "deg/(h g0^n)",
+    typical: Typical { low: 0.0001, high: 0.01, source: "residuals of multi-position tests" },
+    needs: "positions off the axes",
+    confused_with: &[Effect::CrossCompliance, Effect::CubicG],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[3]), 1.0), (Shape::Only(&[3, 4]), 1.0)],
+    columns: |s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
+};
+
+pub const FRICTION: Suspect = Suspect {
+    id: "friction",
+    looks_like: "a dependence on the sense of specific force",
+    cause: "pivots and flex leads hold by friction: the sense of the load counts",
+    equation: "k_I |a_I| + k_S |a_S| + k_O |a_O|",
+    unit: "deg/(h g0)",
+    typical: Typical { low: 0.0001, high: 0.01, source: "pivot friction of floats without full flotation" },
+    needs: "positions off the axes",
+    confused_with: &[Effect::Hysteresis, Effect::GSquared],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1, 2]), 1.0)],
+    columns: |s, j, shape| {
+        let gyro = &s.gyros[j];
+        let axes = [gyro.input, gyro.spin, gyro.output];
+        picked(shape).iter().map(|&i| s.column(|k| s.force[k].dot(&axes[i]).abs())).collect()
+    },
+};
+
+pub const HEADING: Suspect = Suspect {
+    id: "heading",
+    looks_like: "a dependence on the table's heading",
+    cause: "cables, air flow and gradients in the room follow the table's heading",
+    equation: "k . C e_E + k . C e_N, and products of them",
+    unit: "deg/h",
+    typical: Typical { low: 0.0001, high: 0.01, source: "repeatability between headings of one face" },
+    needs: "several headings a face, attitudes",
+    confused_with: &[Effect::Azimuth, Effect::Magnetic, Effect::Levelling],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0, 1]), 1.0), (Shape::Only(&[2]), 1.0), (Shape::Only(&[0, 1, 2]), 0.5)],
+    columns: |s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
+};
+
+pub const ORIENTATION_BEFORE: Suspect = Suspect {
+    id: "orientation_before",
+    looks_like: "a memory of the orientation before",
+    cause: "the float and the fluid remember how they stood before",
+    equation: "k . a of the dwell before",
+    unit: "deg/(h g0)",
+    typical: Typical { low: 0.0001, high: 0.05, source: "settling after a change of position" },
+    needs: "an order in which the dwell before varies",
+    confused_with: &[Effect::Hysteresis],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
+};
+
+/// All products of body components of specific force of one degree.
+fn monomials(s: &Setting, degree: usize) -> Vec<Vec<f64>> {
+    let mut found = Vec::new();
+    for x in 0..=degree {
+        for y in 0..=degree - x {
+            let z = degree - x - y;
+            found.push(s.column(|k| {
+                let a = &s.force[k];
+                a.x.powi(x as i32) * a.y.powi(y as i32) * a.z.powi(z as i32)
+            }));
+        }
+    }
+    found
+}
+
+/// East (0) and north (1) in body axes, and their products (2): what turns with the table's heading.
+fn heading(s: &Setting, part: usize) -> Vec<Vec<f64>> {
+    let Some(c) = &s.nav_to_body else { return Vec::new() };
+    let still = |k: usize| f64::from(u8::from(s.phase[k] == Phase::Static));
+    let axis = |k: usize, nav: Vector3<f64>| still(k) * (c[k] * nav);
+    match part {
+        0 => (0..3).map(|i| s.column(|k| axis(k, Vector3::x())[i])).collect(),
+        1 => (0..3).map(|i| s.column(|k| axis(k, Vector3::y())[i])).collect(),
+        _ => (0..3)
+            .flat_map(|i| (0..=i).map(move |l| (i, l)))
+            .map(|(i, l)| s.column(|k| axis(k, Vector3::x())[i] * axis(k, Vector3::x())[l]))
+            .collect(),
+    }
+}

@@ -1,0 +1,158 @@
+//! Suspects that follow the rate, this one or those before.
+
+use super::{Prior, Suspect, one, picked};
+use crate::core::campaign::Phase;
+use crate::core::effects::{Effect, Setting, Shape, Typical};
+
+pub const RATE_EVEN: Suspect = Suspect {
+    id: "rate_even",
+    looks_like: "an even function of rate",
+    cause: "torquer and electronics rectify: drift that both senses share, about any axis",
+    equation: "k_x w_x^2 + k_y w_y^2 + k_z w_z^2, or with |w|",
+    unit: "deg/h per (arcsec/s)^n",
+    typical: Typical { low: 1e-12, high: 1e-9, source: "rectification of rebalance loops" },
+    needs: "rates about each axis in both senses",
+    confused_with: &[Effect::ScaleAsymmetry, Effect::ScaleQuadratic, Effect::Anisoinertia],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
+    columns: |s, _, shape| match picked(shape) {
+        [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(2))).collect(),
+        [1] => (0..3).map(|i| s.column(|k| s.rate[k][i].abs())).collect(),
+        _ => (0..3).map(|i| s.column(|k| f64::from(u8::from(turns_about(s, k, i))))).collect(),
+    },
+};
+
+pub const RATE_ODD: Suspect = Suspect {
+    id: "rate_odd",
+    looks_like: "an odd function of rate",
+    cause: "saturation of the torquer's magnet, about any axis",
+    equation: "k_x w_x^3 + k_y w_y^3 + k_z w_z^3, or with w |w|",
+    unit: "deg/h per (arcsec/s)^n",
+    typical: Typical { low: 1e-16, high: 1e-9, source: "linearity of torquers, 10 to 100 ppm of full rate" },
+    needs: "three rates or more about each axis",
+    confused_with: &[Effect::ScaleCubic],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
+    columns: |s, _, shape| match picked(shape) {
+        [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(3))).collect(),
+        [1] => (0..3).map(|i| s.column(|k| s.rate[k][i] * s.rate[k][i].abs())).collect(),
+        _ => (0..3).map(|i| s.column(|k| if turns_about(s, k, i) { s.rate[k][i].signum() } else { 0.0 })).collect(),
+    },
+};
+
+pub const RATE_CURVE: Suspect = Suspect {
+    id: "rate_curve",
+    looks_like: "a smooth function of the rate along the input axis",
+    cause: "linearity of the rebalance loop by no single power",
+    equation: "sum_n c_n (w_I/top)^n/n, n = 2 .. 7",
+    unit: "deg/h",
+    typical: Typical { low: 0.001, high: 1.0, source: "linearity of rebalance loops, 1 to 100 ppm of full rate" },
+    needs: "many rates in both senses",
+    confused_with: &[Effect::ScaleCubic, Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
+    prior: Prior::Smooth,
+    shapes: one,
+    columns: rate_curve,
+};
+
+pub const RATE_AND_FORCE: Suspect = Suspect {
+    id: "rate_and_force",
+    looks_like: "a scale factor that depends on orientation",
+    cause: "the torquer's gap changes under load: scale factor depends on orientation",
+    equation: "w_I (k_S a_S + k_O a_O), or k . a times w",
+    unit: "1/g0",
+    typical: Typical { low: 1e-7, high: 0.0001, source: "scale factor against orientation, 0.1 to 100 ppm" },
+    needs: "each rate axis up and down",
+    confused_with: &[Effect::GRateCoupling, Effect::Anisoinertia],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
+    columns: |s, j, shape| match picked(shape) {
+        [0] => (0..3).map(|i| s.column(|k| s.force[k][i] * s.rate[k][i])).collect(),
+        _ => {
+            let gyro = &s.gyros[j];
+            [gyro.spin, gyro.output]
+                .iter()
+                .map(|axis| s.column(|k| s.force[k].dot(axis) * s.rate[k].dot(&gyro.input)))
+                .collect()
+        }
+    },
+};
+
+pub const STATIC_TO_RATE: Suspect = Suspect {
+    id: "static_to_rate",
+    looks_like: "a difference between standing and turning",
+    cause: "the unit was mounted anew, or slip rings and fans run, for the rate dwells",
+    equation: "k, or k . a, in rate dwells alone",
+    unit: "deg/h, deg/(h g0)",
+    typical: Typical { low: 0.0001, high: 0.05, source: "repeatability of remounting" },
+    needs: "rate dwells as many as static ones",
+    confused_with: &[Effect::BiasStep, Effect::ScaleAsymmetry],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
+    columns: |s, _, shape| match picked(shape) {
+        [0] => vec![s.column(|k| turning(s, k))],
+        _ => (0..3).map(|i| s.column(|k| turning(s, k) * s.force[k][i])).collect(),
+    },
+};
+
+pub const TORQUER_HEATING: Suspect = Suspect {
+    id: "torquer_heating",
+    looks_like: "a memory of the rates before",
+    cause: "the torquer's own heat after a fast dwell",
+    equation: "k sum of earlier w_I^2, forgotten with tau",
+    unit: "deg/h per (arcsec/s)^2",
+    typical: Typical { low: 1e-12, high: 1e-9, source: "a watt in the torquer warms it by a kelvin" },
+    needs: "slow dwells after fast ones",
+    confused_with: &[Effect::ScaleQuadratic, Effect::Warmup],
+    prior: Prior::Flat,
+    shapes: |s| [0.4, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
+    columns: |s, j, shape| match shape {
+        Shape::Tau(tau) => vec![heating(s, j, tau)],
+        _ => Vec::new(),
+    },
+};
+
+pub const RATE_BEFORE: Suspect = Suspect {
+    id: "rate_before",
+    looks_like: "a memory of the rate before",
+    cause: "fluid and suspension remember the rate before",
+    equation: "k . w of the dwell before",
+    unit: "1",
+    typical: Typical { low: 1e-9, high: 1e-6, source: "settling after a change of rate" },
+    needs: "an order in which the rate before varies",
+    confused_with: &[Effect::Hysteresis, Effect::ScaleAsymmetry],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
+};
+
+fn turning(s: &Setting, k: usize) -> f64 {
+    f64::from(u8::from(s.phase[k] == Phase::Rate))
+}
+
+fn turns_about(s: &Setting, k: usize, axis: usize) -> bool {
+    s.phase[k] == Phase::Rate && s.rate[k].iamax() == axis
+}
+
+/// Legendre polynomials of degree two to seven in w_I over its largest value, falling off with degree.
+fn rate_curve(s: &Setting, j: usize, _: Shape) -> Vec<Vec<f64>> {
+    let rate = s.column(|k| s.rate[k].dot(&s.gyros[j].input));
+    let top = rate.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+    if top == 0.0 {
+        return Vec::new();
+    }
+    (2..=7_i32).map(|degree| rate.iter().map(|w| (w / top).powi(degree) / f64::from(degree)).collect()).collect()
+}
+
+/// Heat of the torquer: w_I^2 of all dwells before, forgotten with `tau`.
+fn heating(s: &Setting, j: usize, tau: f64) -> Vec<f64> {
+    let mut heat = 0.0;
+    (0..s.dwells())
+        .map(|k| {
+            if k > 0 {
+                let keep = (-(s.time[k] - s.time[k - 1]) / tau).exp();
+                heat = keep * (heat + s.rate[k - 1].dot(&s.gyros[j].input).powi(2));
+            }
+            heat
+        })
+        .collect()
+}

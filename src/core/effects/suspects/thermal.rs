@@ -1,0 +1,109 @@
+//! Suspects that follow temperature.
+
+use super::{Prior, Suspect, mid, one, picked};
+use crate::core::effects::{Effect, Setting, Shape, Typical};
+
+pub const BENT_TEMPERATURE: Suspect = Suspect {
+    id: "bent_temperature",
+    looks_like: "a bend in temperature",
+    cause: "viscosity and buoyancy of the flotation fluid are no straight line in temperature",
+    equation: "k_1 T + k_2 T^2 + k_3 T^3",
+    unit: "deg/h/K^n",
+    typical: Typical { low: 0.0001, high: 0.05, source: "IEEE 517, temperature sensitivity beyond first degree" },
+    needs: "a temperature that takes many values",
+    confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
+    columns: |s, _, shape| picked(shape).iter().map(|&degree| temperature_power(s, degree as i32)).collect(),
+};
+
+pub const TEMPERATURE_RATE: Suspect = Suspect {
+    id: "temperature_rate",
+    looks_like: "a response to the rate of change of temperature",
+    cause: "gradients through the case while it warms or cools turn the float",
+    equation: "k dT/dt",
+    unit: "deg/h/(K/s)",
+    typical: Typical { low: 1.0, high: 1e3, source: "IEEE 517, thermal gradients; 0.001 to 0.1 deg/h at 1 K/h" },
+    needs: "a temperature that moves both ways",
+    confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1]), 0.5)],
+    columns: |s, _, shape| {
+        let all = [temperature_slope(s), temperature_power(s, 1)];
+        picked(shape).iter().map(|&i| all[i].clone()).collect()
+    },
+};
+
+pub const TEMPERATURE_LAG: Suspect = Suspect {
+    id: "temperature_lag",
+    looks_like: "a late response to temperature",
+    cause: "the float follows the case late",
+    equation: "k T as an exponential lag leaves it",
+    unit: "deg/h/K",
+    typical: Typical { low: 0.001, high: 0.1, source: "thermal time constants of floated gyros, minutes to an hour" },
+    needs: "changes of temperature faster than the lag",
+    confused_with: &[Effect::TemperatureBias, Effect::Warmup],
+    prior: Prior::Flat,
+    shapes: |s| [2.0, 4.0, 8.0, 16.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
+    columns: |s, _, shape| match shape {
+        Shape::Tau(tau) => vec![temperature_lagged(s, tau)],
+        _ => Vec::new(),
+    },
+};
+
+pub const TEMPERATURE_AND_TIME: Suspect = Suspect {
+    id: "temperature_and_time",
+    looks_like: "a response to temperature that changes with time",
+    cause: "the sensitivity to temperature changes as the unit settles",
+    equation: "k t T",
+    unit: "deg/h/K per campaign",
+    typical: Typical { low: 0.0001, high: 0.05, source: "as temperature_bias, changing within a day" },
+    needs: "like temperatures early and late",
+    confused_with: &[Effect::TemperatureBias, Effect::TimeRamp],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
+};
+
+pub const TEMPERATURE_G_SQUARED: Suspect = Suspect {
+    id: "temperature_g_squared",
+    looks_like: "compliance that follows temperature",
+    cause: "stiffness of gimbal and bearings follows temperature: compliance does",
+    equation: "T (k_x a_x^2 + k_y a_y^2 + k_z a_z^2)",
+    unit: "deg/(h g0^2 K)",
+    typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, temperature sensitivity of compliance" },
+    needs: "each orientation at several temperatures",
+    confused_with: &[Effect::TemperatureBias, Effect::TemperatureG],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, _, _| (0..3).map(|i| s.column(|k| temperature(s, k) * s.force[k][i].powi(2))).collect(),
+};
+
+fn temperature(s: &Setting, k: usize) -> f64 {
+    s.temperature.as_ref().map_or(0.0, |t| t[k])
+}
+
+fn temperature_power(s: &Setting, degree: i32) -> Vec<f64> {
+    s.column(|k| temperature(s, k).powi(degree))
+}
+
+/// Temperature now less temperature one dwell before, over the time between.
+fn temperature_slope(s: &Setting) -> Vec<f64> {
+    s.column(|k| {
+        let k = k.max(1).min(s.dwells() - 1);
+        if s.dwells() < 2 { 0.0 } else { (temperature(s, k) - temperature(s, k - 1)) / (s.time[k] - s.time[k - 1]) }
+    })
+}
+
+fn temperature_lagged(s: &Setting, tau: f64) -> Vec<f64> {
+    let mut state = temperature(s, 0);
+    (0..s.dwells())
+        .map(|k| {
+            if k > 0 {
+                let keep = (-(s.time[k] - s.time[k - 1]) / tau).exp();
+                state = keep * state + (1.0 - keep) * temperature(s, k);
+            }
+            state
+        })
+        .collect()
+}

@@ -1,0 +1,143 @@
+//! Suspects that follow time.
+
+use std::f64::consts::PI;
+
+use super::{Prior, Suspect, mid, one, picked};
+use crate::core::effects::{Effect, Setting, Shape, Typical};
+
+pub const CURVE_IN_TIME: Suspect = Suspect {
+    id: "curve_in_time",
+    looks_like: "a smooth course in time",
+    cause: "flex leads, suspension and electronics settle by no single law",
+    equation: "sum_m c_m cos(pi m t/span)/m^2, m = 1 .. 9",
+    unit: "deg/h",
+    typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
+    needs: "dwells over the whole campaign",
+    confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::BiasStep, Effect::Periodic],
+    prior: Prior::Smooth,
+    shapes: one,
+    columns: |s, _, _| waves(s, 9, 2.0),
+};
+
+pub const WANDER_IN_TIME: Suspect = Suspect {
+    id: "wander_in_time",
+    looks_like: "a random walk in time",
+    cause: "rate random walk: the bias drifts by what has no memory",
+    equation: "sum_m c_m cos(pi m t/span)/m, m = 1 .. 16",
+    unit: "deg/h",
+    typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, rate random walk, per square root of an hour" },
+    needs: "dwells over the whole campaign",
+    confused_with: &[Effect::TimeRamp, Effect::BiasStep, Effect::Warmup, Effect::Periodic],
+    prior: Prior::Smooth,
+    shapes: one,
+    columns: |s, _, _| waves(s, 16, 1.0),
+};
+
+pub const CORRELATED_IN_TIME: Suspect = Suspect {
+    id: "correlated_in_time",
+    looks_like: "noise that neighbouring dwells share",
+    cause: "flicker of bias, and supplies that several dwells share",
+    equation: "sum_m c_m cos(pi m t/span)/m^0.35, m = 1 .. 26",
+    unit: "deg/h",
+    typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, bias instability" },
+    needs: "more dwells than waves",
+    confused_with: &[Effect::Periodic, Effect::OutlierDwell, Effect::BiasStep],
+    prior: Prior::Smooth,
+    shapes: one,
+    columns: |s, _, _| waves(s, 26, 0.35),
+};
+
+pub const BEND_IN_TIME: Suspect = Suspect {
+    id: "bend_in_time",
+    looks_like: "a bend in time",
+    cause: "settling that is slower or faster than one time constant",
+    equation: "c_1 t + c_2 t^2 + c_3 t^3",
+    unit: "deg/h",
+    typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
+    needs: "dwells over the whole campaign",
+    confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
+    prior: Prior::Flat,
+    shapes: |_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
+    columns: |s, _, shape| picked(shape).iter().map(|&degree| legendre_in_time(s, degree)).collect(),
+};
+
+pub const BURST: Suspect = Suspect {
+    id: "burst",
+    looks_like: "a passing disturbance of several dwells",
+    cause: "a door, a crane, a power supply that recovers: a passing disturbance",
+    equation: "k in neighbouring dwells",
+    unit: "deg/h",
+    typical: Typical { low: 0.001, high: 1.0, source: "station logs" },
+    needs: "several dwells before and after it",
+    confused_with: &[Effect::BiasStep, Effect::OutlierDwell, Effect::Periodic],
+    prior: Prior::Flat,
+    shapes: windows,
+    columns: |s, _, shape| match shape {
+        Shape::Window(from, to) => vec![s.column(|k| f64::from(u8::from((from..to).contains(&k))))],
+        _ => Vec::new(),
+    },
+};
+
+pub const DRIFTING_MASS_UNBALANCE: Suspect = Suspect {
+    id: "drifting_mass_unbalance",
+    looks_like: "g-sensitivity that changes with time",
+    cause: "the float's suspension currents and bubbles move its centre of mass through the day",
+    equation: "t (k_x a_x + k_y a_y + k_z a_z)",
+    unit: "deg/(h g0) per campaign",
+    typical: Typical { low: 0.001, high: 0.05, source: "day-to-day stability of mass unbalance, 0.01 deg/(h g0)" },
+    needs: "each orientation early and late",
+    confused_with: &[Effect::TemperatureG, Effect::GLinear, Effect::Hysteresis],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
+};
+
+pub const DRIFTING_SCALE: Suspect = Suspect {
+    id: "drifting_scale",
+    looks_like: "a scale factor that changes with time",
+    cause: "the torquer's magnet ages or its reference voltage drifts",
+    equation: "k t w_I",
+    unit: "1 per campaign",
+    typical: Typical { low: 1e-6, high: 0.0001, source: "stability of torquer scale factors, 1 to 100 ppm" },
+    needs: "rate dwells early and late",
+    confused_with: &[Effect::TemperatureScale, Effect::ScaleQuadratic],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
+};
+
+/// Half cosines over the campaign, the m-th in proportion to m^-roughness.
+fn waves(s: &Setting, count: usize, roughness: f64) -> Vec<Vec<f64>> {
+    (1..=count.min(s.dwells() / 2))
+        .map(|m| {
+            let size = (m as f64).powf(-roughness);
+            s.column(|k| size * (PI * m as f64 * 0.5 * (mid(s, k) + 1.0)).cos())
+        })
+        .collect()
+}
+
+fn legendre_in_time(s: &Setting, degree: usize) -> Vec<f64> {
+    s.column(|k| {
+        let x = mid(s, k);
+        match degree {
+            1 => x,
+            2 => 1.5 * x * x - 0.5,
+            _ => 2.5 * x.powi(3) - 1.5 * x,
+        }
+    })
+}
+
+/// Windows of three to a third of the dwells, clear of both ends (one that reaches an end is a step).
+fn windows(s: &Setting) -> Vec<(Shape, f64)> {
+    let n = s.dwells();
+    let mut found = Vec::new();
+    for width in [2, 3, 4, 6, 8, 11, 15, 20, 27] {
+        let stride = (width / 4).max(1);
+        for from in (1..n.saturating_sub(width)).step_by(stride) {
+            if 3 * width <= n {
+                found.push((Shape::Window(from, from + width), stride as f64 / width as f64));
+            }
+        }
+    }
+    if found.is_empty() { vec![(Shape::Window(0, 0), 1.0)] } else { found }
+}

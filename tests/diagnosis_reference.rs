@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use lab::Lab;
 use serde_json::{Value, json};
-use support::{data_path, gyrowatch};
+use support::{Server, data_path, gyrowatch};
 
 /// Practice campaign 0: nothing is hidden in it.
 fn clean() -> Value {
@@ -182,4 +182,47 @@ async fn over_http_a_stored_campaign_is_held_against_another_one() {
     lab.get(&format!("{path}?reference=0000000000000")).await.refused(404);
     lab.get(&format!("{path}?reference=nonsense")).await.refused(404);
     lab.get(&format!("{path}?referense={first}")).await.refused(400);
+}
+
+#[tokio::test]
+async fn the_page_shows_the_parts_against_the_calibration_before_or_another_one() {
+    let server = Server::start().await;
+    let moved = 0.05;
+    let pulse = moved * scale();
+    let mut second = later(|_, _| pulse);
+    second["measured_at"] = "2026-05-01T08:00:00Z".into();
+    let mut third = clean();
+    third["measured_at"] = "2026-06-01T08:00:00Z".into();
+    let mut ids = Vec::new();
+    for campaign in [clean(), second, third] {
+        let answer = server.post("/v1/campaigns", "application/json", campaign.to_string()).await.json();
+        ids.push(answer["id"].as_str().unwrap().to_owned());
+    }
+    let page = async |path: &str| server.get(path).await.text();
+    // Without being asked it is held against the one before: the bias moved back by as much.
+    let body = server.get(&format!("/v1/campaigns/{}/diagnosis?reference={}", ids[2], ids[1])).await.json();
+    assert!((shift(&body["reference"], "G1", "D0") + moved).abs() < 1e-6);
+    let shown = page(&format!("/campaigns/{}/diagnosis", ids[2])).await;
+    let back = format!("<td class=\"n\">{:+.6}</td>", shift(&body["reference"], "G1", "D0"));
+    assert!(shown.contains("Against an earlier calibration") && shown.contains(&back), "{back}");
+    assert!(shown.contains(&format!("<option value=\"{}\" selected>", ids[1])));
+    let chosen = page(&format!("/campaigns/{}/diagnosis?reference={}", ids[2], ids[0])).await;
+    assert!(!chosen.contains(&back) && chosen.contains(&format!("<option value=\"{}\" selected>", ids[0])));
+    // The first one has nothing before it, but later ones can be chosen.
+    assert!(page(&format!("/campaigns/{}/diagnosis", ids[0])).await.contains("No calibration of this IMU is earlier"));
+    assert_eq!(server.get(&format!("/campaigns/{}/diagnosis?reference=nonsense", ids[2])).await.status, 404);
+}
+
+#[tokio::test]
+async fn the_page_says_what_a_gyro_alone_cannot_tell_apart() {
+    let server = Server::start().await;
+    // Its rates tell the asymmetry of G1 and G3 from a quadratic scale factor together, G1's alone do not.
+    let answer = server.post("/v1/campaigns", "application/json", support::data("practice/campaign-05.json")).await;
+    let id = answer.json()["id"].as_str().unwrap().to_owned();
+    let body = server.get(&format!("/v1/campaigns/{id}/diagnosis")).await.json();
+    assert_eq!(body["effects"][0]["wider_in"][0]["slot"], "G1", "{body}");
+    let english = server.get(&format!("/campaigns/{id}/diagnosis")).await.text();
+    assert!(english.contains("G1 alone cannot tell it from:</strong>"), "{english}");
+    let after = english.split("alone cannot tell it from:").nth(1).unwrap().split("</p>").next().unwrap().to_owned();
+    assert!(after.contains("scale_quadratic") && !after.contains("scale_asymmetry"), "{after}");
 }

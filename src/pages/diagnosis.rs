@@ -3,11 +3,12 @@
 
 use std::time::Duration;
 
-use axum::extract::{Path, State as Held};
+use axum::extract::{Path, Query, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
+use super::against::{self, Against};
 use super::calibration::stored_campaign;
 use super::figure::{percent, short};
 use super::layout::{Page, Section, encoded, instant};
@@ -20,14 +21,19 @@ use crate::pipeline::{Asked, StoredCampaign};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
 use crate::wire::problem::Problem;
 
-pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
-    viewer.show(build(&pages, &viewer, &id).await)
+pub(super) async fn page(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Query(asked): Query<against::Asked>,
+) -> Response {
+    viewer.show(build(&pages, &viewer, &id, &asked).await)
 }
 
 /// How long a viewer waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem> {
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &against::Asked) -> Result<Page, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {
@@ -45,9 +51,11 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Page, Problem
         .iter()
         .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
         .collect();
+    let against = Against::of(pages, &stored, &diagnosis, asked).await?;
     let body = html! {
         (head(t, &stored, &diagnosis))
         (effects(t, &diagnosis))
+        (against.section(t))
         (located(t, &diagnosis, &slots))
         (candidates(t, &diagnosis.candidates))
         (impact(t, &diagnosis))
@@ -121,7 +129,6 @@ fn effects(t: &Text, d: &DiagnosisBody) -> Markup {
 }
 
 fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
-    let others: Vec<&String> = effect.class.iter().filter(|id| **id != effect.effect).collect();
     html! {
         article.effect {
             h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
@@ -132,8 +139,9 @@ fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
             p.note {
                 (t.adjusted_p) " " (short(effect.p_value_adjusted)) " · " (t.detectability) " " (short(effect.detectability))
             }
-            @if !others.is_empty() {
-                p { strong { (t.cannot_tell_from) } " " @for (i, id) in others.iter().enumerate() { @if i > 0 { "; " } (named(t, id)) } }
+            @if effect.class.len() > 1 { p { strong { (t.cannot_tell_from) } " " (others(t, effect, &effect.class)) } }
+            @for wider in &effect.wider_in {
+                p { strong { (wider.slot) " " (t.alone_cannot_tell_from) } " " (others(t, effect, &wider.class)) }
             }
             div.scroll tabindex="0" { table {
                 thead { tr { th { (t.serial) } th { (t.parameter) } th.n { (t.value) } th { (t.unit_word) } } }
@@ -146,6 +154,12 @@ fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
             } }
         }
     }
+}
+
+/// A class without the effect itself.
+fn others(t: &Text, effect: &EffectBody, class: &[String]) -> Markup {
+    let others = class.iter().filter(|id| **id != effect.effect).enumerate();
+    html! { @for (i, id) in others { @if i > 0 { "; " } (named(t, id)) } }
 }
 
 /// How far the error of dwells that were held out shrinks.

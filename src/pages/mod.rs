@@ -3,6 +3,7 @@
 //! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is named,
 //! and the content security policy allows none.
 
+mod against;
 mod alerts;
 mod assets;
 mod calibration;

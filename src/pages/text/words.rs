@@ -178,6 +178,7 @@ catalogue! {
     adjusted_p: "adjusted p", "校正p值";
     detectability: "detectability", "可检测度";
     cannot_tell_from: "This campaign cannot tell it from:", "本次试验无法与下列效应区分：";
+    alone_cannot_tell_from: "alone cannot tell it from:", "单独无法与下列效应区分：";
     parameter: "Parameter", "参数";
     value: "Value", "数值";
     unit_word: "Unit", "单位";
@@ -188,6 +189,17 @@ catalogue! {
     heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各位置段残差与不确定度之比";
     place: "Place", "位置";
     share: "Share of the gap", "所占差异";
+    against: "Against an earlier calibration", "与以往标定比较";
+    against_note: "Root mean square over the dwells, deg/h; the squares of the three parts add up to that of the whole.", "各位置段的均方根，°/h；三部分的平方和等于总差异的平方。";
+    none_before: "No calibration of this IMU is earlier; a later one can be chosen.", "该惯性组合没有更早的标定，可以选择较晚的标定。";
+    hold_against: "Compare", "比较";
+    reference: "Reference", "参照标定";
+    whole_gap: "Whole gap", "总差异";
+    part_parameters: "Parameters", "参数变化";
+    part_structure: "Structure", "模型结构";
+    part_noise: "Noise", "噪声";
+    p_parameters: "p of the parameters", "参数变化p值";
+    now: "Now", "本次";
     what_else: "What else was tried", "其他候选";
     effect: "Effect", "效应";
     closes_alone: "Closes alone", "单独解释";

@@ -1,0 +1,135 @@
+//! The gap of a campaign against an earlier calibration of its IMU, split into parameters, structure and noise: a section of
+//! the page of its diagnosis.
+
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::figure::short;
+use super::layout::{instant, symbol};
+use super::text::Text;
+use crate::pipeline::{Id, Kind, NotSplit, RecordHead, StoredCampaign};
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::problem::Problem;
+use crate::wire::split::{MovedBody, PartsBody, SplitBody};
+
+/// Calibrations of the IMU that are offered.
+const OFFERED: u32 = 60;
+
+/// `?reference=ID`; the newest calibration before the campaign where left out.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Asked {
+    reference: Option<String>,
+}
+
+/// What the campaign can be held against, and what came of the one that was chosen.
+pub(super) struct Against {
+    /// Newest first.
+    offered: Vec<RecordHead>,
+    chosen: Option<Id>,
+    split: Option<Result<SplitBody, String>>,
+}
+
+impl Against {
+    /// # Errors
+    /// 404, where what is asked for is not stored; not where it is no reference for this campaign: the page says so.
+    pub async fn of(
+        pages: &Pages,
+        stored: &StoredCampaign,
+        diagnosis: &DiagnosisBody,
+        asked: &Asked,
+    ) -> Result<Self, Problem> {
+        let mut offered = pages.pipeline.store().records_of_imu(stored.row.imu, OFFERED).await?;
+        offered.retain(|head| head.id != stored.row.id);
+        let newest_before = offered.iter().find(|head| head.calibrated_at < stored.row.calibrated_at);
+        let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {
+            Some(text) => Some(text.parse::<Id>().map_err(|_| unknown(text))?),
+            None => newest_before.map(|head| head.id),
+        };
+        let split = match chosen {
+            Some(id) => Some(match pages.pipeline.split(stored.row.id, diagnosis, id).await {
+                Ok(split) => Ok(split),
+                Err(NotSplit::NoSuchReference(id)) => return Err(unknown(&id.to_string())),
+                Err(NotSplit::NoReference(why)) => Err(why.to_string()),
+                Err(NotSplit::Store(error)) => return Err(error.into()),
+            }),
+            None => None,
+        };
+        Ok(Self { offered, chosen, split })
+    }
+
+    pub fn section(&self, t: &Text) -> Markup {
+        html! {
+            @if !self.offered.is_empty() {
+                section {
+                    h2 { (t.against) }
+                    (self.choice(t))
+                    @match &self.split {
+                        Some(Ok(split)) => (parts(t, split)),
+                        Some(Err(why)) => p { (why) },
+                        None => p { (t.none_before) },
+                    }
+                }
+            }
+        }
+    }
+
+    fn choice(&self, t: &Text) -> Markup {
+        let kind = |head: &RecordHead| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
+        html! {
+            form method="get" {
+                label { (t.reference) " "
+                    select name="reference" {
+                        @for head in &self.offered {
+                            option value=(head.id) selected[self.chosen == Some(head.id)] {
+                                (instant(head.calibrated_at)) " · " (kind(head))
+                            }
+                        }
+                    }
+                }
+                " " button { (t.hold_against) }
+            }
+        }
+    }
+}
+
+fn unknown(id: &str) -> Problem {
+    Problem::new(404, "No such reference", format!("there is no campaign or record {id}"))
+}
+
+fn parts(t: &Text, split: &SplitBody) -> Markup {
+    let gyros = split.gyros.iter().map(|gyro| (gyro.slot.as_str(), &gyro.parts));
+    let rows = [(t.all_gyros, &split.all)].into_iter().chain(gyros);
+    html! {
+        p.note { (split.station) " · " (split.measured_at) " · " (t.against_note) }
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.serial) } th.n { (t.whole_gap) } th.n { (t.part_parameters) } th.n { (t.part_structure) }
+                th.n { (t.part_noise) } th.n { (t.p_parameters) }
+            } }
+            tbody { @for (slot, p) in rows { (part_row(slot, p)) } }
+        } }
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.serial) } th {} th.n { (t.reference) } th.n { (t.now) } th.n { (t.shift) } th.n { "1 σ" } th { (t.unit_word) }
+            } }
+            tbody { @for moved in &split.moved { (moved_row(moved)) } }
+        } }
+        @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (note) } } } }
+    }
+}
+
+fn part_row(slot: &str, p: &PartsBody) -> Markup {
+    let numbers = [p.whole_deg_per_h, p.parameters_deg_per_h, p.structure_deg_per_h, p.noise_deg_per_h, p.p_value];
+    html! { tr { th scope="row" { (slot) } @for number in numbers { td.n { (short(number)) } } } }
+}
+
+fn moved_row(moved: &MovedBody) -> Markup {
+    html! {
+        tr {
+            td { (moved.slot) } td { (symbol(&moved.coefficient)) }
+            td.n { (format!("{:.6}", moved.reference)) } td.n { (format!("{:.6}", moved.now)) }
+            td.n { (format!("{:+.6}", moved.shift)) } td.n { (moved.sd.map_or("–".to_owned(), short)) } td { (moved.unit) }
+        }
+    }
+}

@@ -7,6 +7,10 @@ there it is physics; here angles are small, there they are finite; here noise is
 A diagnosis whose figures hold on both does not owe them to one simulator.
 
     python3 scripts/blind_generator.py --out DIR --seed 7 --count 200
+    python3 scripts/blind_generator.py --out DIR --seed 7 --count 200 --hard
+
+With --hard the noise is not what standard errors say: they are wrong by a factor of their own for each gyro, or absent,
+or the noise has heavy tails, and the programme is one that no table of positions lists.
 """
 
 import argparse
@@ -28,7 +32,9 @@ OFF_AXIS = ["cross_compliance", "cubic_g"]
 COMMON = ["levelling", "azimuth"]
 UNSEEN = ["cross_compliance", "cubic_g", "output_axis_g"]
 OUTSIDE = """harmonics coloured square_of_temperature temperature_by_rate sawtooth wandering_bias several_outliers
-scale_by_time chirp bump""".split()
+scale_by_time chirp bump dead_band""".split()
+DESIGNS = ["24", "60"]
+HARD_DESIGNS = ["24", "60", "sphere", "one_sided"]
 
 
 def axis_rotation(axis, angle):
@@ -70,8 +76,18 @@ def programme(rng, design, style):
                     up = np.zeros(3)
                     up[p], up[q] = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
                     statics.append(onto_up(up))
+    if design == "sphere":
+        # A spiral of even density over the sphere, each direction with a heading of its own.
+        height = 1 - 2 * (np.arange(48) + 0.5) / 48
+        turns = np.pi * (1 + 5**0.5) * np.arange(48)
+        across = np.sqrt(1 - height**2)
+        ups = np.c_[across * np.cos(turns), across * np.sin(turns), height]
+        statics = [onto_up(u) @ axis_rotation([0, 0, 1.0], rng.uniform(0, 2 * np.pi)) for u in ups]
     statics += [statics[k] for k in rng.choice(len(statics), style["repeats"], replace=False)]
     rates = [(onto_up(f), s * r) for f in faces for r in style["rates"] for s in (1, -1)]
+    if design == "one_sided":
+        # Each axis up only, and the two senses at rates of their own.
+        rates = [(onto_up(f), s * r * (1.0 if s > 0 else 0.8)) for f in faces[::2] for r in style["rates"] for s in (1, -1)]
     everything = [(c, 0.0) for c in statics] + rates
     split = len(statics)
     if style["order"] == "random":
@@ -188,6 +204,7 @@ class Campaign:
             "scale_by_time": lambda: wi * t,
             "chirp": lambda: np.sin(2 * np.pi * (1.0 + 2.5 * t / t[-1]) * t / t[-1] + shared["phase"]),
             "bump": lambda: np.exp(-0.5 * ((t - shared["centre"]) / shared["width"]) ** 2),
+            "dead_band": lambda: np.sign(ws) * (np.abs(ws) > shared["band"] * np.abs(ws).max()),
         }
         return forms[effect]()
 
@@ -212,6 +229,7 @@ class Campaign:
             "outliers": rng.choice(n, int(rng.integers(3, 7)), replace=False),
             "centre": span * rng.uniform(0.3, 0.7),
             "width": span * rng.uniform(0.04, 0.1),
+            "band": rng.uniform(0.2, 0.6),
         }
 
     def response(self, effect, d):
@@ -235,13 +253,27 @@ class Campaign:
         for j in range(self.count):
             g = self.d_i[j] * self.i[j] + self.d_s[j] * self.s[j]
             ideal = self.k[j] * (self.w @ self.i[j] + self.d_f[j] + self.a @ g)
-            out.append(ideal + sum(r[j] for r in responses) + self.sd[j] * self.rng.normal(size=self.n))
+            out.append(ideal + sum(r[j] for r in responses) + self.sd[j] * self.noise())
         return np.array(out)
 
+    def noise(self):
+        """Unit variance: normal, or Student's t with 5 degrees of freedom."""
+        if self.style["sem"] == "heavy_tails":
+            return self.rng.standard_t(5, size=self.n) / (5 / 3) ** 0.5
+        return self.rng.normal(size=self.n)
+
+    def standard_errors(self):
+        """As stated by the station, three gyros by dwells; none where it states none."""
+        scatter = {"exact": 0.0, "noisy": 0.12, "wrong": 0.12, "heavy_tails": 0.05}.get(self.style["sem"])
+        if scatter is None:
+            return None
+        stated = self.sd * np.clip(1 + scatter * self.rng.normal(size=self.sd.shape), 0.4, None)
+        if self.style["sem"] == "wrong":
+            stated *= np.exp(self.rng.normal(0, 0.2) + self.rng.normal(0, 0.1, (3, 1)))
+        return stated
+
     def document(self, number, outputs):
-        style = self.style
-        wrong = {"exact": 0.0, "noisy": 0.12}.get(style["sem"])
-        sem = None if wrong is None else self.sd * np.clip(1 + wrong * self.rng.normal(size=self.sd.shape), 0.4, None)
+        style, sem = self.style, self.standard_errors()
         dwells = []
         for k in range(self.n):
             dwell = {
@@ -268,7 +300,7 @@ class Campaign:
         }
 
 
-def style(rng):
+def style(rng, hard):
     return {
         "repeats": int(rng.choice([0, 4, 6, 12])),
         "rates": [360.0, 1800.0, 3600.0, 7200.0] if rng.random() < 0.7 else [900.0, 3600.0, 10800.0],
@@ -278,16 +310,16 @@ def style(rng):
         "latitude": float(rng.uniform(-60, 60)),
         "geometry": "skewed" if rng.random() < 0.8 else "orthogonal",
         "noise": float(rng.uniform(0.8e-3, 2.4e-3)), "knee": float(rng.uniform(4000, 12000)),
-        "sem": str(rng.choice(["exact", "noisy", "noisy", "absent"])),
+        "sem": str(rng.choice(["wrong", "wrong", "heavy_tails", "absent"] if hard else ["exact", "noisy", "noisy", "absent"])),
         "missing": [],
     }
 
 
-def cases(rng):
+def cases(rng, hard):
     """One campaign's case: kind, effects with their d (None: cannot be seen), design."""
     kind = rng.choice(["one", "faint", "clean", "pair", "outside", "unseen"], p=[0.4, 0.1, 0.2, 0.12, 0.12, 0.06])
-    design = str(rng.choice(["24", "60"]))
-    names = PLAIN + (OFF_AXIS if design == "60" else [])
+    design = str(rng.choice(HARD_DESIGNS if hard else DESIGNS))
+    names = PLAIN + (OFF_AXIS if design in ("60", "sphere") else [])
     if kind == "one":
         return [(str(rng.choice(names)), float(rng.choice([8, 12, 20, 30])))], design
     if kind == "faint":
@@ -302,10 +334,10 @@ def cases(rng):
     return [], design
 
 
-def one(seed, number):
+def one(seed, number, hard):
     rng = np.random.default_rng([seed, number])
-    effects, design = cases(rng)
-    campaign = Campaign(rng, design, style(rng))
+    effects, design = cases(rng, hard)
+    campaign = Campaign(rng, design, style(rng, hard))
     drawn = [campaign.response(name, d) for name, d in effects]
     outputs = campaign.measured([columns for columns, *_ in drawn])
     together = [sum(columns[j] for columns, *_ in drawn) for j in range(campaign.count)] if drawn else []
@@ -330,11 +362,12 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder to write campaigns and key.json into")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--hard", action="store_true", help="standard errors wrong or absent, heavy tails, other designs")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     key = {}
     for number in range(options.count):
-        document, entry = one(options.seed, number)
+        document, entry = one(options.seed, number, options.hard)
         name = f"blind-{number:04d}.json"
         (options.out / name).write_text(json.dumps(document))
         key[name] = entry

@@ -26,7 +26,8 @@ fn only(case: Case) -> Draw {
 }
 
 fn silent() -> Answer {
-    Answer { verdict: "no_gap".into(), effects: vec![], closure: None, not_identifiable: vec![], impact: vec![] }
+    let (effects, not_identifiable, impact, impact_within_noise) = (vec![], vec![], vec![], vec![]);
+    Answer { verdict: "no_gap".into(), effects, closure: None, not_identifiable, impact, impact_within_noise }
 }
 
 fn named(effect: &str, gyros: Vec<String>) -> Named {
@@ -51,7 +52,6 @@ fn oracle(text: &str, draw: &Draw) -> Answer {
         coefficient: coefficient.into(),
         shift: -0.02,
         plain: Some(true_value + 0.021),
-        augmented_sd: Some(0.001),
     };
     for (slot, gyro) in slots().iter().zip(&truth.truth) {
         answer.impact.extend([plain(slot, "D_I", gyro.d_i), plain(slot, "D_S", gyro.d_s)]);

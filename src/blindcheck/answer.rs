@@ -13,8 +13,11 @@ pub struct Answer {
     pub closure: Option<HeldOut>,
     #[serde(default)]
     pub not_identifiable: Vec<Unseen>,
+    /// Coefficients that are reported as moved.
     #[serde(default)]
     pub impact: Vec<Shift>,
+    #[serde(default)]
+    pub impact_within_noise: Vec<Shift>,
 }
 
 /// An adopted effect.
@@ -49,8 +52,6 @@ pub struct Shift {
     /// The coefficient without the adopted effects.
     #[serde(default)]
     pub plain: Option<f64>,
-    #[serde(default)]
-    pub augmented_sd: Option<f64>,
 }
 
 impl Named {

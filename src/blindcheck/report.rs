@@ -136,11 +136,16 @@ fn rows(scores: &[Score]) -> Vec<Row> {
             Tally::of(structured().flat_map(|s| s.closures.iter().map(|c| c.covered()).collect::<Vec<_>>())),
         ),
         Row::new(
-            "D_I, D_S nearer to the truth, where they move materially",
+            "D_I, D_S reported as moved: nearer to the truth",
+            at_least(0.95),
+            Tally::of(structured().flat_map(|s| s.moved.clone())),
+        ),
+        Row::new(
+            "  all of a campaign's together, where any is",
             at_least(0.95),
             Tally::of(shifts().filter(|s| s.material).map(|s| s.nearer())),
         ),
-        Row::new("  in every campaign named rightly", None, Tally::of(shifts().map(|s| s.nearer()))),
+        Row::new("  in every campaign, moved or not", None, Tally::of(shifts().map(|s| s.nearer()))),
         Row::new("a term withheld from the model: named", at_least(0.99), found(&mut of(Case::Withheld))),
     ]
 }

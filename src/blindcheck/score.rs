@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::simulate::Simulated;
 use crate::simulate::truth::{GyroKey, KeyEntry, OUTSIDE};
 
-use super::answer::{Answer, Named};
+use super::answer::{Answer, Named, Shift};
 use super::draw::Case;
 use super::reach::Structure;
 
@@ -16,8 +16,6 @@ pub const OWN_DETECTABILITY: f64 = 4.5;
 /// A member of a class that leaves this much of the true effect unexplained could have been told from it: at 7 the
 /// likelihood ratio of the two names is right 9,998 times in 10,000.
 const TELLABLE: f64 = 7.0;
-/// A shift counts as material beyond so many of its standard deviations.
-const MATERIAL: f64 = 3.0;
 
 /// How one campaign was answered.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,7 +40,10 @@ pub struct Score {
     /// Effects that leave nothing in this design: listed as such.
     pub listed_as_unseen: Option<bool>,
     pub closures: Vec<Closure>,
+    /// Over all coefficients of the gyros that are named.
     pub shift: Option<ShiftScore>,
+    /// For each coefficient that is reported as moved: the augmented value is the nearer one.
+    pub moved: Vec<bool>,
     pub milliseconds: f64,
     /// Why there is no answer.
     pub error: Option<String>,
@@ -68,7 +69,7 @@ impl Closure {
 pub struct ShiftScore {
     pub plain_rms: f64,
     pub augmented_rms: f64,
-    /// Whether any of these coefficients moved beyond its uncertainty.
+    /// Whether any of these coefficients is reported as moved.
     pub material: bool,
 }
 
@@ -117,6 +118,7 @@ impl Known<'_> {
         }
         score.closures = self.closures(answer);
         score.shift = self.shift(answer);
+        score.moved = answer.impact.iter().filter_map(|entry| self.errors(entry)).map(|(a, b)| b < a).collect();
         score
     }
 
@@ -138,6 +140,7 @@ impl Known<'_> {
             listed_as_unseen: None,
             closures: Vec::new(),
             shift: None,
+            moved: Vec::new(),
             milliseconds,
             error: None,
         }
@@ -229,19 +232,23 @@ impl Known<'_> {
 
     fn shift(&self, answer: &Answer) -> Option<ShiftScore> {
         let gyros: Vec<&String> = answer.effects.iter().flat_map(|named| &named.gyros).collect();
-        let (mut plain, mut augmented, mut count, mut material) = (0.0, 0.0, 0, false);
-        for entry in answer.impact.iter().filter(|entry| gyros.contains(&&entry.slot)) {
-            let (Some(truth), Some(before)) = (self.true_coefficient(&entry.slot, &entry.coefficient), entry.plain)
-            else {
-                continue;
-            };
-            plain += (before - truth).powi(2);
-            augmented += (before + entry.shift - truth).powi(2);
-            material |= entry.augmented_sd.is_some_and(|sd| entry.shift.abs() > MATERIAL * sd);
+        let named = |entry: &&Shift| gyros.contains(&&entry.slot);
+        let (mut plain, mut augmented, mut count) = (0.0, 0.0, 0);
+        for entry in answer.impact.iter().chain(&answer.impact_within_noise).filter(named) {
+            let Some((before, after)) = self.errors(entry) else { continue };
+            plain += before * before;
+            augmented += after * after;
             count += 1;
         }
+        let material = answer.impact.iter().any(|entry| named(&entry));
         let rms = |sum: f64| (sum / f64::from(count)).sqrt();
         (count > 0).then(|| ShiftScore { plain_rms: rms(plain), augmented_rms: rms(augmented), material })
+    }
+
+    /// Errors of the plain and of the augmented value of a coefficient, without their signs.
+    fn errors(&self, entry: &Shift) -> Option<(f64, f64)> {
+        let (truth, before) = (self.true_coefficient(&entry.slot, &entry.coefficient)?, entry.plain?);
+        Some(((before - truth).abs(), (before + entry.shift - truth).abs()))
     }
 
     fn true_coefficient(&self, slot: &str, coefficient: &str) -> Option<f64> {

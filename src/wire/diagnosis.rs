@@ -25,7 +25,11 @@ pub struct DiagnosisBody {
     pub remaining: RemainingBody,
     pub candidates: Vec<CandidateBody>,
     pub not_identifiable: Vec<NotIdentifiableBody>,
+    /// Coefficients that the named effects move beyond their noise.
     pub impact: Vec<ImpactBody>,
+    /// Those that they move by less than that: plain and augmented values are equally good.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub impact_within_noise: Vec<ImpactBody>,
     pub next_dwells: Vec<NextDwellBody>,
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
@@ -252,7 +256,8 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             remaining: RemainingBody::from(&d.remaining),
             candidates: d.candidates.iter().map(CandidateBody::from).collect(),
             not_identifiable: d.not_identifiable.iter().map(NotIdentifiableBody::from).collect(),
-            impact: d.impact.iter().map(ImpactBody::from).collect(),
+            impact: d.impact.iter().filter(|i| i.is_material()).map(ImpactBody::from).collect(),
+            impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
             residuals: d.residuals.iter().map(ResidualBody::from).collect(),
             notes: d.notes.clone(),

@@ -195,6 +195,17 @@ pub struct Impact {
     pub of_budget: f64,
 }
 
+/// A shift counts beyond so many of the augmented model's standard deviations.
+const MATERIAL: f64 = 3.0;
+
+impl Impact {
+    /// Whether the effect moves the coefficient beyond its noise. Where it does not, plain and augmented values differ by less
+    /// than either is known to, and which of them is nearer to the truth is chance.
+    pub fn is_material(&self) -> bool {
+        self.shift.abs() > MATERIAL * self.augmented_sd
+    }
+}
+
 /// The short-term stability that the paper asks of D_I and D_S (section 4.3), deg/(h g0).
 pub const BUDGET_DEG_PER_H_G0: f64 = 1e-2;
 

@@ -3,8 +3,12 @@
 //! A hypothesis is a catalogue entry, or a suspect, at one value of its non-linear parameter. Its columns sit side by
 //! side with all others in one matrix a gyro, so that one product with a residual scores the whole catalogue.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVectorView};
 
+use super::Adopted;
+use super::basis::{axpy, dot, scale};
 use super::frame::Frame;
 use super::small;
 use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
@@ -53,6 +57,10 @@ pub(super) struct Block {
 }
 
 impl Block {
+    fn empty(start: usize, visible: f64) -> Self {
+        Self { start, len: 0, lengths: Vec::new(), gram: small::Matrix::default(), log_dets: Vec::new(), visible }
+    }
+
     /// Squared length of column `i`.
     pub fn length(&self, i: usize) -> f64 {
         self.lengths.get(i).copied().unwrap_or(1.0)
@@ -64,7 +72,7 @@ pub(super) struct Bank {
     /// Sorted by kind; contract entries before suspects.
     pub hypotheses: Vec<Hypothesis>,
     /// Ranges of `hypotheses` of one kind each.
-    pub kinds: Vec<(Kind, std::ops::Range<usize>)>,
+    pub kinds: Vec<(Kind, Range<usize>)>,
     /// Per gyro: dwells x columns.
     pub columns: Vec<DMatrix<f64>>,
     /// Number of leading columns that belong to contract entries, per gyro.
@@ -137,7 +145,8 @@ impl Bank {
 /// Entries that dwell residuals may show and that the model in use does not hold.
 fn nameable(frame: &Frame, effect: Effect) -> bool {
     let entry = effect.entry();
-    let held = frame.terms.iter().any(|term| term.name() == entry.id);
+    let common = |adopted: &Adopted| adopted.effect == effect && entry.scope == Scope::Common;
+    let held = frame.terms.iter().any(|term| term.name() == entry.id) || frame.adopted.iter().any(common);
     let closure_only = matches!(effect, Effect::OutputAxisG | Effect::MountClocking);
     !held && !closure_only && (entry.missing)(&frame.setting).is_none()
 }
@@ -169,14 +178,13 @@ fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Blo
     let total: usize = raws.iter().map(|raw| raw.columns[j].len()).sum();
     let mut matrix = DMatrix::zeros(n, total);
     let mut before = Vec::with_capacity(total);
-    for (column, mut target) in raws.iter().flat_map(|raw| &raw.columns[j]).zip(matrix.column_iter_mut()) {
-        for k in 0..n {
-            target[k] = column[k] / gyro.sd[k];
-        }
+    let columns = raws.iter().flat_map(|raw| &raw.columns[j]);
+    for (column, target) in columns.zip(matrix.as_mut_slice().chunks_exact_mut(n)) {
+        target.iter_mut().zip(column).zip(&gyro.sd).for_each(|((target, x), sd)| *target = x / sd);
         // Coefficients have units from 1 to 1e-14: bring every column to unit length first.
-        let norm = target.norm();
+        let norm = dot(target, target).sqrt();
         if norm > 0.0 && norm.is_finite() {
-            target.scale_mut(1.0 / norm);
+            scale(1.0 / norm, target);
         } else {
             target.fill(0.0);
         }
@@ -191,75 +199,72 @@ fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Blo
     let mut blocks = Vec::with_capacity(raws.len());
     let mut kept = 0;
     let mut next = 0;
+    let columns = matrix.as_mut_slice();
     for raw in raws {
         let len = raw.columns[j].len();
         let range = next..next + len;
         next += len;
         let block = match raw.prior {
-            _ if raw.common => keep_as_is(&mut matrix, range, &before, kept),
-            Prior::Smooth => keep_as_is(&mut matrix, range, &before, kept),
-            Prior::Flat => keep_orthonormal(&mut matrix, range, kept),
+            _ if raw.common => keep_as_is(columns, n, range, &before, kept),
+            Prior::Smooth => keep_as_is(columns, n, range, &before, kept),
+            Prior::Flat => keep_orthonormal(columns, n, range, kept),
         };
         kept += block.len;
         blocks.push(block);
     }
-    (matrix.columns(0, kept).into_owned(), blocks)
+    (matrix.resize_horizontally(kept, 0.0), blocks)
 }
 
 pub(super) fn basis_matrix(vectors: &[Vec<f64>], n: usize) -> DMatrix<f64> {
     DMatrix::from_fn(n, vectors.len(), |k, c| vectors[c][k])
 }
 
-/// Moves the columns of `range` to `kept..`, at their raw lengths relative to the longest.
-fn keep_as_is(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, before: &[f64], kept: usize) -> Block {
+/// Moves the columns of `range` to `kept..`, at their raw lengths relative to the longest; columns have `n` numbers.
+fn keep_as_is(columns: &mut [f64], n: usize, range: Range<usize>, before: &[f64], kept: usize) -> Block {
     let len = range.len();
     let raw: f64 = range.clone().map(|c| before[c] * before[c]).sum();
     let mut left = 0.0;
     for (i, c) in range.enumerate() {
-        let column = matrix.column(c) * before[c];
-        left += column.norm_squared();
-        matrix.set_column(kept + i, &column);
+        columns.copy_within(c * n..(c + 1) * n, (kept + i) * n);
+        let column = &mut columns[(kept + i) * n..][..n];
+        scale(before[c], column);
+        left += dot(column, column);
     }
     let visible = if raw > 0.0 { left / raw } else { 0.0 };
-    if visible.is_nan() || visible <= INVISIBLE {
-        return Block {
-            start: kept,
-            len: 0,
-            lengths: Vec::new(),
-            gram: small::Matrix::default(),
-            log_dets: Vec::new(),
-            visible,
-        };
-    }
-    Block { start: kept, len, lengths: vec![0.0; len], gram: small::Matrix::default(), log_dets: Vec::new(), visible }
+    let shown = visible > INVISIBLE;
+    let lengths = if shown { vec![0.0; len] } else { Vec::new() };
+    Block { len: if shown { len } else { 0 }, lengths, ..Block::empty(kept, visible) }
 }
 
 /// Orthonormal columns with the span of `range`, at `kept..`; fewer where some of it is invisible.
-fn keep_orthonormal(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>, kept: usize) -> Block {
+fn keep_orthonormal(columns: &mut [f64], n: usize, range: Range<usize>, kept: usize) -> Block {
     let count = range.len().max(1) as f64;
     let (mut len, mut visible) = (0, 0.0);
     for c in range {
-        let mut column = matrix.column(c).into_owned();
-        visible += column.norm_squared() / count;
-        if column.norm_squared().is_nan() || column.norm_squared() <= INVISIBLE {
+        // What is kept lies before what is still to be looked at.
+        let (earlier, rest) = columns.split_at_mut(c * n);
+        let column = &mut rest[..n];
+        let before = dot(column, column);
+        visible += before / count;
+        if before.is_nan() || before <= INVISIBLE {
             continue;
         }
-        let before = column.norm_squared();
+        let own = &earlier[kept * n..][..len * n];
         for _ in 0..2 {
-            for i in 0..len {
-                let along = matrix.column(kept + i).dot(&column);
-                column.axpy(-along, &matrix.column(kept + i), 1.0);
+            for other in own.chunks_exact(n) {
+                let along = dot(other, column);
+                axpy(-along, other, column);
             }
         }
-        let after = column.norm_squared();
+        let after = if len == 0 { before } else { dot(column, column) };
         // A column that the block's others span already brings rounding only.
         if after > 1e-9 * before {
-            column.scale_mut(1.0 / after.sqrt());
-            matrix.set_column(kept + len, &column);
+            scale(1.0 / after.sqrt(), column);
+            columns.copy_within(c * n..(c + 1) * n, (kept + len) * n);
             len += 1;
         }
     }
-    Block { start: kept, len, lengths: Vec::new(), gram: small::Matrix::default(), log_dets: Vec::new(), visible }
+    Block { len, ..Block::empty(kept, visible) }
 }
 
 /// Gives common and smooth blocks a stated total power and turns their columns so that they are orthogonal; a common
@@ -287,7 +292,9 @@ fn scale_together(hypothesis: &mut Hypothesis, columns: &mut [DMatrix<f64>]) {
         block.log_dets = (hypothesis.powers.iter())
             .map(|power| (0..block.len).map(|i| (power * block.length(i)).ln_1p()).sum())
             .collect();
-        if block.len <= small::MOST {
+        if block.len <= small::MOST && block.lengths.is_empty() {
+            (0..block.len).for_each(|i| block.gram[i][i] = 1.0);
+        } else if block.len <= small::MOST {
             let own = columns.columns(block.start, block.len);
             for i in 0..block.len {
                 (0..block.len).for_each(|j| block.gram[i][j] = own.column(i).dot(&own.column(j)));
@@ -314,8 +321,8 @@ fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
     block.len = order.len();
 }
 
-fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Kind, std::ops::Range<usize>)> {
-    let mut kinds: Vec<(Kind, std::ops::Range<usize>)> = Vec::new();
+fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Kind, Range<usize>)> {
+    let mut kinds: Vec<(Kind, Range<usize>)> = Vec::new();
     for (i, hypothesis) in hypotheses.iter().enumerate() {
         match kinds.last_mut() {
             Some((kind, range)) if *kind == hypothesis.kind => range.end = i + 1,

@@ -10,15 +10,16 @@
 //! A gyro has the effect with probability one half before the data speak, so gyros multiply as (1 + B_j)/2; values of
 //! a non-linear parameter average with their weights. The penalty for flexible entries is thus no choice of ours.
 //!
-//! Longer than 400 lines because a block's Bayes factor has a form of its own for few, many and common coefficients, and all
-//! three share the sums of the search's inner loop.
+//! Coefficients that all gyros share have a form of their own ([`super::common`]).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::bank::{Bank, Block, Hypothesis, Kind, basis_matrix};
 use super::basis::{Basis, dot};
+use super::common::Common;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
+use super::logsum::LogSum;
 use super::small;
 
 /// Residuals of one gyro under the model and what has been adopted so far.
@@ -139,7 +140,7 @@ impl Seen<'_> {
     }
 
     /// Gram matrix of a small block's columns, adopted columns projected out.
-    fn gram(&self, block: &Block) -> small::Matrix {
+    pub fn gram(&self, block: &Block) -> small::Matrix {
         let mut gram = block.gram;
         for (i, j) in (0..block.len).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let taken: f64 =
@@ -151,7 +152,7 @@ impl Seen<'_> {
     }
 
     /// Products of a small block's columns with the residual.
-    fn side(&self, block: &Block) -> small::Vector {
+    pub fn side(&self, block: &Block) -> small::Vector {
         let mut side = [0.0; small::MOST];
         side[..block.len].copy_from_slice(&self.with_residual[block.start..][..block.len]);
         side
@@ -185,7 +186,7 @@ impl BayesFactor {
 /// ln(weight x Bayes factor) of one hypothesis, and the factor of each gyro.
 fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [BayesFactor; MAX_GYROS]) {
     if hypothesis.common {
-        let log = log_bayes_common(hypothesis, seen);
+        let log = Common::of(hypothesis, seen).map_or(0.0, |common| common.log_bayes(hypothesis.powers));
         return (hypothesis.log_weight + log, [BayesFactor::of_log(log); MAX_GYROS]);
     }
     let mut factors = [BayesFactor::ONE; MAX_GYROS];
@@ -359,102 +360,6 @@ pub(super) fn of_gyro(bank: &Bank, range: std::ops::Range<usize>, j: usize, seen
     (best > f64::NEG_INFINITY).then(|| (total.log(), best))
 }
 
-fn log_bayes_common(hypothesis: &Hypothesis, seen: &[Seen]) -> f64 {
-    let Some(common) = Common::of(hypothesis, seen) else { return 0.0 };
-    let mut sum = LogSum::default();
-    for &power in hypothesis.powers {
-        let (gain, penalty) = common.fit(power);
-        sum.add(gain - penalty);
-    }
-    sum.log_mean(hypothesis.powers.len())
-}
-
-/// A hypothesis whose coefficients all gyros share.
-struct Common<'a> {
-    size: usize,
-    /// Gyros that show it, in front: Gram matrix and products with the residual.
-    parts: [Option<(&'a Seen<'a>, small::Matrix, small::Vector)>; MAX_GYROS],
-}
-
-impl<'a> Common<'a> {
-    /// None where no gyro shows it.
-    fn of(hypothesis: &Hypothesis, seen: &'a [Seen<'a>]) -> Option<Self> {
-        let size = hypothesis.blocks.iter().map(|block| block.len).max().filter(|len| *len > 0)?;
-        let mut parts = [None; MAX_GYROS];
-        let show = hypothesis.blocks.iter().zip(seen).filter(|(block, _)| block.len == size);
-        for (part, (block, seen)) in parts.iter_mut().zip(show) {
-            *part = Some((seen, seen.gram(block), seen.side(block)));
-        }
-        Some(Self { size, parts })
-    }
-
-    /// Log-likelihood gain, and half of ln det plus the prior's own term. Each gyro weighs with its own noise, found
-    /// anew from what the fit leaves it.
-    fn fit(&self, power: f64) -> (f64, f64) {
-        let size = self.size;
-        let mut left = self.parts.map(|part| part.map_or(0.0, |(seen, ..)| seen.rss));
-        let (mut gain, mut penalty) = (0.0, 0.0);
-        for _ in 0..2 {
-            let (mut system, mut side) = ([[0.0; small::MOST]; small::MOST], [0.0; small::MOST]);
-            (0..size).for_each(|i| system[i][i] = 1.0 / power);
-            for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&left) {
-                let weight = seen.nu / left;
-                for i in 0..size {
-                    side[i] += own[i] * weight;
-                    (0..size).for_each(|j| system[i][j] += gram[i][j] * weight);
-                }
-            }
-            let Some(factor) = small::Factor::of(size, &system) else { return (0.0, 0.0) };
-            let estimate = factor.solve(&side);
-            let length: f64 = estimate.iter().map(|x| x * x).sum();
-            penalty = 0.5 * (factor.log_det() + size as f64 * power.ln()) + 0.5 * length / power;
-            gain = 0.0;
-            for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&mut left) {
-                let along: f64 = estimate.iter().zip(own).map(|(x, b)| x * b).sum();
-                let square: f64 =
-                    (0..size).map(|i| estimate[i] * (0..size).map(|j| gram[i][j] * estimate[j]).sum::<f64>()).sum();
-                *left = (seen.rss - 2.0 * along + square).max(1e-12 * seen.rss);
-                gain += 0.5 * seen.nu * (seen.rss / *left).ln();
-            }
-        }
-        (gain, penalty)
-    }
-}
-
 fn log_det(cholesky: &Cholesky<f64, Dyn>) -> f64 {
     cholesky.l_dirty().diagonal().iter().map(|x| 2.0 * x.ln()).sum()
-}
-
-/// ln of a sum of exponentials, kept in units of its largest term: one exponential a term, one logarithm in the end.
-struct LogSum {
-    top: f64,
-    sum: f64,
-}
-
-impl Default for LogSum {
-    fn default() -> Self {
-        Self { top: f64::NEG_INFINITY, sum: 0.0 }
-    }
-}
-
-impl LogSum {
-    /// Terms below this, in logarithms, do not change a sum of 1.
-    const NOTHING: f64 = -37.0;
-
-    fn add(&mut self, log: f64) {
-        if log > self.top {
-            self.sum = 1.0 + self.sum * (self.top - log).exp();
-            self.top = log;
-        } else if log - self.top > Self::NOTHING {
-            self.sum += (log - self.top).exp();
-        }
-    }
-
-    fn log(&self) -> f64 {
-        self.top + self.sum.ln()
-    }
-
-    fn log_mean(&self, count: usize) -> f64 {
-        self.top + (self.sum / count as f64).ln()
-    }
 }

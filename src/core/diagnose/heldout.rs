@@ -4,12 +4,11 @@
 //! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Folds keep repeats of one orientation together;
 //! for effects that follow time they are blocks of time.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::answer::HeldOut;
-use super::basis::Basis;
+use super::basis::{Basis, dot};
 use super::fit::Part;
 use super::frame::Frame;
+use super::lower::Lower;
 use crate::core::effects::Effect;
 
 /// Folds, where there are enough groups.
@@ -43,8 +42,8 @@ pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
             for fold in predictable(&with, fold, &lost) {
                 let (e, f) = (left_out(&without, &plain, &fold), left_out(&with, &augmented, &fold));
                 let (Some((e, noise)), Some((f, _))) = (e, f) else { continue };
-                errors.without += e.norm_squared() / variance;
-                errors.with += f.norm_squared() / variance;
+                errors.without += dot(&e, &e) / variance;
+                errors.with += dot(&f, &f) / variance;
                 errors.floor += noise;
                 errors.count += fold.len();
             }
@@ -52,7 +51,7 @@ pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
         // A dwell that the effect itself sets aside is not predicted by anything; without the effect it stays in.
         for k in lost {
             if let Some((e, noise)) = left_out(&without, &plain, &[k]) {
-                errors.without += e.norm_squared() / variance;
+                errors.without += dot(&e, &e) / variance;
                 errors.with += noise;
                 errors.floor += noise;
                 errors.count += 1;
@@ -115,22 +114,32 @@ fn residual(frame: &Frame, j: usize, basis: &Basis) -> Vec<f64> {
 }
 
 /// Errors on a fold, and what noise alone makes of their squares; none where the rest does not predict it.
-fn left_out(basis: &Basis, residual: &[f64], fold: &[usize]) -> Option<(DVector<f64>, f64)> {
-    let rows = DMatrix::from_fn(fold.len(), basis.rank(), |i, c| basis.vectors()[c][fold[i]]);
-    let own = DMatrix::identity(fold.len(), fold.len()) - &rows * rows.transpose();
-    let inverse = own.cholesky()?.inverse();
-    let left = DVector::from_iterator(fold.len(), fold.iter().map(|&k| residual[k]));
-    Some((&inverse * left, inverse.trace()))
+fn left_out(basis: &Basis, residual: &[f64], fold: &[usize]) -> Option<(Vec<f64>, f64)> {
+    let factor = Lower::of(unexplained(basis, fold, 0.0), fold.len())?;
+    let left: Vec<f64> = fold.iter().map(|&k| residual[k]).collect();
+    Some((factor.solve(left), factor.inverse_trace()))
+}
+
+/// `1 - Q_f Q_f' - least`, row by row, lower triangle.
+fn unexplained(basis: &Basis, fold: &[usize], least: f64) -> Vec<f64> {
+    let m = fold.len();
+    let mut matrix = vec![0.0; m * m];
+    for q in basis.vectors() {
+        for (a, &k) in fold.iter().enumerate() {
+            for (b, &l) in fold[..=a].iter().enumerate() {
+                matrix[a * m + b] -= q[k] * q[l];
+            }
+        }
+    }
+    (0..m).for_each(|a| matrix[a * m + a] += 1.0 - least);
+    matrix
 }
 
 /// The fold, or its dwells one by one where the others do not determine all of it; without those that are `lost`.
 fn predictable(basis: &Basis, mut fold: Vec<usize>, lost: &[usize]) -> Vec<Vec<usize>> {
     fold.retain(|k| !lost.contains(k));
-    let determined = |fold: &[usize]| {
-        let rows = DMatrix::from_fn(fold.len(), basis.rank(), |i, c| basis.vectors()[c][fold[i]]);
-        let own = DMatrix::<f64>::identity(fold.len(), fold.len()) - &rows * rows.transpose();
-        own.symmetric_eigenvalues().iter().all(|x| *x > PREDICTABLE)
-    };
+    // All eigenvalues exceed `PREDICTABLE` where the matrix less that still is positive definite.
+    let determined = |fold: &[usize]| Lower::of(unexplained(basis, fold, PREDICTABLE), fold.len()).is_some();
     if fold.is_empty() {
         Vec::new()
     } else if determined(&fold) {

@@ -9,6 +9,7 @@ mod bank;
 mod basis;
 mod class;
 mod closure;
+mod common;
 mod evidence;
 mod fit;
 mod floor;
@@ -18,6 +19,8 @@ mod identify;
 mod impact;
 mod law;
 mod located;
+mod logsum;
+mod lower;
 mod next;
 mod noise;
 mod null;
@@ -27,6 +30,7 @@ mod report;
 mod search;
 mod settle;
 mod small;
+mod tabled;
 
 pub use answer::*;
 pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
@@ -43,7 +47,7 @@ use super::model::Terms;
 use super::mounting::Slot;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 1;
+pub const METHOD: u32 = 2;
 
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]

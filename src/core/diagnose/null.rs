@@ -14,9 +14,10 @@
 use nalgebra::DMatrix;
 
 use super::bank::{Bank, Kind, basis_matrix};
-use super::evidence::{Seen, score};
+use super::evidence::Seen;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
+use super::tabled::Tabled;
 
 const DRAWS: usize = 160;
 
@@ -30,7 +31,7 @@ pub(super) struct Null {
 impl Null {
     pub fn of(frame: &Frame, bank: &Bank) -> Self {
         let kinds: Vec<_> = bank.kinds.iter().filter(|(kind, _)| matches!(kind, Kind::Effect(_))).collect();
-        let mut random = Random(0x5851_F42D_4C95_7F2D);
+        let mut random = Random::new(0x5851_F42D_4C95_7F2D);
         let signals: Vec<Signal> =
             (0..DRAWS).map(|d| Signal::draw(bank, &kinds[d % kinds.len()].1, &mut random)).collect();
         let n = frame.dwells();
@@ -38,8 +39,11 @@ impl Null {
         let mut rss: Vec<Vec<f64>> = Vec::new();
         let mut products = Vec::new();
         for (j, gyro) in frame.gyros.iter().enumerate() {
+            let mut drawn = DMatrix::from_fn(n, DRAWS, |_, _| random.normal());
             let scatter = frame.noise.log_scatter;
-            let mut drawn = DMatrix::from_fn(n, DRAWS, |_, _| random.normal() * (scatter * random.normal()).exp());
+            if scatter > 0.0 {
+                drawn.iter_mut().for_each(|x| *x *= (scatter * random.normal()).exp());
+            }
             for (signal, mut column) in signals.iter().zip(drawn.column_iter_mut()) {
                 for (i, &coefficient) in signal.coefficients[j].iter().enumerate() {
                     column.axpy(coefficient, &bank.column(j, signal.starts[j] + i), 1.0);
@@ -50,6 +54,8 @@ impl Null {
             rss.push((0..DRAWS).map(left).collect());
             products.push(bank.columns[j].columns(0, bank.contract_columns[j]).transpose() * &drawn);
         }
+        let nu: Vec<f64> = frame.gyros.iter().map(|gyro| prior + gyro.dof() as f64).collect();
+        let tabled = Tabled::of(bank, &kinds, &nu);
         let mut draws: Vec<(f64, f64)> = (0..DRAWS)
             .map(|d| {
                 let seen: Vec<Seen> = (0..frame.gyros.len())
@@ -58,11 +64,10 @@ impl Null {
                         with_extra: &[],
                         adopted: 0,
                         rss: rss[j][d],
-                        nu: prior + frame.gyros[j].dof() as f64,
+                        nu: nu[j],
                     })
                     .collect();
-                let evidence: Vec<f64> =
-                    kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen).log_evidence).collect();
+                let evidence: Vec<f64> = tabled.evidence(&seen).collect();
                 let top = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 let mean = evidence.iter().map(|x| (x - top).exp()).sum::<f64>() / evidence.len() as f64;
                 (top, (-top - mean.ln()).exp())
@@ -136,23 +141,36 @@ impl Signal {
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014) and the polar method: a fixed sequence of normal deviates, not chance.
-struct Random(u64);
+struct Random {
+    state: u64,
+    /// The polar method makes two at a time.
+    spare: Option<f64>,
+}
 
 impl Random {
+    fn new(state: u64) -> Self {
+        Self { state, spare: None }
+    }
+
     fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
+        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.state;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
         loop {
             let (x, y) = (2.0 * self.uniform() - 1.0, 2.0 * self.uniform() - 1.0);
             let square = x * x + y * y;
             if square > 0.0 && square < 1.0 {
-                return x * (-2.0 * square.ln() / square).sqrt();
+                let length = (-2.0 * square.ln() / square).sqrt();
+                self.spare = Some(y * length);
+                return x * length;
             }
         }
     }

@@ -131,7 +131,15 @@ impl Search<'_> {
             found = self.grown(pair);
         }
         let found = self.prune(found);
-        self.contract_first(found)
+        let found = self.contract_first(found);
+        let count = found.len();
+        let mut found = merged(found);
+        if found.len() < count {
+            for i in 0..found.len() {
+                found[i].evidence = self.given_others(&found, i);
+            }
+        }
+        found
     }
 
     /// Adds what is strongest given the rest, until nothing is strong enough.
@@ -289,5 +297,41 @@ impl Search<'_> {
             choices.remove(weakest);
             self.polish(&mut choices);
         }
+    }
+}
+
+/// One effect that came in twice, for other gyros each time, is one choice.
+fn merged(choices: Vec<Choice>) -> Vec<Choice> {
+    let mut merged: Vec<Choice> = Vec::new();
+    for choice in choices {
+        match merged.iter_mut().find(|held| held.hypothesis == choice.hypothesis) {
+            Some(held) => held.members.iter_mut().zip(&choice.members).for_each(|(held, member)| *held |= member),
+            None => merged.push(choice),
+        }
+    }
+    merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::effects::Effect;
+
+    #[test]
+    fn an_effect_that_came_in_twice_for_other_gyros_is_one() {
+        let choice = |hypothesis: usize, members: [bool; 3]| Choice {
+            kind: Kind::Effect(Effect::ScaleCubic),
+            hypothesis,
+            members: members.to_vec(),
+            evidence: 9.0,
+            rival: None,
+        };
+        let merged = merged(vec![
+            choice(4, [true, false, false]),
+            choice(5, [false, true, false]),
+            choice(4, [false, false, true]),
+        ]);
+        let found: Vec<_> = merged.iter().map(|c| (c.hypothesis, c.members.as_slice())).collect();
+        assert_eq!(found, [(4, &[true, false, true][..]), (5, &[false, true, false][..])]);
     }
 }

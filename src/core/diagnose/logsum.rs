@@ -1,0 +1,35 @@
+//! Sums of what is only known by its logarithm.
+
+/// ln of a sum of exponentials, kept in units of its largest term: one exponential a term, one logarithm in the end.
+pub(super) struct LogSum {
+    pub top: f64,
+    pub sum: f64,
+}
+
+impl Default for LogSum {
+    fn default() -> Self {
+        Self { top: f64::NEG_INFINITY, sum: 0.0 }
+    }
+}
+
+impl LogSum {
+    /// Terms below this, in logarithms, do not change a sum of 1.
+    const NOTHING: f64 = -37.0;
+
+    pub fn add(&mut self, log: f64) {
+        if log > self.top {
+            self.sum = 1.0 + self.sum * (self.top - log).exp();
+            self.top = log;
+        } else if log - self.top > Self::NOTHING {
+            self.sum += (log - self.top).exp();
+        }
+    }
+
+    pub fn log(&self) -> f64 {
+        self.top + self.sum.ln()
+    }
+
+    pub fn log_mean(&self, count: usize) -> f64 {
+        self.top + (self.sum / count as f64).ln()
+    }
+}

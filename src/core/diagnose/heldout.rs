@@ -122,16 +122,19 @@ fn left_out(basis: &Basis, residual: &[f64], fold: &[usize]) -> Option<(Vec<f64>
 
 /// `1 - Q_f Q_f' - least`, row by row, lower triangle.
 fn unexplained(basis: &Basis, fold: &[usize], least: f64) -> Vec<f64> {
-    let m = fold.len();
-    let mut matrix = vec![0.0; m * m];
-    for q in basis.vectors() {
-        for (a, &k) in fold.iter().enumerate() {
-            for (b, &l) in fold[..=a].iter().enumerate() {
-                matrix[a * m + b] -= q[k] * q[l];
-            }
-        }
+    let (m, rank) = (fold.len(), basis.rank());
+    let mut rows = Vec::with_capacity(m * rank);
+    for &k in fold {
+        rows.extend(basis.vectors().iter().map(|q| q[k]));
     }
-    (0..m).for_each(|a| matrix[a * m + a] += 1.0 - least);
+    let row = |a: usize| &rows[a * rank..][..rank];
+    let mut matrix = vec![0.0; m * m];
+    for a in 0..m {
+        for b in 0..=a {
+            matrix[a * m + b] = -dot(row(a), row(b));
+        }
+        matrix[a * m + a] += 1.0 - least;
+    }
     matrix
 }
 

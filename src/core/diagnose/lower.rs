@@ -1,5 +1,7 @@
 //! Cholesky's factor of a symmetric positive definite matrix of a dozen rows, without a general library's overhead.
 
+use super::basis::dot;
+
 pub(super) struct Lower {
     size: usize,
     /// Row by row; what lies above the diagonal is not looked at.
@@ -10,16 +12,18 @@ impl Lower {
     /// Of the lower triangle of `matrix`, row by row; none where it is not positive definite.
     pub fn of(mut matrix: Vec<f64>, size: usize) -> Option<Self> {
         for i in 0..size {
-            for j in 0..=i {
-                let known: f64 = (0..j).map(|k| matrix[i * size + k] * matrix[j * size + k]).sum();
-                let left = matrix[i * size + j] - known;
-                if i != j {
-                    matrix[i * size + j] = left / matrix[j * size + j];
-                } else if left > 0.0 {
-                    matrix[i * size + i] = left.sqrt();
-                } else {
-                    return None;
-                }
+            let (above, rest) = matrix.split_at_mut(i * size);
+            let row = &mut rest[..size];
+            for j in 0..i {
+                let other = &above[j * size..][..size];
+                row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
+            }
+            let left = row[i] - dot(&row[..i], &row[..i]);
+            // Not a number is not positive either.
+            if left > 0.0 {
+                row[i] = left.sqrt();
+            } else {
+                return None;
             }
         }
         Some(Self { size, rows: matrix })
@@ -32,7 +36,7 @@ impl Lower {
     /// x with A x = `side`.
     pub fn solve(&self, mut side: Vec<f64>) -> Vec<f64> {
         for i in 0..self.size {
-            let known: f64 = (0..i).map(|k| self.at(i, k) * side[k]).sum();
+            let known = dot(&self.rows[i * self.size..][..i], &side[..i]);
             side[i] = (side[i] - known) / self.at(i, i);
         }
         for i in (0..self.size).rev() {
@@ -48,7 +52,7 @@ impl Lower {
         let mut column = vec![0.0; self.size];
         for c in 0..self.size {
             for i in c..self.size {
-                let known: f64 = (c..i).map(|k| self.at(i, k) * column[k]).sum();
+                let known = dot(&self.rows[i * self.size..][c..i], &column[c..i]);
                 column[i] = (f64::from(u8::from(i == c)) - known) / self.at(i, i);
                 trace += column[i] * column[i];
             }

@@ -12,7 +12,7 @@ use super::null::Null;
 use super::search::{Choice, Known, Search};
 
 /// Probability with which noise alone may get anything named.
-const FALSE_ALARM: f64 = 0.005;
+const FALSE_ALARM: f64 = 0.006;
 
 /// The search is run at most this often with other growths of the noise.
 const ROUNDS: usize = 4;

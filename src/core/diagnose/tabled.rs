@@ -116,7 +116,7 @@ mod tests {
     fn a_table_is_the_bayes_factor_it_stands_for() {
         // nu = 78, two coefficients of prior power 8: (1 + 8)^-1 (1 - 8/9 u)^-39.
         let table = Table::of(78.0, 2, &[8.0]);
-        for u in [0.0, 0.05, 0.21, 0.37, 0.5] {
+        for u in [0.0_f64, 0.05, 0.21, 0.37, 0.5] {
             let exact = (1.0 - 8.0 / 9.0 * u).powf(-39.0) / 9.0;
             assert!((table.at(u) / exact - 1.0).abs() < 1e-3, "{u}: {} {exact}", table.at(u));
         }

@@ -243,7 +243,11 @@ fn impact(d: &DiagnosisBody) -> Option<String> {
             format!("{:.0} %", 100.0 * i.of_budget),
         ]);
     }
-    (!d.impact.is_empty()).then(|| format!("Drift coefficients, deg/(h g0)\n{rows}"))
+    match (d.impact.is_empty(), d.impact_within_noise.is_empty()) {
+        (false, _) => Some(format!("Drift coefficients, deg/(h g0)\n{rows}")),
+        (true, false) => Some("The named effects move no drift coefficient beyond its noise.".to_owned()),
+        (true, true) => None,
+    }
 }
 
 fn blind_spots(d: &DiagnosisBody) -> Option<String> {

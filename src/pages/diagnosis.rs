@@ -225,6 +225,9 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
 
 fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
     html! {
+        @if d.impact.is_empty() && !d.impact_within_noise.is_empty() {
+            section { h2 { (t.impact) } p { (t.impact_within_noise) } }
+        }
         @if !d.impact.is_empty() {
             section {
                 h2 { (t.impact) }

@@ -205,6 +205,7 @@ catalogue! {
     closes_alone: "Closes alone", "单独解释";
     why_not: "Why it was not taken", "未采用原因";
     impact: "What it does to the drift coefficients", "对漂移系数的影响";
+    impact_within_noise: "They move no drift coefficient beyond its noise.", "所有漂移系数的变化均在噪声范围内。";
     plain: "Plain", "原值";
     with_effects: "With the effects", "计入效应后";
     shift: "Shift", "变化";

@@ -38,7 +38,7 @@ pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: 
         let with = basis(frame, j, kept, Some(asked));
         let (plain, augmented) = (residual(frame, j, &without), residual(frame, j, &with));
         let lost: Vec<usize> = asked.iter().filter(|part| part.members[j]).filter_map(|part| part.dwell()).collect();
-        for fold in folds(frame, by_time) {
+        for fold in folds(frame.dwells(), &frame.noise.repeats, by_time) {
             for fold in predictable(&with, fold, &lost) {
                 let (e, f) = (left_out(&without, &plain, &fold), left_out(&with, &augmented, &fold));
                 let (Some((e, noise)), Some((f, _))) = (e, f) else { continue };
@@ -153,8 +153,7 @@ fn predictable(basis: &Basis, mut fold: Vec<usize>, lost: &[usize]) -> Vec<Vec<u
 }
 
 /// Blocks of time, or groups of dwells with one orientation and rate spread over the folds.
-fn folds(frame: &Frame, by_time: bool) -> Vec<Vec<usize>> {
-    let n = frame.dwells();
+fn folds(n: usize, repeats: &[Vec<usize>], by_time: bool) -> Vec<Vec<usize>> {
     let mut folds = vec![Vec::new(); FOLDS.min(n)];
     let count = folds.len();
     if by_time {
@@ -170,7 +169,7 @@ fn folds(frame: &Frame, by_time: bool) -> Vec<Vec<usize>> {
             continue;
         }
         let alone = vec![k];
-        let group = frame.noise.repeats.iter().find(|group| group[0] == k).unwrap_or(&alone);
+        let group = repeats.iter().find(|group| group[0] == k).unwrap_or(&alone);
         for &member in group {
             grouped[member] = true;
             folds[next % count].push(member);
@@ -178,4 +177,41 @@ fn folds(frame: &Frame, by_time: bool) -> Vec<Vec<usize>> {
         next += 1;
     }
     folds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeats_of_one_orientation_share_a_fold_and_every_dwell_has_one() {
+        let repeats = vec![vec![0, 9, 17], vec![3, 4]];
+        let folds = folds(20, &repeats, false);
+        assert_eq!(folds.len(), FOLDS);
+        let mut all: Vec<usize> = folds.concat();
+        all.sort_unstable();
+        assert_eq!(all, (0..20).collect::<Vec<_>>());
+        for group in &repeats {
+            assert!(folds.iter().any(|fold| group.iter().all(|k| fold.contains(k))), "{group:?} in {folds:?}");
+        }
+    }
+
+    #[test]
+    fn effects_of_time_are_held_out_in_blocks_of_time() {
+        let folds = folds(78, &[vec![0, 40]], true);
+        assert!(folds.iter().all(|fold| fold.windows(2).all(|pair| pair[1] == pair[0] + 1)), "{folds:?}");
+        assert_eq!(folds.concat(), (0..78).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn an_error_of_prediction_is_that_of_a_fit_without_the_dwell() {
+        // A mean of four: leaving the last out, its error is 8 - (1 + 2 + 4)/3.
+        let values = [1.0, 2.0, 4.0, 8.0];
+        let basis = Basis::of([vec![1.0; 4]]);
+        let mut residual = values.to_vec();
+        basis.project_out(&mut residual);
+        let (error, noise) = left_out(&basis, &residual, &[3]).unwrap();
+        assert!((error[0] - (8.0 - 7.0 / 3.0)).abs() < 1e-12);
+        assert!((noise - (1.0 + 1.0 / 3.0)).abs() < 1e-12);
+    }
 }

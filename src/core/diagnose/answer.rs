@@ -196,7 +196,7 @@ pub struct Impact {
 }
 
 /// A shift counts beyond so many of the augmented model's standard deviations.
-const MATERIAL: f64 = 3.0;
+const MATERIAL: f64 = 4.0;
 
 impl Impact {
     /// Whether the effect moves the coefficient beyond its noise. Where it does not, plain and augmented values differ by less

@@ -233,3 +233,15 @@ async fn the_description_of_the_api_is_whole() {
         assert!(document.pointer(pointer).is_some(), "{target} points nowhere");
     }
 }
+
+#[tokio::test]
+async fn an_import_is_answered_whole_to_a_client_that_takes_it_compressed() {
+    let server = Server::start().await;
+    let lines = data("paper-bench.ndjson");
+    let headers = [("content-type", "application/x-ndjson"), ("accept-encoding", "gzip")];
+    let answer = server.call("POST", "/v1/import", &headers, lines).await;
+    assert_eq!((answer.status, answer.headers["content-encoding"].to_str().unwrap()), (200, "gzip"));
+    let mut text = String::new();
+    std::io::Read::read_to_string(&mut flate2::read::GzDecoder::new(answer.body.as_slice()), &mut text).unwrap();
+    assert_eq!(text.matches("\"status\":201").count(), 6, "{text}");
+}

@@ -68,7 +68,8 @@ async fn post_import(
         let (text, _room): (Bytes, OwnedSemaphorePermit) = receiver.recv().await?;
         Some((Ok::<_, std::convert::Infallible>(text), receiver))
     });
-    Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(stream)).into_response())
+    // Compressing asks once more after the end.
+    Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(stream.fuse())).into_response())
 }
 
 /// The way of answers back to the client.

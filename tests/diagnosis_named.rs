@@ -1,0 +1,145 @@
+//! What a diagnosis says of campaigns whose truth is known: names, gyros, class, closure and floor. The campaigns of the
+//! simulator are few here; `gyrowatch blindcheck` has the figures.
+
+mod support;
+
+use std::collections::BTreeSet;
+
+use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
+use gyrowatch::core::diagnose::{Diagnosis, Options, Verdict, diagnose};
+use gyrowatch::core::effects::Effect;
+use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};
+use gyrowatch::simulate::simulate;
+use gyrowatch::wire::campaign::parse_json;
+use serde_json::Value;
+use support::data_path;
+
+fn drawn(case: Case, count: usize) -> Vec<(Trial, Diagnosis)> {
+    let draw = Draw { seed: 20_261, cases: vec![case], effects: vec![], detectability: vec![12.0] };
+    let diagnosed = |trial: Trial| {
+        let found = diagnose(&trial.simulated.campaign, &Options::default()).expect("drawn campaigns can be diagnosed");
+        (trial, found)
+    };
+    (0..count).map(|number| diagnosed(draw.trial(number))).collect()
+}
+
+fn names(diagnosis: &Diagnosis) -> BTreeSet<&'static str> {
+    diagnosis.effects.iter().map(|named| named.effect.id()).collect()
+}
+
+fn means(diagnosis: &Diagnosis, id: &str) -> bool {
+    diagnosis.effects.iter().any(|named| named.class.iter().any(|effect| effect.id() == id))
+}
+
+fn practice(name: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(data_path("practice").join(name)).unwrap()).unwrap()
+}
+
+fn diagnosed(campaign: &Value) -> Diagnosis {
+    let campaign = parse_json(campaign.to_string().as_bytes()).unwrap();
+    diagnose(&campaign, &Options::default()).unwrap()
+}
+
+#[test]
+fn every_practice_campaign_is_answered_as_its_key_says() {
+    let key = practice("key.json");
+    for (name, entry) in key.as_object().unwrap() {
+        let answer = diagnosed(&practice(name));
+        let hidden: BTreeSet<&str> = entry["effects"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        if hidden.iter().any(|id| id.contains(' ')) {
+            assert!(matches!(answer.verdict, Verdict::Unexplained | Verdict::PartlyExplained), "{name}");
+            continue;
+        }
+        // One of them hides an effect that its design cannot see.
+        let seen = entry["seen"].as_f64().unwrap() > 1.0;
+        let expected = if seen { hidden.clone() } else { BTreeSet::new() };
+        assert_eq!(names(&answer), expected, "{name}");
+        assert_eq!(answer.verdict, if expected.is_empty() { Verdict::NoGap } else { Verdict::Explained }, "{name}");
+        let listed = |id: &&str| answer.not_identifiable.iter().any(|entry| entry.effect.id() == *id);
+        assert!(seen || hidden.iter().all(listed), "{name}");
+        // Of two effects each closes its part, both together the whole.
+        if let Some(all) = answer.closure {
+            assert!(all.closure > 0.8 && all.interval[1] > 0.95, "{name}: {all:?}");
+        }
+        for named in &answer.effects {
+            assert!(named.held_out.after_deg_per_h < named.held_out.before_deg_per_h, "{name}");
+            assert!(named.p_value_adjusted < 1e-4, "{name}");
+        }
+    }
+}
+
+#[test]
+fn noise_alone_gets_no_name_and_no_gap() {
+    let answers = drawn(Case::Clean, 24);
+    let named: Vec<usize> = answers.iter().filter(|(_, d)| !d.effects.is_empty()).map(|(t, _)| t.number).collect();
+    assert!(named.len() <= 1, "campaigns {named:?}");
+    assert!(answers.iter().filter(|(_, d)| d.verdict == Verdict::NoGap).count() >= 22);
+}
+
+#[test]
+fn what_stands_out_is_named_in_its_gyros_and_closes_what_it_made() {
+    let answers = drawn(Case::One, 16);
+    let found = |(trial, d): &&(Trial, Diagnosis)| means(d, &trial.simulated.truth.effects[0]);
+    assert!(answers.iter().filter(found).count() >= 15);
+    for (trial, answer) in answers.iter().filter(found) {
+        let own = &trial.simulated.truth.seen_by[0];
+        let gyros: BTreeSet<&str> = answer.effects[0].gyros.iter().map(|slot| slot.name()).collect();
+        for (slot, d) in own {
+            assert!(*d < 6.0 || gyros.contains(slot.as_str()), "{}: {slot} {own:?}", trial.number);
+        }
+        assert!(answer.effects[0].held_out.interval[1] > 0.9, "{}", trial.number);
+    }
+}
+
+#[test]
+fn of_two_causes_both_are_named_and_nothing_beside_them() {
+    let answers = drawn(Case::Pair, 10);
+    let both = |(trial, d): &&(Trial, Diagnosis)| trial.simulated.truth.effects.iter().all(|id| means(d, id));
+    assert!(answers.iter().filter(both).count() >= 9);
+    assert!(answers.iter().filter(|(_, d)| d.effects.len() <= 2).count() >= 9);
+    for (trial, answer) in &answers {
+        assert_eq!(names(answer).len(), answer.effects.len(), "{}: one name twice", trial.number);
+    }
+}
+
+#[test]
+fn half_of_what_is_hardly_there_is_named_all_the_same() {
+    let answers = drawn(Case::Faint, 16);
+    let found = answers.iter().filter(|(trial, d)| means(d, &trial.simulated.truth.effects[0])).count();
+    assert!(found >= 8, "{found} of 16");
+}
+
+#[test]
+fn a_temperature_that_follows_time_makes_one_class_of_both() {
+    let mut scenario = Scenario { seed: 5, ..Scenario::default() };
+    scenario.temperature.profile = Profile::Ramp;
+    scenario.temperature.size_k = 1.5;
+    scenario.effects = vec![EffectChoice::detectable("time_ramp", 10.0)];
+    let mut campaign = simulate(&scenario).unwrap().campaign;
+    let first = campaign.dwells[0].start_s;
+    for dwell in &mut campaign.dwells {
+        dwell.temperature_c = Some(45.0 + 1e-5 * (dwell.start_s - first));
+    }
+    let answer = diagnose(&campaign, &Options::default()).unwrap();
+    assert_eq!(answer.effects.len(), 1);
+    let class = &answer.effects[0].class;
+    assert!(class.contains(&Effect::TimeRamp) && class.contains(&Effect::TemperatureBias), "{class:?}");
+    assert!(!class.contains(&Effect::ScaleCubic), "{class:?}");
+}
+
+#[test]
+fn repeats_put_right_standard_errors_that_are_stated_too_small() {
+    let told = diagnosed(&practice("campaign-00.json"));
+    let mut campaign = practice("campaign-00.json");
+    for dwell in campaign["dwells"].as_array_mut().unwrap() {
+        for sem in dwell["output_sem_pulse_s"].as_array_mut().unwrap() {
+            *sem = (0.75 * sem.as_f64().unwrap()).into();
+        }
+    }
+    let wrong = diagnosed(&campaign);
+    assert!(wrong.effects.is_empty());
+    assert!(wrong.noise_floor.sem_factor > 1.15 * told.noise_floor.sem_factor, "{:?}", wrong.noise_floor);
+    let ratio = wrong.noise_floor.deg_per_h / told.noise_floor.deg_per_h;
+    // As stated it would be 0.75.
+    assert!((0.82..1.05).contains(&ratio), "{ratio}");
+}

@@ -20,6 +20,7 @@ use super::common::Common;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
 use super::logsum::LogSum;
+use super::scatter::{Scatter, pool};
 use super::small;
 
 /// Residuals of one gyro under the model and what has been adopted so far.
@@ -28,7 +29,8 @@ pub(super) struct GyroState {
     /// Adopted columns, orthonormal and orthogonal to the model's.
     pub extra: Basis,
     pub residual: Vec<f64>,
-    /// Sum of squares and degrees of freedom, stated errors counted in.
+    /// Sum of squares and degrees of freedom that say how large the noise is: stated errors counted in, and the other gyros'
+    /// where they are alike.
     pub rss: f64,
     pub nu: f64,
 }
@@ -52,7 +54,7 @@ pub(super) struct Score {
 /// The model in use with further columns adopted.
 pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
     let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-    frame
+    let mut gyros: State = frame
         .gyros
         .iter()
         .zip(extras)
@@ -65,7 +67,13 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
             let rss = dot(&residual, &residual).max(rounding * dof);
             GyroState { rss: prior + rss, nu: prior + dof, residual, extra }
         })
-        .collect()
+        .collect();
+    if frame.noise.stated {
+        let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
+        pool(&mut scatter);
+        gyros.iter_mut().zip(scatter).for_each(|(gyro, scatter)| (gyro.rss, gyro.nu) = (scatter.rss, scatter.nu));
+    }
+    gyros
 }
 
 /// Products of every column of the bank with residuals and adopted columns.
@@ -104,6 +112,20 @@ pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
     let products = Products::of(bank, state);
     let seen = products.seen(state);
     bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen)).collect()
+}
+
+/// ln of as many entries as may share their evidence.
+const SHARED: f64 = 1.1;
+
+/// Evidence that speaks for the strongest of several entries or for one like it: of alternatives that exclude one another
+/// the Bayes factors add. A campaign may tell that one of them is there before it tells which.
+pub(super) fn together(logs: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut top) = (LogSum::default(), f64::NEG_INFINITY);
+    for log in logs {
+        sum.add(log);
+        top = top.max(log);
+    }
+    sum.log().min(top + SHARED)
 }
 
 /// Scores one kind of hypothesis.

@@ -27,6 +27,7 @@ mod null;
 mod reference;
 mod remaining;
 mod report;
+mod scatter;
 mod search;
 mod settle;
 mod small;

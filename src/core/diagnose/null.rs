@@ -14,9 +14,10 @@
 use nalgebra::DMatrix;
 
 use super::bank::{Bank, Kind, basis_matrix};
-use super::evidence::Seen;
+use super::evidence::{Seen, together};
 use super::floor::STATED_DOF;
 use super::frame::Frame;
+use super::scatter::{Scatter, pool};
 use super::tabled::Tabled;
 
 const DRAWS: usize = 160;
@@ -55,22 +56,30 @@ impl Null {
             products.push(bank.columns[j].columns(0, bank.contract_columns[j]).transpose() * &drawn);
         }
         let nu: Vec<f64> = frame.gyros.iter().map(|gyro| prior + gyro.dof() as f64).collect();
-        let tabled = Tabled::of(bank, &kinds, &nu);
+        // A draw's gyros count alone or together, as they are alike or not.
+        let alone = Tabled::of(bank, &kinds, &nu);
+        let pooled = Tabled::of(bank, &kinds, &vec![nu.iter().sum::<f64>(); nu.len()]);
         let mut draws: Vec<(f64, f64)> = (0..DRAWS)
             .map(|d| {
+                let mut scatter: Vec<Scatter> =
+                    nu.iter().zip(&rss).map(|(&nu, rss)| Scatter { rss: rss[d], nu }).collect();
+                if frame.noise.stated {
+                    pool(&mut scatter);
+                }
                 let seen: Vec<Seen> = (0..frame.gyros.len())
                     .map(|j| Seen {
                         with_residual: &products[j].as_slice()[d * products[j].nrows()..][..products[j].nrows()],
                         with_extra: &[],
                         adopted: 0,
-                        rss: rss[j][d],
-                        nu: nu[j],
+                        rss: scatter[j].rss,
+                        nu: scatter[j].nu,
                     })
                     .collect();
+                let tabled = if scatter[0].nu > nu[0] { &pooled } else { &alone };
                 let evidence: Vec<f64> = tabled.evidence(&seen).collect();
                 let top = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 let mean = evidence.iter().map(|x| (x - top).exp()).sum::<f64>() / evidence.len() as f64;
-                (top, (-top - mean.ln()).exp())
+                (together(evidence.iter().copied()), (-top - mean.ln()).exp())
             })
             .collect();
         draws.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -376,11 +376,11 @@ fn why_not(effect: Effect, alone: f64, given: f64, search: &Search, named: &[Nam
     if let Some(twin) = named.iter().find(|n| n.class.contains(&effect)) {
         return format!("this campaign cannot tell it from {}, which stands for both", twin.part.effect.id());
     }
-    if alone <= search.threshold {
+    if alone <= search.needed(0) {
         return format!("noise alone shows as much somewhere in {:.2} of campaigns", search.p_value(alone));
     }
     match named.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence)) {
-        Some(best) if given <= search.threshold => {
+        Some(best) if given <= search.needed(1) => {
             format!("it explains the same dwells as {} less well, and nothing beside it", best.part.effect.id())
         }
         Some(best) => {

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::bank::{Bank, Kind};
 use super::basis::Basis;
-use super::evidence::{Score, State, scores, state};
+use super::evidence::{Score, State, scores, state, together};
 use super::frame::Frame;
 use super::null::Null;
 use crate::core::effects::suspects::{SUSPECTS, WANDERING};
@@ -19,6 +19,9 @@ pub(super) const SUSPECT_ODDS: f64 = -2.0;
 
 /// ln of evidence that a replacement must win by.
 const CLEARLY: f64 = 0.3;
+
+/// A choice is credited with others that explain the same as far as they are no better than this.
+const TIED: f64 = 0.3;
 
 /// ln of evidence by which a suspect must beat a contract entry, or a pair of them, to stand in its place.
 const CONTRACT_FIRST: f64 = 2.5;
@@ -59,8 +62,16 @@ pub(super) struct Search<'a> {
     pub bank: &'a Bank,
     pub null: &'a Null,
     pub known: &'a Known,
-    /// Evidence that adoption asks for.
-    pub threshold: f64,
+    pub threshold: Threshold,
+}
+
+/// Evidence that adoption asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Threshold {
+    /// Of what is named alone.
+    pub alone: f64,
+    /// Of what is named beside another: a name that is not quite right leaves something for a second one.
+    pub beside: f64,
 }
 
 impl Search<'_> {
@@ -136,7 +147,7 @@ impl Search<'_> {
         let mut found = merged(found);
         if found.len() < count {
             for i in 0..found.len() {
-                found[i].evidence = self.given_others(&found, i);
+                found[i].evidence = self.earned_beside_others(&found, i);
             }
         }
         found
@@ -146,7 +157,7 @@ impl Search<'_> {
     fn grown(&self, mut found: Vec<Choice>) -> Vec<Choice> {
         while found.len() < MOST {
             match self.best_given(&found, false) {
-                Some(next) if next.evidence > self.threshold => {
+                Some(next) if self.earned(&found, next.kind) > self.needed(found.len()) => {
                     found.push(next);
                     self.polish(&mut found);
                 }
@@ -216,7 +227,7 @@ impl Search<'_> {
             }
             let mut pair = vec![first, second];
             self.polish_contract(&mut pair);
-            let each = (0..2).all(|i| self.given_others(&pair, i) > self.threshold);
+            let each = (0..2).all(|i| self.earned_beside_others(&pair, i) > self.needed(1));
             let worth = self.worth(&pair);
             if each && worth > to_beat {
                 to_beat = worth;
@@ -240,7 +251,8 @@ impl Search<'_> {
             let mut others = choices.clone();
             let suspect = others.remove(i);
             let Some(best) = self.best_given(&others, true) else { continue };
-            if best.evidence > self.threshold && best.evidence > suspect.evidence - CONTRACT_FIRST {
+            let earned = self.earned(&others, best.kind) > self.needed(others.len());
+            if earned && best.evidence > suspect.evidence - CONTRACT_FIRST {
                 choices[i] = Choice { rival: Some(suspect.kind), ..best };
             }
         }
@@ -255,6 +267,29 @@ impl Search<'_> {
                 scores.iter().find(|s| s.kind == choices[i].kind).map_or(0.0, |s| s.log_evidence)
             })
             .sum()
+    }
+
+    /// What adoption beside so many others asks for.
+    pub fn needed(&self, beside: usize) -> f64 {
+        if beside == 0 { self.threshold.alone } else { self.threshold.beside }
+    }
+
+    /// Evidence with which `kind` is held against the threshold, given `choices`. Where nothing is named yet, a contract entry
+    /// shares it with those that explain the same; beside a name, what is tied with much has been told from little.
+    fn earned(&self, choices: &[Choice], kind: Kind) -> f64 {
+        let scores = self.scores(choices);
+        let own = scores.iter().find(|s| s.kind == kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence);
+        let contract = scores.iter().filter(|s| matches!(s.kind, Kind::Effect(_)));
+        match kind {
+            Kind::Effect(_) if choices.is_empty() => together(contract.map(|s| s.log_evidence.min(own + TIED))),
+            _ => own,
+        }
+    }
+
+    pub fn earned_beside_others(&self, choices: &[Choice], i: usize) -> f64 {
+        let mut others = choices.to_vec();
+        let kind = others.remove(i).kind;
+        self.earned(&others, kind)
     }
 
     /// Evidence of choice `i` given all others.
@@ -285,13 +320,13 @@ impl Search<'_> {
     fn prune(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         loop {
             for i in 0..choices.len() {
-                choices[i].evidence = self.given_others(&choices, i);
+                choices[i].evidence = self.earned_beside_others(&choices, i);
             }
             let Some(weakest) = (0..choices.len()).min_by(|&a, &b| choices[a].evidence.total_cmp(&choices[b].evidence))
             else {
                 return choices;
             };
-            if choices[weakest].evidence > self.threshold {
+            if choices[weakest].evidence > self.needed(choices.len() - 1) {
                 return choices;
             }
             choices.remove(weakest);

@@ -9,10 +9,13 @@ use super::bank::{Bank, Kind};
 use super::frame::Frame;
 use super::law::{GROWTHS, log_mean, profile};
 use super::null::Null;
-use super::search::{Choice, Known, Search};
+use super::search::{Choice, Known, Search, Threshold};
 
 /// Probability with which noise alone may get anything named.
-const FALSE_ALARM: f64 = 0.006;
+const FALSE_ALARM: f64 = 0.01;
+
+/// Probability with which noise may get anything named beside a name.
+const FALSE_ALARM_BESIDE: f64 = 0.005;
 
 /// The search is run at most this often with other growths of the noise.
 const ROUNDS: usize = 4;
@@ -25,7 +28,7 @@ pub(super) struct Settled {
     pub frame: Frame,
     pub bank: Bank,
     pub null: Null,
-    pub threshold: f64,
+    pub threshold: Threshold,
     known: Known,
     pub found: Vec<Choice>,
 }
@@ -36,7 +39,8 @@ impl Settled {
         for round in 1.. {
             let bank = Bank::of(&frame);
             let null = Null::of(&frame, &bank);
-            let threshold = null.threshold(FALSE_ALARM);
+            let threshold =
+                Threshold { alone: null.threshold(FALSE_ALARM), beside: null.threshold(FALSE_ALARM_BESIDE) };
             let known = Known::default();
             let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
             let mut found = search.run();
@@ -101,9 +105,12 @@ fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) ->
         let mut weakest: Option<(usize, f64)> = None;
         for i in 0..found.len() {
             let without = excess(&designs(frame, search.bank, &found, Some(i)));
-            found[i].evidence = search.given_others(&found, i) + with_all - without;
+            found[i].evidence = search.earned_beside_others(&found, i) + with_all - without;
             let named = matches!(found[i].kind, Kind::Effect(_));
-            if named && found[i].evidence < search.threshold && weakest.is_none_or(|(_, e)| found[i].evidence < e) {
+            if named
+                && found[i].evidence < search.needed(found.len() - 1)
+                && weakest.is_none_or(|(_, e)| found[i].evidence < e)
+            {
                 weakest = Some((i, found[i].evidence));
             }
         }

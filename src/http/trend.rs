@@ -1,20 +1,19 @@
 //! `/v1/gyros/{serial}/trend`: the history of one coefficient.
 
+mod answer;
 mod csv;
 mod periods;
 
-use std::fmt::Write as _;
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use axum::extract::{Path, State};
-use axum::http::header::{ACCEPT, CONTENT_TYPE, ETAG, IF_NONE_MATCH, LINK, VARY};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
-use axum::response::{IntoResponse, Response};
+use axum::http::header::ACCEPT;
+use axum::http::{HeaderMap, Uri};
+use axum::response::Response;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use self::answer::{Seen, answer, etag, is_known, not_modified};
 use self::periods::PeriodTrend;
 use super::App;
 use super::events::EventBody;
@@ -383,44 +382,4 @@ fn bench_point<'t>(
         state: None,
         voided,
     })
-}
-
-/// A record or an event that an answer holds, and how the record is judged.
-type Seen = (i64, Option<&'static str>);
-
-/// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
-fn etag(request: &Request, seen: &[Seen], next: &Option<String>) -> HeaderValue {
-    let mut hasher = DefaultHasher::new();
-    seen.hash(&mut hasher);
-    tag(request, next, hasher)
-}
-
-fn tag(request: &Request, next: &Option<String>, mut hasher: DefaultHasher) -> HeaderValue {
-    let Request { coefficient, method, voided, every, csv, .. } = request;
-    (coefficient, csv, voided, every, next, format!("{method:?}")).hash(&mut hasher);
-    let mut tag = String::new();
-    write!(tag, "\"{:016x}\"", hasher.finish()).expect("writing to a string cannot fail");
-    HeaderValue::from_str(&tag).expect("hexadecimal digits in quotes are a valid header")
-}
-
-fn is_known(headers: &HeaderMap, tag: &HeaderValue) -> bool {
-    let known = headers.get(IF_NONE_MATCH).and_then(|known| known.to_str().ok());
-    let tag = tag.to_str().unwrap_or_default();
-    // A proxy that compresses may weaken the tag.
-    known.is_some_and(|known| known.split(',').any(|k| k.trim().trim_start_matches("W/") == tag || k.trim() == "*"))
-}
-
-fn not_modified(tag: &HeaderValue) -> Response {
-    (StatusCode::NOT_MODIFIED, [(ETAG, tag.clone())]).into_response()
-}
-
-fn answer(body: Written, tag: &HeaderValue, uri: &Uri) -> Response {
-    let media_type = if body.csv { "text/csv; charset=utf-8" } else { "application/json" };
-    let link = body.next.and_then(|next| HeaderValue::from_str(&query::link_to(uri, &next)).ok());
-    let mut response = ([(CONTENT_TYPE, media_type), (VARY, "accept")], body.text).into_response();
-    response.headers_mut().insert(ETAG, tag.clone());
-    if let Some(link) = link {
-        response.headers_mut().insert(LINK, link);
-    }
-    response
 }

@@ -1,6 +1,7 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use sqlx::{Row as _, sqlite::SqliteRow};
+use sqlx::Row as _;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use super::delivery::{AttemptRow, DeliveryRow, DeliveryState, DueDelivery, QueueState, Subject};
 use super::error::StoreError;
@@ -91,40 +92,43 @@ impl Store {
         let sql = sqlx::AssertSqlSafe(format!(
             "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
         ));
+        let mut snapshot = self.readers.begin().await?;
         let rows = sqlx::query(sql)
             .bind(hook.0)
             .bind(before.map_or(i64::MAX, |id| id.0))
             .bind(state.map(DeliveryState::name))
             .bind(limit)
-            .fetch_all(&self.readers)
+            .fetch_all(&mut *snapshot)
             .await?;
         let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
         for delivery in &mut deliveries {
-            delivery.attempts = self.attempts(delivery.id).await?;
+            delivery.attempts = attempts(&mut snapshot, delivery.id).await?;
         }
         Ok(deliveries)
     }
 
+    /// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
     pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
-        let Some(row) = sqlx::query(sql).bind(id.0).fetch_optional(&self.readers).await? else { return Ok(None) };
-        Ok(Some(DeliveryRow { attempts: self.attempts(id).await?, ..delivery(&row)? }))
+        let mut snapshot = self.readers.begin().await?;
+        let Some(row) = sqlx::query(sql).bind(id.0).fetch_optional(&mut *snapshot).await? else { return Ok(None) };
+        Ok(Some(DeliveryRow { attempts: attempts(&mut snapshot, id).await?, ..delivery(&row)? }))
     }
+}
 
-    async fn attempts(&self, delivery: Id) -> Result<Vec<AttemptRow>, StoreError> {
-        let sql = "SELECT id, at, status, detail, took_us FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
-        let rows: Vec<(i64, i64, Option<u16>, String, i64)> =
-            sqlx::query_as(sql).bind(delivery.0).fetch_all(&self.readers).await?;
-        let attempt = |(id, at, status, detail, took_us)| AttemptRow {
-            id: Id(id),
-            delivery,
-            at: UtcMicros(at),
-            status,
-            detail,
-            took_us,
-        };
-        Ok(rows.into_iter().map(attempt).collect())
-    }
+async fn attempts(snapshot: &mut SqliteConnection, delivery: Id) -> Result<Vec<AttemptRow>, StoreError> {
+    let sql = "SELECT id, at, status, detail, took_us FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
+    let rows: Vec<(i64, i64, Option<u16>, String, i64)> =
+        sqlx::query_as(sql).bind(delivery.0).fetch_all(snapshot).await?;
+    let attempt = |(id, at, status, detail, took_us)| AttemptRow {
+        id: Id(id),
+        delivery,
+        at: UtcMicros(at),
+        status,
+        detail,
+        took_us,
+    };
+    Ok(rows.into_iter().map(attempt).collect())
 }
 
 fn delivery(row: &SqliteRow) -> Result<DeliveryRow, StoreError> {

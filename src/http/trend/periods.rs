@@ -6,6 +6,7 @@ use axum::http::HeaderValue;
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::answer::tag;
 use super::{Method, Request, Written, cut};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
@@ -178,5 +179,5 @@ pub(super) fn etag(
         (begins, count, [min, max, mean, last].map(|figure| figure.to_bits())).hash(&mut hasher);
     }
     serde_json::to_string(events).unwrap_or_default().hash(&mut hasher);
-    super::tag(request, next, hasher)
+    tag(request, next, hasher)
 }

@@ -26,7 +26,7 @@ use crate::wire::split::{SplitBody, residuals};
 /// Computed at the same time.
 const AT_ONCE: usize = 2;
 /// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
-const IN_MEMORY: usize = 256;
+const IN_MEMORY: usize = 32;
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;
 

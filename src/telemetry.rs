@@ -22,6 +22,9 @@ pub const ATTEMPTS: &str = "gyrowatch_delivery_attempts_total";
 pub const ATTEMPT_TIME: &str = "gyrowatch_delivery_attempt_duration_seconds";
 pub const OUTBOX_AGE: &str = "gyrowatch_outbox_age_seconds";
 pub const OUTBOX: &str = "gyrowatch_outbox_deliveries";
+pub const DIAGNOSES: &str = "gyrowatch_diagnoses_total";
+pub const DIAGNOSIS_TIME: &str = "gyrowatch_diagnosis_duration_seconds";
+pub const DIAGNOSES_WAITING: &str = "gyrowatch_diagnoses_waiting";
 const BUILD: &str = "gyrowatch_build_info";
 
 /// Upper bounds of the buckets of durations, seconds.
@@ -79,6 +82,12 @@ fn describe() {
     describe_histogram!(ATTEMPT_TIME, Unit::Seconds, "One attempt to tell a hook, by kind.");
     describe_gauge!(OUTBOX_AGE, Unit::Seconds, "Age of the oldest delivery that enabled hooks are still to be told.");
     describe_gauge!(OUTBOX, "Deliveries, by state: open, dead.");
+    describe_counter!(
+        DIAGNOSES,
+        "Diagnoses that came to an end, by outcome: made, refused (the campaign leaves nothing to diagnose), failed."
+    );
+    describe_histogram!(DIAGNOSIS_TIME, Unit::Seconds, "Computing one diagnosis, behind all other work.");
+    describe_gauge!(DIAGNOSES_WAITING, "Campaigns that wait to be diagnosed, by what for: stored, ordered.");
     describe_gauge!(BUILD, "1, labelled with the version.");
     gauge!(BUILD, "version" => env!("CARGO_PKG_VERSION")).set(1.0);
 }

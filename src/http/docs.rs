@@ -24,13 +24,14 @@ pub fn head() -> OpenApi {
 }
 
 /// Answers that name what other operations are about.
-const NAMED: [Named; 8] = [
+const NAMED: [Named; 9] = [
     Named { by: "/v1/records", status: "201", at: "/id", parameter: "id", of: "/v1/records/{id}" },
     Named { by: "/v1/campaigns", status: "201", at: "/id", parameter: "id", of: "/v1/campaigns/{id}" },
     Named { by: "/v1/bench-results", status: "201", at: "/id", parameter: "id", of: "/v1/bench-results/{id}" },
     Named { by: "/v1/hooks", status: "201", at: "/id", parameter: "id", of: "/v1/hooks/{id}" },
     Named { by: "/v1/tokens", status: "201", at: "/id", parameter: "id", of: "/v1/tokens/{id}" },
     Named { by: "/v1/hooks/{id}/test", status: "202", at: "/id", parameter: "id", of: "/v1/deliveries/{id}" },
+    Named { by: "/v1/diagnoses", status: "202", at: "/id", parameter: "id", of: "/v1/diagnoses/{id}" },
     Named { by: "/v1/gyros", status: "200", at: "/gyros/0/serial", parameter: "serial", of: "/v1/gyros/{serial}" },
     Named { by: "/v1/alerts", status: "200", at: "/alerts/0/id", parameter: "id", of: "/v1/alerts/{id}" },
 ];

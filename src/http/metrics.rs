@@ -32,6 +32,9 @@ async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     gauge!(telemetry::OUTBOX_AGE).set(age);
     gauge!(telemetry::OUTBOX, "state" => "open").set(outbox.open as f64);
     gauge!(telemetry::OUTBOX, "state" => "dead").set(outbox.dead as f64);
+    let (stored, ordered) = app.pipeline.diagnoses_waiting().await?;
+    gauge!(telemetry::DIAGNOSES_WAITING, "for" => "stored").set(stored as f64);
+    gauge!(telemetry::DIAGNOSES_WAITING, "for" => "ordered").set(ordered as f64);
     Ok(([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response())
 }
 

@@ -13,6 +13,7 @@ mod baseline;
 mod bench_results;
 mod campaigns;
 mod corrections;
+mod diagnoses;
 mod docs;
 mod document;
 mod events;
@@ -90,6 +91,7 @@ fn answered_soon() -> OpenApiRouter<App> {
         .merge(campaigns::routes())
         .merge(bench_results::routes())
         .merge(corrections::routes())
+        .merge(diagnoses::routes())
         .merge(gyros::routes())
         .merge(gyro_diagnosis::routes())
         .merge(trend::routes())

@@ -48,6 +48,8 @@ impl From<Refused> for Problem {
                 let place = Place { pointer: "/secret".into(), detail: detail.clone() };
                 Self::new(422, "Cannot be stored as it is", detail).with_place(place)
             }
+            Refused::NoSuchDiagnoses { .. } => Self::new(404, "No such diagnoses", detail),
+            Refused::DiagnosesEnded { .. } => Self::new(409, "Diagnoses have ended", detail),
             Refused::UnknownAlert { .. } => Self::new(404, "Unknown alert", detail),
             Refused::AlertResolved { .. } => Self::new(409, "Alert is resolved", detail),
             Refused::Busy | Refused::Stopping => Self::new(503, "Try again", detail),

@@ -58,7 +58,7 @@ pub use answer::StoredRecord;
 pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
 pub use compare::Sent;
 pub use course::{Baseline, Course};
-pub use diagnosing::{Asked, Diagnosed, NotSplit};
+pub use diagnosing::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
 pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Standing};
 pub use history::ExplainedHistory;
@@ -101,6 +101,8 @@ enum Job {
     Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
     /// A model is to be in force for an IMU.
     Model { adoption: Box<Adoption>, by: Actor, reply: oneshot::Sender<Result<Accepted, Refused>> },
+    /// Many campaigns are to be diagnosed, or no longer.
+    Diagnoses { order: DiagnosisOrder, by: Actor, reply: oneshot::Sender<Result<Accepted, Refused>> },
     /// A diagnosis is to be kept.
     Diagnosed { made: diagnosing::Made, reply: oneshot::Sender<Result<(), Refused>> },
     /// What somebody says of an alert.
@@ -171,6 +173,10 @@ pub enum Refused {
     SecretNeeded,
     #[error("there are {most} hooks already, and no more can be")]
     TooManyHooks { most: usize },
+    #[error("there is no order of diagnoses {id}")]
+    NoSuchDiagnoses { id: Id },
+    #[error("order {id} of diagnoses has ended: there is nothing to cancel")]
+    DiagnosesEnded { id: Id },
     #[error("there is no alert {id}")]
     UnknownAlert { id: Id },
     #[error("alert {id} is resolved: there is nothing to acknowledge")]
@@ -202,7 +208,7 @@ impl Pipeline {
         let models = models::ModelBook::load(&store).await?;
         let guard = Guard::start(store.clone(), config.access.clone()).await?;
         let (due, watched) = watch::channel(0);
-        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), jobs.downgrade());
+        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade());
         let after = writer::After { wake: wake.clone(), models: models.clone(), due, guard: guard.clone() };
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
@@ -219,7 +225,7 @@ impl Pipeline {
     pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
         let (jobs, _closed) = mpsc::channel(1);
         let models = models::ModelBook::load(&store).await?;
-        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), jobs.downgrade());
+        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade());
         let guard = Guard::start(store.clone(), config.access.clone()).await?;
         let (wake, pulse) = (watch::Sender::default(), outbox::Pulse::default());
         Ok(Self { store, config, clock, jobs, models, diagnoser, wake, pulse, guard })

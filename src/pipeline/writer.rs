@@ -11,6 +11,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
 use super::admit::{Desk, Group, Newest};
 use super::alerting::AlertBook;
+use super::diagnosing::{DiagnosisOrder, JobDesk};
 use super::hooks::{Attempted, HookBook, HookDesk, Order};
 use super::judging::{Judge, Verdicts};
 use super::models::{ModelBook, adopt};
@@ -99,6 +100,10 @@ impl Task {
                         self.after.due.send_modify(|moved| *moved += 1);
                         continue;
                     }
+                    Job::Diagnoses { order, by, reply } => {
+                        let _gone = reply.send(self.order_diagnoses(&order, &by).await);
+                        continue;
+                    }
                     Job::Diagnosed { made, reply } => {
                         let _gone = reply.send(made.keep(&mut self.writer, &self.after.models).await);
                         continue;
@@ -163,6 +168,14 @@ impl Task {
         if changed {
             self.look_at_hooks().await;
         }
+    }
+
+    /// Begins or cancels an order of diagnoses, and has what is new worked off.
+    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, Refused> {
+        let mut desk = JobDesk { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
+        let done = desk.carry_out(order, by).await;
+        self.after.due.send_modify(|moved| *moved += 1);
+        done
     }
 
     /// Changes who may use the service.

@@ -9,9 +9,11 @@ use super::bench::{self, BenchRow};
 use super::checkpoint::{self, Checkpoints};
 use super::correction::{self, CorrectionRow, Withdrawn};
 use super::delivery::{self, OutboxChanges};
-use super::diagnosis::{self, DiagnosisRow};
+use super::diagnosis::{self, NewDiagnosis};
+use super::diagnosis_job::{self, JobChanges};
 use super::error::StoreError;
 use super::event::{self, EventRow};
+use super::gist;
 use super::halt::Halt;
 use super::history::HistoryRow;
 use super::hook::{self, HookRow};
@@ -48,7 +50,8 @@ pub struct Changes {
     /// Campaigns of `records` that were fitted with an adopted model, and which.
     pub models_used: Vec<(Id, Id)>,
     /// Diagnoses that have been made of stored campaigns.
-    pub diagnoses: Vec<DiagnosisRow>,
+    pub diagnoses: Vec<NewDiagnosis>,
+    pub diagnosis_jobs: JobChanges,
     pub outbox: OutboxChanges,
     pub access: AccessChanges,
 }
@@ -78,6 +81,7 @@ impl Changes {
             && self.hooks.is_empty()
             && self.models.is_empty()
             && self.diagnoses.is_empty()
+            && self.diagnosis_jobs.is_empty()
             && self.outbox.is_empty()
             && self.access.is_empty()
     }
@@ -221,6 +225,8 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     diagnosis::expect(&changes.records, &mut batch);
     diagnosis::make_due(&changes.models, &mut batch);
     diagnosis::update(&changes.diagnoses, &mut batch);
+    gist::upsert(&changes.diagnoses, &mut batch);
+    diagnosis_job::apply(&changes.diagnosis_jobs, &mut batch);
     delivery::apply(&changes.outbox, &mut batch);
     access::apply(&changes.access, &mut batch);
     batch

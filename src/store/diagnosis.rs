@@ -20,6 +20,14 @@ pub struct DiagnosisRow {
     pub body: String,
 }
 
+/// One that is to be kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewDiagnosis {
+    pub row: DiagnosisRow,
+    /// What a summary of many says of it (JSON).
+    pub gist: String,
+}
+
 /// Every stored campaign is to be diagnosed.
 pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
     let mut rows = Rows::default();
@@ -31,10 +39,12 @@ pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
 
 /// A newly adopted model makes the diagnoses of its IMU due again.
 pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
+    let (mut rows, mut imus) = (Rows::default(), Rows::default());
     for model in models {
         rows.row().integer(i64::from(model.imu));
+        imus.row().integer(i64::from(model.imu));
     }
+    batch.add("DELETE FROM diagnosis_gist WHERE imu IN (SELECT value->>0 FROM json_each($ROWS))", imus);
     batch.add(
         "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
          WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT value->>0 FROM json_each($ROWS)))",
@@ -42,9 +52,9 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     );
 }
 
-pub(super) fn update(diagnoses: &[DiagnosisRow], batch: &mut Batch) {
+pub(super) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     let mut rows = Rows::default();
-    for row in diagnoses {
+    for NewDiagnosis { row, .. } in diagnoses {
         rows.row()
             .integer(row.record.0)
             .optional_integer(row.model.map(|id| id.0))

@@ -13,9 +13,11 @@ mod commit;
 mod correction;
 mod delivery;
 mod diagnosis;
+mod diagnosis_job;
 mod error;
 mod event;
 mod figures;
+mod gist;
 mod gyro;
 mod halt;
 mod history;
@@ -40,10 +42,12 @@ pub use correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use delivery::{
     AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,
 };
-pub use diagnosis::DiagnosisRow;
+pub use diagnosis::{DiagnosisRow, NewDiagnosis};
+pub use diagnosis_job::{CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts};
 pub use error::StoreError;
 pub use event::EventRow;
 pub use figures::{Figures, PublishedFigures, States};
+pub use gist::GistRow;
 pub use history::{HistoryRow, Span};
 pub use hook::HookRow;
 pub use id::{Id, IdSource};

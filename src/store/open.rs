@@ -42,7 +42,7 @@ pub struct Store {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 8] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 9] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -51,6 +51,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 8] = [
     (6, "history_log", include_str!("../../migrations/sqlite/0006_history_log.sql")),
     (7, "diagnoses", include_str!("../../migrations/sqlite/0007_diagnoses.sql")),
     (8, "fixed_baselines", include_str!("../../migrations/sqlite/0008_fixed_baselines.sql")),
+    (9, "diagnosis_jobs", include_str!("../../migrations/sqlite/0009_diagnosis_jobs.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -145,7 +146,7 @@ pub(super) async fn last_id(connection: &mut SqliteConnection) -> Result<i64, St
                           coalesce((SELECT max(id) FROM alert_step), 0), coalesce((SELECT max(id) FROM hook), 0),
                           coalesce((SELECT max(id) FROM delivery), 0), coalesce((SELECT max(id) FROM imu_model), 0),
                           coalesce((SELECT max(id) FROM token), 0), coalesce((SELECT max(id) FROM session), 0),
-                          coalesce((SELECT max(id) FROM audit), 0))";
+                          coalesce((SELECT max(id) FROM audit), 0), coalesce((SELECT max(id) FROM diagnosis_job), 0))";
     Ok(sqlx::query_scalar(sql).fetch_one(connection).await?)
 }
 

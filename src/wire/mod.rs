@@ -13,6 +13,8 @@ pub mod campaign;
 pub mod campaign_csv;
 pub mod closure;
 pub mod cursor;
+pub mod diagnoses;
+pub mod diagnoses_csv;
 pub mod diagnosis;
 pub mod document;
 pub mod geometry;

@@ -94,6 +94,10 @@ impl Actor {
         Self { who: "service".to_owned(), token: None, source: String::new() }
     }
 
+    pub fn name(&self) -> &str {
+        &self.who
+    }
+
     pub fn line(
         &self,
         id: Id,

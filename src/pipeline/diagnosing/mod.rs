@@ -3,13 +3,22 @@
 //!
 //! A campaign is due from the transaction that stores it, its IMU's from the one that adopts a model: what was due when
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
+//!
+//! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says what many
+//! diagnoses say together, from the [`gist`] that is kept of each.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+mod gist;
+mod jobs;
+mod queue;
+mod summary;
+
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
+use self::gist::{Gist, Seat, seats};
 use super::background::behind_others;
 use super::campaign::damaged;
 use super::models::{InForce, ModelBook};
@@ -17,19 +26,25 @@ use super::read::anything;
 use super::{Job, Pipeline, Refused};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
-use crate::store::{Changes, DiagnosisRow, Id, Kind, RecordRow, Store, StoreError, Writer};
+use crate::core::time::UtcMicros;
+use crate::store::{
+    Changes, DiagnosisRow, Id, JobChanges, Kind, NewDiagnosis, RecordRow, SettledTask, Store, StoreError, Writer,
+};
+use crate::system::Clock;
+use crate::telemetry;
 use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::record::parse_record;
 use crate::wire::split::{SplitBody, residuals};
 
-/// Computed at the same time.
+pub(super) use jobs::JobDesk;
+pub use jobs::{DiagnosisOrder, WantedDiagnoses};
+pub use summary::SummaryFilter;
+
+/// Computed at the same time at the least, where there is but one processor: one asked for need not wait for another.
 const AT_ONCE: usize = 2;
 /// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
 const IN_MEMORY: usize = 32;
-/// How many due campaigns are looked up at once.
-const PAGE: u32 = 64;
-
 /// The answer, or why there is none.
 pub type Diagnosed = Arc<Result<DiagnosisBody, String>>;
 
@@ -44,11 +59,30 @@ pub enum Asked {
 
 /// One diagnosis, and what it was made against.
 #[derive(Debug, Clone)]
-pub(super) struct Made {
+struct Known {
     campaign: Id,
     imu: u32,
     model: Option<Id>,
     diagnosed: Diagnosed,
+}
+
+/// What has come of a campaign that was to be diagnosed.
+#[derive(Debug)]
+pub(super) struct Made {
+    campaign: Id,
+    begun_at: UtcMicros,
+    ended_at: UtcMicros,
+    outcome: Outcome,
+}
+
+#[derive(Debug)]
+enum Outcome {
+    Known {
+        known: Known,
+        gyros: Vec<Seat>,
+    },
+    /// There is no answer, not even why the campaign leaves none: a fault of the program or of the disk.
+    Failed(String),
 }
 
 /// Those who wait for one that is being made learn of its end.
@@ -59,77 +93,64 @@ type UnderWay = HashMap<(Id, Option<Id>), watch::Receiver<Option<Diagnosed>>>;
 pub(super) struct Diagnoser {
     store: Store,
     models: ModelBook,
+    clock: Clock,
     /// Weak: the writer ends when nobody but this could send to it.
     jobs: mpsc::WeakSender<Job>,
+    /// How many are computed at the same time.
+    at_once: usize,
     turns: Arc<Semaphore>,
     under_way: Arc<Mutex<UnderWay>>,
-    known: Arc<Mutex<VecDeque<Made>>>,
+    known: Arc<Mutex<VecDeque<Known>>>,
 }
+
+/// Why an order has no diagnosis of a campaign that should have one.
+const BROKEN_OFF: &str = "its computation broke off; the service's log says why";
 
 /// Which program a kept diagnosis is of.
 fn program() -> String {
     format!("{}, method {METHOD}", env!("CARGO_PKG_VERSION"))
 }
 
-impl Made {
+impl Known {
     fn row(&self) -> DiagnosisRow {
         let (refused, body) = match &*self.diagnosed {
-            Ok(body) => (false, serde_json::to_string(body).expect("strings and finite numbers always serialise")),
+            Ok(body) => (false, text(body)),
             Err(why) => (true, why.clone()),
         };
         DiagnosisRow { record: self.campaign, model: self.model, program: program(), refused, body }
     }
+}
 
-    /// What the writer does with it: one transaction, unless another model has come into force meanwhile.
-    pub async fn keep(&self, writer: &mut Writer, models: &ModelBook) -> Result<(), Refused> {
-        if models.of(Some(self.imu)).id != self.model {
-            return Ok(());
-        }
-        let changes = Changes { diagnoses: vec![self.row()], ..Changes::default() };
+fn text(body: &impl serde::Serialize) -> String {
+    serde_json::to_string(body).expect("strings and finite numbers always serialise")
+}
+
+impl Made {
+    /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that wait for
+    /// the campaign are told in the same.
+    pub async fn keep(self, writer: &mut Writer, models: &ModelBook) -> Result<(), Refused> {
+        let Self { campaign, begun_at, ended_at, outcome } = self;
+        let mut changes = Changes::default();
+        let failed = match outcome {
+            Outcome::Known { known, .. } if models.of(Some(known.imu)).id != known.model => return Ok(()),
+            Outcome::Known { known, gyros } => {
+                let gist = text(&Gist::of(gyros, &known.diagnosed));
+                changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
+                known.diagnosed.as_ref().as_ref().err().cloned()
+            }
+            Outcome::Failed(why) => Some(why),
+        };
+        let settled = vec![SettledTask { record: campaign, begun_at, ended_at, failed }];
+        changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
         Ok(writer.commit(&changes).await?)
     }
 }
 
 impl Diagnoser {
-    pub fn new(store: Store, models: ModelBook, jobs: mpsc::WeakSender<Job>) -> Self {
-        let turns = Arc::new(Semaphore::new(AT_ONCE));
-        Self { store, models, jobs, turns, under_way: Arc::default(), known: Arc::default() }
-    }
-
-    /// Makes what is due, one after the other, until nobody can make anything due any more.
-    pub async fn run(self, mut due: watch::Receiver<u64>) {
-        let mut hopeless = HashSet::new();
-        loop {
-            due.mark_unchanged();
-            if let Err(error) = self.make_all(&due, &mut hopeless).await {
-                tracing::warn!(%error, "which campaigns are to be diagnosed cannot be read; they will be when they are asked for");
-            }
-            if due.changed().await.is_err() {
-                break;
-            }
-        }
-    }
-
-    /// One pass over all that is due; what cannot be diagnosed is told once and left alone.
-    async fn make_all(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<(), StoreError> {
-        let mut before = Id(i64::MAX);
-        loop {
-            let page = self.store.diagnoses_due(before, PAGE).await?;
-            let Some(last) = page.last() else { return Ok(()) };
-            before = *last;
-            for id in page {
-                if due.has_changed().is_err() {
-                    return Ok(());
-                }
-                if hopeless.contains(&id) {
-                    continue;
-                }
-                if let Err(error) = self.diagnosis(id, Duration::MAX).await {
-                    tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
-                    hopeless.insert(id);
-                }
-            }
-        }
+    pub fn new(store: Store, models: ModelBook, clock: Clock, jobs: mpsc::WeakSender<Job>) -> Self {
+        let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
+        let turns = Arc::new(Semaphore::new(at_once));
+        Self { store, models, clock, jobs, at_once, turns, under_way: Arc::default(), known: Arc::default() }
     }
 
     /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
@@ -164,7 +185,7 @@ impl Diagnoser {
             })
         };
         let diagnosed = Arc::new(if kept.refused { Err(kept.body) } else { Ok(read(&kept.body)?) });
-        self.remember(Made { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
+        self.remember(Known { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
         Ok(Some(diagnosed))
     }
 
@@ -180,30 +201,48 @@ impl Diagnoser {
         under_way.insert(key, end.clone());
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
-            let made = diagnoser.compute(campaign, &in_force).await;
-            if let Some(diagnosed) = made {
-                let made = Made { campaign: key.0, imu, model: key.1, diagnosed: Arc::clone(&diagnosed) };
-                diagnoser.have_kept(made.clone()).await;
-                diagnoser.remember(made);
-                ended.send_replace(Some(diagnosed));
+            let gyros = seats(&campaign);
+            let (begun_at, made) = diagnoser.compute(campaign, &in_force).await;
+            let (campaign, model) = key;
+            let outcome = match &made {
+                Some(diagnosed) => {
+                    let known = Known { campaign, imu, model, diagnosed: Arc::clone(diagnosed) };
+                    diagnoser.remember(known.clone());
+                    Outcome::Known { known, gyros }
+                }
+                None => Outcome::Failed(BROKEN_OFF.to_owned()),
+            };
+            diagnoser.have_kept(Made { campaign, begun_at, ended_at: diagnoser.clock.now(), outcome }).await;
+            if made.is_some() {
+                ended.send_replace(made);
             }
             diagnoser.under_way.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
         });
         Ok(end)
     }
 
-    /// When it is its turn, and while nobody else wants the processor; none where it panicked.
-    async fn compute(&self, campaign: Campaign, in_force: &InForce) -> Option<Diagnosed> {
-        let _turn = self.turns.acquire().await.ok()?;
+    /// When it is its turn, and while nobody else wants the processor: since when, and the answer; none where it panicked.
+    async fn compute(&self, campaign: Campaign, in_force: &InForce) -> (UtcMicros, Option<Diagnosed>) {
+        // Nobody closes it: a turn always comes.
+        let _turn = self.turns.acquire().await;
+        let (begun_at, begun) = (self.clock.now(), Instant::now());
         let options = in_force.model.options_as_asked(&campaign);
         let work = move || match diagnose(&campaign, &options) {
             Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
             Err(why) => Err(why.to_string()),
         };
-        behind_others("diagnosis", work).await.map(Arc::new)
+        let made = behind_others("diagnosis", work).await;
+        let outcome = match &made {
+            Some(Ok(_)) => "made",
+            Some(Err(_)) => "refused",
+            None => "failed",
+        };
+        metrics::counter!(telemetry::DIAGNOSES, "outcome" => outcome).increment(1);
+        metrics::histogram!(telemetry::DIAGNOSIS_TIME).record(begun.elapsed());
+        (begun_at, made.map(Arc::new))
     }
 
-    /// Puts it on disk. Where that fails it is made again after the next start.
+    /// Puts it on disk. Where that fails it is made again after the next start, or for the orders that wait for it.
     async fn have_kept(&self, made: Made) {
         let Some(jobs) = self.jobs.upgrade() else { return };
         let campaign = made.campaign;
@@ -223,7 +262,7 @@ impl Diagnoser {
         (self.models.of(Some(found.imu)).id == found.model).then(|| Arc::clone(&found.diagnosed))
     }
 
-    fn remember(&self, new: Made) {
+    fn remember(&self, new: Known) {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.retain(|known| known.campaign != new.campaign);
         known.truncate(IN_MEMORY - 1);

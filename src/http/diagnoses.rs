@@ -1,0 +1,180 @@
+//! `/v1/diagnoses`: diagnoses of many campaigns, ordered, followed, canceled; and what they say together.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::header::{ACCEPT, CONTENT_TYPE, LINK, LOCATION};
+use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::answer::Answer;
+use super::document::Document;
+use super::query::{self, Parameters, bad};
+use crate::pipeline::{Accepted, DiagnosisOrder, Id};
+use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
+use crate::wire::problem::Problem;
+use crate::wire::{cursor, diagnoses_csv};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(get_diagnoses, post_diagnoses))
+        .routes(routes!(get_summary))
+        .routes(routes!(get_one, delete_one))
+}
+
+const MOST_ORDERS: usize = 100;
+const MOST_FAILURES: usize = 1000;
+
+/// Orders the diagnoses of stored campaigns: all that count, or those of an IMU, a station, a stretch of time.
+///
+/// Those whose diagnosis is of this version of the program and the model in force are done already, unless `again` is true. The
+/// same order, sent while it is being worked off, is that order.
+#[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody, responses(
+    (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
+    (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
+    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+    (status = 422, description = "an unknown IMU or station, no time …; the places are named", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+    let wanted = app.pipeline.read_wanted_diagnoses(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let (status, id) = match app.pipeline.order_diagnoses(DiagnosisOrder::Start(wanted)).await? {
+        Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
+        Accepted::There { id, .. } => (StatusCode::OK, id),
+    };
+    let job = one(&app, id, None, MOST_FAILURES).await?;
+    Ok((status, [(LOCATION, format!("/v1/diagnoses/{id}"))], Json(job)).into_response())
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct PageQuery {
+    /// At most so many; 20 orders or 100 failures unless it is given.
+    limit: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+}
+
+impl PageQuery {
+    fn position(&self) -> Result<Option<Id>, Problem> {
+        Ok(self.cursor.as_deref().map(query::position).transpose()?.map(Id))
+    }
+}
+
+/// Orders with their progress, newest first.
+#[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses", params(PageQuery), responses(
+    (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on"))),
+    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+async fn get_diagnoses(
+    State(app): State<App>,
+    uri: Uri,
+    Parameters(asked): Parameters<PageQuery>,
+) -> Result<Response, Problem> {
+    let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
+    let mut diagnoses = app.pipeline.diagnosis_jobs(asked.position()?, limit as u32 + 1).await?;
+    let more = diagnoses.len() > limit;
+    diagnoses.truncate(limit);
+    let last = diagnoses.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
+    let next = last.map(|id| cursor::encode(id.0));
+    let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    Ok((link, Json(JobsBody { diagnoses, next })).into_response())
+}
+
+/// One order: how far it has come, and which campaigns could not be diagnosed, and why.
+#[utoipa::path(get, path = "/v1/diagnoses/{id}", tag = "diagnoses",
+    params(("id" = String, Path, description = "identifier of the order"), PageQuery),
+    responses(
+        (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on"))),
+        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json")))]
+async fn get_one(
+    State(app): State<App>,
+    uri: Uri,
+    Path(id): Path<String>,
+    Parameters(asked): Parameters<PageQuery>,
+) -> Result<Response, Problem> {
+    let limit = query::limit(asked.limit, 100, MOST_FAILURES)?;
+    let job = one(&app, number(&id)?, asked.position()?, limit).await?;
+    let link = job.next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
+    Ok((link, Json(job)).into_response())
+}
+
+/// Cancels an order. What is done stays done; what is in work is finished.
+#[utoipa::path(delete, path = "/v1/diagnoses/{id}", tag = "diagnoses",
+    params(("id" = String, Path, description = "identifier of the order")),
+    responses(
+        (status = 204, description = "canceled, now or before"),
+        (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it has ended", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    app.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number(&id)?)).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct SummaryQuery {
+    /// Of this IMU alone.
+    imu: Option<String>,
+    /// Of campaigns at this station alone.
+    station: Option<String>,
+    /// Of this effect alone, by its catalogue name.
+    effect: Option<String>,
+    /// Of campaigns measured from this time on, RFC 3339.
+    since: Option<String>,
+    /// Of campaigns measured up to this time, RFC 3339.
+    until: Option<String>,
+    /// `json` or `csv`; without it, `Accept` decides.
+    format: Option<String>,
+}
+
+/// What the diagnoses of stored campaigns say together: which effects, in which IMUs and gyros, at which stations, since when, how
+/// far the gap closes and what D_I and D_S are moved by; and whose gap the catalogue does not explain.
+///
+/// Campaigns that were voided or revised are left out. In CSV a line is an effect in a gyro, or an IMU in doubt.
+#[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses", params(SummaryQuery), responses(
+    (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv"))),
+    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+async fn get_summary(
+    State(app): State<App>,
+    headers: HeaderMap,
+    Parameters(asked): Parameters<SummaryQuery>,
+) -> Result<Response, Problem> {
+    let csv = match asked.format.as_deref() {
+        Some("csv") => true,
+        Some("json") => false,
+        Some(other) => return Err(bad(&format!("format must be json or csv, is {other}"))),
+        None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
+    };
+    let SummaryQuery { imu, station, effect, since, until, .. } = asked;
+    let which = WhichBody { imu, station, since, until, again: false };
+    let filter = app.pipeline.summary_filter(&which, effect.as_deref()).map_err(|faults| {
+        let said = faults.0.iter().map(|fault| format!("{}: {}", fault.pointer.trim_start_matches('/'), fault.detail));
+        bad(&said.collect::<Vec<_>>().join("; "))
+    })?;
+    let summary = app.pipeline.diagnosis_summary(&filter).await?;
+    if csv {
+        let text = diagnoses_csv::to_csv(&summary);
+        return Ok(([(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
+    }
+    Ok(Answer(summary).into_response())
+}
+
+async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Result<JobDetailBody, Problem> {
+    app.pipeline.diagnosis_job(id, after, limit as u32).await?.ok_or_else(|| no_such(&id.to_string()))
+}
+
+fn number(id: &str) -> Result<Id, Problem> {
+    id.parse().map_err(|_| no_such(id))
+}
+
+fn no_such(id: &str) -> Problem {
+    Problem::new(404, "No such diagnoses", format!("there is no order of diagnoses {id}"))
+}

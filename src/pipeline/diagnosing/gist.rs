@@ -1,0 +1,96 @@
+//! What a summary of many diagnoses says of each.
+
+use serde::{Deserialize, Serialize};
+
+use super::Diagnosed;
+use crate::core::campaign::Campaign;
+
+/// The verdict of a campaign that leaves nothing to diagnose.
+pub(super) const REFUSED: &str = "refused";
+
+/// Verdict, gyros and effects of one diagnosis, as they are kept beside it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Gist {
+    /// As the diagnosis names it, or [`REFUSED`].
+    pub verdict: String,
+    /// All of the campaign.
+    pub gyros: Vec<Seat>,
+    pub effects: Vec<Named>,
+    pub impact: Vec<Shift>,
+    pub signs: Vec<Sign>,
+}
+
+/// Which gyro was where.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Seat {
+    pub slot: String,
+    pub serial: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Named {
+    pub effect: String,
+    pub class: Vec<String>,
+    /// Slots.
+    pub gyros: Vec<String>,
+    pub closure: f64,
+}
+
+/// Of D_I or D_S by all named effects, beyond its noise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Shift {
+    pub slot: String,
+    pub coefficient: String,
+    pub shift: f64,
+    pub of_budget: f64,
+}
+
+/// That more remains than is named.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Sign {
+    pub kind: String,
+    /// Slots.
+    pub gyros: Vec<String>,
+}
+
+/// The gyros of a campaign.
+pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
+    let seat = |gyro: &crate::core::campaign::CampaignGyro| Seat {
+        slot: gyro.slot.name().to_owned(),
+        serial: gyro.serial.to_string(),
+    };
+    campaign.gyros.iter().map(seat).collect()
+}
+
+impl Gist {
+    pub fn of(gyros: Vec<Seat>, diagnosed: &Diagnosed) -> Self {
+        let nothing =
+            Self { verdict: REFUSED.to_owned(), gyros, effects: Vec::new(), impact: Vec::new(), signs: Vec::new() };
+        let Ok(d) = &**diagnosed else { return nothing };
+        let effects = d.effects.iter().map(|e| Named {
+            effect: e.effect.clone(),
+            class: e.class.clone(),
+            gyros: e.gyros.clone(),
+            closure: e.held_out.closure,
+        });
+        let impact = d.impact.iter().map(|i| Shift {
+            slot: i.slot.clone(),
+            coefficient: i.coefficient.clone(),
+            shift: i.shift,
+            of_budget: i.of_budget,
+        });
+        let signs = d.remaining.signs.iter().map(|s| Sign { kind: s.kind.clone(), gyros: s.gyros.clone() });
+        Self {
+            verdict: d.verdict.clone(),
+            effects: effects.collect(),
+            impact: impact.collect(),
+            signs: signs.collect(),
+            ..nothing
+        }
+    }
+
+    /// The serial of the gyro in a slot.
+    pub fn serial(&self, slot: &str) -> Option<&str> {
+        self.gyros.iter().find(|seat| seat.slot == slot).map(|seat| seat.serial.as_str())
+    }
+}

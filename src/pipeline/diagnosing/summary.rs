@@ -1,0 +1,325 @@
+//! What the diagnoses of many campaigns say together: which effects, in which gyros, at which stations, since when.
+//!
+//! One pass over the gists in order of time; what is held grows with gyros and findings, not with campaigns.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::gist::{Gist, Named, REFUSED};
+use super::program;
+use crate::core::effects::{CATALOGUE, Effect};
+use crate::core::fault::Faults;
+use crate::core::time::UtcMicros;
+use crate::pipeline::Pipeline;
+use crate::store::{CampaignFilter, GistRow, Id, StoreError, Table, Tables};
+use crate::wire::diagnoses::{
+    AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,
+    SummaryBody, WhichBody,
+};
+use crate::wire::time;
+
+/// Of which campaigns, and of which effect.
+#[derive(Debug, Clone)]
+pub struct SummaryFilter {
+    campaigns: CampaignFilter,
+    effect: Option<Effect>,
+}
+
+/// A campaign in which something was seen.
+#[derive(Debug, Clone, Copy)]
+struct Sighting {
+    record: Id,
+    at: UtcMicros,
+    station: u32,
+}
+
+/// A gyro in an IMU, as far as its campaigns have been passed.
+#[derive(Debug, Default)]
+struct Course {
+    campaigns: u64,
+    stations: BTreeMap<u32, u64>,
+    last: Option<UtcMicros>,
+}
+
+/// One effect in one gyro.
+#[derive(Debug)]
+struct Finding {
+    class: Vec<String>,
+    slot: String,
+    stations: BTreeMap<u32, u64>,
+    campaigns: u64,
+    /// Campaigns of the gyro before the first one with it, and when the last of these was.
+    before: u64,
+    clear: Option<UtcMicros>,
+    first: Sighting,
+    last: Sighting,
+    closures: Vec<f64>,
+    impact: BTreeMap<String, LargestShiftBody>,
+}
+
+/// A gap of an IMU that is not wholly explained.
+#[derive(Debug)]
+struct Doubt {
+    serials: BTreeSet<String>,
+    signs: BTreeSet<String>,
+    stations: BTreeSet<u32>,
+    campaigns: u64,
+    first: Sighting,
+    last: Sighting,
+}
+
+/// One effect over all IMUs.
+#[derive(Debug)]
+struct Overview {
+    campaigns: u64,
+    first: UtcMicros,
+    last: UtcMicros,
+}
+
+/// What has been passed so far.
+#[derive(Debug, Default)]
+struct Tally {
+    effect: Option<&'static str>,
+    coverage: CoverageBody,
+    /// By IMU and serial.
+    courses: HashMap<(u32, String), Course>,
+    /// Diagnosed campaigns of each IMU.
+    imus: HashMap<u32, u64>,
+    /// By effect, IMU and serial.
+    findings: BTreeMap<(String, u32, String), Finding>,
+    overview: BTreeMap<String, Overview>,
+    /// By verdict and IMU.
+    doubts: BTreeMap<(String, u32), Doubt>,
+}
+
+impl Tally {
+    fn add(&mut self, row: &GistRow, gist: &Gist, program: &str) {
+        self.cover(row, gist, program);
+        if gist.verdict == REFUSED {
+            return;
+        }
+        let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
+        *self.imus.entry(row.imu).or_default() += 1;
+        for named in &gist.effects {
+            if self.effect.is_none_or(|wanted| wanted == named.effect) {
+                self.note(row.imu, seen, gist, named);
+            }
+        }
+        if self.effect.is_none() && matches!(gist.verdict.as_str(), "unexplained" | "partly_explained") {
+            self.doubt(row.imu, seen, gist);
+        }
+        for seat in &gist.gyros {
+            let course = self.courses.entry((row.imu, seat.serial.clone())).or_default();
+            course.campaigns += 1;
+            *course.stations.entry(row.station).or_default() += 1;
+            course.last = Some(row.measured_at);
+        }
+    }
+
+    fn cover(&mut self, row: &GistRow, gist: &Gist, program: &str) {
+        let of_verdict = match gist.verdict.as_str() {
+            "no_gap" => &mut self.coverage.no_gap,
+            "explained" => &mut self.coverage.explained,
+            "partly_explained" => &mut self.coverage.partly_explained,
+            REFUSED => &mut self.coverage.refused,
+            _ => &mut self.coverage.unexplained,
+        };
+        *of_verdict += 1;
+        self.coverage.diagnosed += u64::from(gist.verdict != REFUSED);
+        self.coverage.outdated += u64::from(row.program != program);
+    }
+
+    /// An effect that a campaign names. The campaign itself has not been added to the courses of its gyros yet.
+    fn note(&mut self, imu: u32, seen: Sighting, gist: &Gist, named: &Named) {
+        let new = || Overview { campaigns: 0, first: seen.at, last: seen.at };
+        let overview = self.overview.entry(named.effect.clone()).or_insert_with(new);
+        overview.campaigns += 1;
+        overview.last = seen.at;
+        for slot in &named.gyros {
+            let Some(serial) = gist.serial(slot) else { continue };
+            let course = self.courses.get(&(imu, serial.to_owned()));
+            let key = (named.effect.clone(), imu, serial.to_owned());
+            let finding = self.findings.entry(key).or_insert_with(|| Finding {
+                class: named.class.clone(),
+                slot: slot.clone(),
+                stations: BTreeMap::new(),
+                campaigns: 0,
+                before: course.map_or(0, |course| course.campaigns),
+                clear: course.and_then(|course| course.last),
+                first: seen,
+                last: seen,
+                closures: Vec::new(),
+                impact: BTreeMap::new(),
+            });
+            finding.add(seen, slot, gist, named);
+        }
+    }
+
+    fn doubt(&mut self, imu: u32, seen: Sighting, gist: &Gist) {
+        let doubt = self.doubts.entry((gist.verdict.clone(), imu)).or_insert_with(|| Doubt {
+            serials: BTreeSet::new(),
+            signs: BTreeSet::new(),
+            stations: BTreeSet::new(),
+            campaigns: 0,
+            first: seen,
+            last: seen,
+        });
+        doubt.campaigns += 1;
+        doubt.last = seen;
+        doubt.stations.insert(seen.station);
+        for sign in &gist.signs {
+            doubt.signs.insert(sign.kind.clone());
+            doubt.serials.extend(sign.gyros.iter().filter_map(|slot| gist.serial(slot)).map(str::to_owned));
+        }
+    }
+
+    fn into_body(self, tables: &Tables) -> SummaryBody {
+        let mut effects: Vec<OverviewBody> =
+            self.overview.iter().map(|(effect, overview)| self.overview_body(effect, overview, tables)).collect();
+        effects.sort_by_key(|one| std::cmp::Reverse((one.imus.len(), one.campaigns)));
+        let findings = self.findings.iter().map(|(key, finding)| self.finding_body(key, finding, tables)).collect();
+        let doubts = self.doubts.iter().map(|(key, doubt)| self.doubt_body(key, doubt, tables)).collect();
+        SummaryBody { campaigns: self.coverage, effects, findings, doubts }
+    }
+
+    fn overview_body(&self, effect: &str, overview: &Overview, tables: &Tables) -> OverviewBody {
+        let of_effect = || self.findings.iter().filter(|((name, ..), _)| name == effect);
+        let imus: BTreeSet<String> = of_effect().map(|((_, imu, _), _)| name(&tables.imus, *imu)).collect();
+        let stations: BTreeSet<String> =
+            of_effect().flat_map(|(_, found)| found.stations.keys()).map(|at| name(&tables.stations, *at)).collect();
+        OverviewBody {
+            effect: effect.to_owned(),
+            imus: imus.into_iter().collect(),
+            stations: stations.into_iter().collect(),
+            gyros: of_effect().count() as u64,
+            campaigns: overview.campaigns,
+            first_at: time::format(overview.first),
+            last_at: time::format(overview.last),
+        }
+    }
+
+    fn finding_body(
+        &self,
+        (effect, imu, serial): &(String, u32, String),
+        found: &Finding,
+        tables: &Tables,
+    ) -> FindingBody {
+        let course = self.courses.get(&(*imu, serial.clone()));
+        let of = course.map_or(0, |course| course.campaigns);
+        let at_station = |(station, campaigns): (&u32, &u64)| AtStationBody {
+            station: name(&tables.stations, *station),
+            campaigns: *campaigns,
+            of: course.and_then(|course| course.stations.get(station)).copied().unwrap_or(*campaigns),
+        };
+        FindingBody {
+            effect: effect.clone(),
+            class: found.class.clone(),
+            imu: name(&tables.imus, *imu),
+            slot: found.slot.clone(),
+            serial: serial.clone(),
+            stations: found.stations.iter().map(at_station).collect(),
+            campaigns: found.campaigns,
+            of,
+            of_since: of - found.before,
+            clear_at: found.clear.map(time::format),
+            first: found.first.body(tables),
+            last: found.last.body(tables),
+            closure: closures(&found.closures),
+            impact: found.impact.values().cloned().collect(),
+        }
+    }
+
+    fn doubt_body(&self, (verdict, imu): &(String, u32), doubt: &Doubt, tables: &Tables) -> DoubtBody {
+        DoubtBody {
+            verdict: verdict.clone(),
+            imu: name(&tables.imus, *imu),
+            gyros: doubt.serials.iter().cloned().collect(),
+            signs: doubt.signs.iter().cloned().collect(),
+            stations: doubt.stations.iter().map(|at| name(&tables.stations, *at)).collect(),
+            campaigns: doubt.campaigns,
+            of: self.imus.get(imu).copied().unwrap_or(doubt.campaigns),
+            first: doubt.first.body(tables),
+            last: doubt.last.body(tables),
+        }
+    }
+}
+
+impl Finding {
+    fn add(&mut self, seen: Sighting, slot: &str, gist: &Gist, named: &Named) {
+        self.campaigns += 1;
+        self.last = seen;
+        slot.clone_into(&mut self.slot);
+        *self.stations.entry(seen.station).or_default() += 1;
+        self.class.retain(|id| named.class.contains(id));
+        self.closures.push(named.closure);
+        for shift in gist.impact.iter().filter(|shift| shift.slot == slot) {
+            let new = || LargestShiftBody {
+                coefficient: shift.coefficient.clone(),
+                shift: shift.shift,
+                of_budget: shift.of_budget,
+                campaign: seen.record.to_string(),
+            };
+            let largest = self.impact.entry(shift.coefficient.clone()).or_insert_with(new);
+            if shift.shift.abs() > largest.shift.abs() {
+                *largest = new();
+            }
+        }
+    }
+}
+
+impl Sighting {
+    fn body(&self, tables: &Tables) -> SightingBody {
+        SightingBody {
+            campaign: self.record.to_string(),
+            measured_at: time::format(self.at),
+            station: name(&tables.stations, self.station),
+        }
+    }
+}
+
+fn name(table: &Table, number: u32) -> String {
+    table.name(number).map_or_else(String::new, |name| name.to_string())
+}
+
+/// The median of an even number is the lower of the two in the middle: a figure that some campaign reports.
+fn closures(all: &[f64]) -> ClosuresBody {
+    let mut sorted = all.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |k: usize| sorted.get(k).copied().unwrap_or_default();
+    let last = sorted.len().saturating_sub(1);
+    ClosuresBody { least: at(0), median: at(last / 2), greatest: at(last) }
+}
+
+impl Pipeline {
+    /// Checks of what a summary is to be: campaigns as an order names them, and an effect by its catalogue name.
+    ///
+    /// # Errors
+    /// Every fault by its place.
+    pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
+        let mut faults = Faults::default();
+        let campaigns = self.campaign_filter(asked, &mut faults);
+        let known = effect.and_then(Effect::from_id);
+        if let (Some(id), None) = (effect, known) {
+            let ids: Vec<&str> = CATALOGUE.iter().map(|entry| entry.id).collect();
+            faults.push("/effect", format!("{id} is no effect of the catalogue; they are {}", ids.join(", ")));
+        }
+        faults.or(SummaryFilter { campaigns, effect: known })
+    }
+
+    /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn diagnosis_summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StoreError> {
+        let (mut tally, program) = (Tally { effect: filter.effect.map(Effect::id), ..Tally::default() }, program());
+        let add = |row: GistRow| {
+            let damaged = |error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record));
+            tally.add(&row, &serde_json::from_str(&row.gist).map_err(damaged)?, &program);
+            Ok(())
+        };
+        self.store.each_gist(&filter.campaigns, add).await?;
+        let waiting = self.store.not_diagnosed(&filter.campaigns).await?;
+        let mut body = tally.into_body(&self.store.names().read());
+        body.campaigns.waiting = waiting;
+        Ok(body)
+    }
+}

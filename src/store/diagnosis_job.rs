@@ -1,0 +1,261 @@
+//! Orders to diagnose many campaigns at once, and how far each has come.
+//!
+//! The tasks of an order are its queue: one is waiting until it is done, has failed or is canceled, so that nothing is lost with
+//! whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the transaction that keeps it.
+
+use sqlx::{Row as _, sqlite::SqliteRow};
+
+use super::batch::{Batch, Rows};
+use super::error::StoreError;
+use super::history::Span;
+use super::id::Id;
+use super::open::Store;
+use crate::core::time::UtcMicros;
+
+/// An order as it stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JobRow {
+    pub id: Id,
+    pub asked_at: UtcMicros,
+    pub asked_by: String,
+    /// Which campaigns, as clients read it (JSON).
+    pub asked: String,
+    pub canceled: bool,
+    pub begun_at: Option<UtcMicros>,
+    pub ended_at: Option<UtcMicros>,
+}
+
+/// Which stored campaigns; those that count no more are never meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CampaignFilter {
+    pub imu: Option<u32>,
+    pub station: Option<u32>,
+    /// When they were measured.
+    pub measured: Span,
+}
+
+/// An order that begins.
+#[derive(Debug)]
+pub struct NewJob {
+    pub id: Id,
+    pub asked_at: UtcMicros,
+    pub asked_by: String,
+    pub asked: String,
+    pub which: CampaignFilter,
+    /// Also those whose diagnosis is of this program and the model in force.
+    pub again: bool,
+    pub program: String,
+}
+
+/// A campaign whose diagnosis has come to its end.
+#[derive(Debug)]
+pub struct SettledTask {
+    pub record: Id,
+    pub begun_at: UtcMicros,
+    pub ended_at: UtcMicros,
+    /// Why there is none.
+    pub failed: Option<String>,
+}
+
+/// What changes about orders; see [`super::Changes`].
+#[derive(Debug, Default)]
+pub struct JobChanges {
+    pub started: Vec<NewJob>,
+    /// Which, and when.
+    pub canceled: Vec<(Id, UtcMicros)>,
+    pub settled: Vec<SettledTask>,
+}
+
+impl JobChanges {
+    pub fn is_empty(&self) -> bool {
+        self.started.is_empty() && self.canceled.is_empty() && self.settled.is_empty()
+    }
+}
+
+/// How many tasks of an order are in each state.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TaskCounts {
+    pub waiting: u64,
+    pub done: u64,
+    pub failed: u64,
+    pub canceled: u64,
+}
+
+/// A campaign of an order that could not be diagnosed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FailedTask {
+    pub record: Id,
+    pub imu: u32,
+    pub measured_at: UtcMicros,
+    pub reason: String,
+}
+
+/// Comes after diagnoses were kept in the same transaction.
+pub(super) fn apply(changes: &JobChanges, batch: &mut Batch) {
+    start(&changes.started, batch);
+    settle(&changes.settled, batch);
+    cancel(&changes.canceled, batch);
+}
+
+fn start(jobs: &[NewJob], batch: &mut Batch) {
+    let (mut orders, mut tasks, mut ends) = (Rows::default(), Rows::default(), Rows::default());
+    for job in jobs {
+        orders.row().integer(job.id.0).integer(job.asked_at.0).text(&job.asked_by).text(&job.asked);
+        tasks
+            .row()
+            .integer(job.id.0)
+            .optional_integer(job.which.imu.map(i64::from))
+            .optional_integer(job.which.station.map(i64::from))
+            .integer(job.which.measured.from.0)
+            .integer(job.which.measured.to.0)
+            .integer(i64::from(job.again))
+            .text(&job.program);
+        ends.row().integer(job.id.0).integer(job.asked_at.0);
+    }
+    batch.add(
+        "INSERT INTO diagnosis_job (id, asked_at, asked_by, asked, canceled)
+         SELECT value->>0, value->>1, value->>2, value->>3, 0 FROM json_each($ROWS)",
+        orders,
+    );
+    batch.add(
+        "INSERT INTO diagnosis_task (job, record, state, reason)
+         SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused THEN 'failed' ELSE 'done' END,
+             CASE WHEN made AND refused THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
+         FROM (SELECT asked.value->>0 AS job, record.id AS record, diagnosis.refused AS refused,
+                   asked.value->>5 = 0 AND diagnosis.program IS asked.value->>6
+                   AND diagnosis.model IS (SELECT max(id) FROM imu_model WHERE imu_model.imu = record.imu) AS made
+               FROM json_each($ROWS) AS asked
+               JOIN record ON record.kind = 1 AND record.calibrated_at BETWEEN asked.value->>3 AND asked.value->>4
+                   AND (asked.value->>1 IS NULL OR record.imu = asked.value->>1)
+                   AND (asked.value->>2 IS NULL OR record.station = asked.value->>2)
+               JOIN diagnosis ON diagnosis.record = record.id
+               WHERE record.id NOT IN (SELECT item FROM correction)) AS chosen",
+        tasks,
+    );
+    batch.add(
+        "UPDATE diagnosis_job SET begun_at = value->>1, ended_at = value->>1 FROM json_each($ROWS)
+         WHERE diagnosis_job.id = value->>0
+             AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
+        ends,
+    );
+}
+
+fn settle(settled: &[SettledTask], batch: &mut Batch) {
+    let (mut tasks, mut orders) = (Rows::default(), Rows::default());
+    for task in settled {
+        tasks.row().integer(task.record.0).optional_text(task.failed.as_deref());
+        orders.row().integer(task.record.0).integer(task.begun_at.0).integer(task.ended_at.0);
+    }
+    batch.add(
+        "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
+             reason = settled.value->>1
+         FROM json_each($ROWS) AS settled WHERE record = settled.value->>0 AND state = 'waiting'",
+        tasks,
+    );
+    batch.add(
+        "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, settled.value->>1),
+             ended_at = CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
+                 THEN settled.value->>2 END
+         FROM json_each($ROWS) AS settled
+         WHERE ended_at IS NULL
+             AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = settled.value->>0)",
+        orders,
+    );
+}
+
+fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
+    let (mut tasks, mut orders) = (Rows::default(), Rows::default());
+    for (job, at) in canceled {
+        tasks.row().integer(job.0);
+        orders.row().integer(job.0).integer(at.0);
+    }
+    batch.add(
+        "UPDATE diagnosis_task SET state = 'canceled'
+         WHERE state = 'waiting' AND job IN (SELECT value->>0 FROM json_each($ROWS))",
+        tasks,
+    );
+    batch.add(
+        "UPDATE diagnosis_job SET canceled = 1, ended_at = value->>1 FROM json_each($ROWS)
+         WHERE diagnosis_job.id = value->>0 AND ended_at IS NULL",
+        orders,
+    );
+}
+
+fn job(row: &SqliteRow) -> Result<JobRow, StoreError> {
+    Ok(JobRow {
+        id: Id(row.try_get("id")?),
+        asked_at: UtcMicros(row.try_get("asked_at")?),
+        asked_by: row.try_get("asked_by")?,
+        asked: row.try_get("asked")?,
+        canceled: row.try_get("canceled")?,
+        begun_at: row.try_get::<Option<i64>, _>("begun_at")?.map(UtcMicros),
+        ended_at: row.try_get::<Option<i64>, _>("ended_at")?.map(UtcMicros),
+    })
+}
+
+impl Store {
+    /// Orders, newest first, those before `before`.
+    pub async fn diagnosis_jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>, StoreError> {
+        let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job
+                   WHERE id < $1 ORDER BY id DESC LIMIT $2";
+        let query = sqlx::query(sql).bind(before.map_or(i64::MAX, |id| id.0)).bind(limit);
+        query.fetch_all(&self.readers).await?.iter().map(job).collect()
+    }
+
+    pub async fn diagnosis_job(&self, id: Id) -> Result<Option<JobRow>, StoreError> {
+        let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job WHERE id = $1";
+        sqlx::query(sql).bind(id.0).fetch_optional(&self.readers).await?.as_ref().map(job).transpose()
+    }
+
+    /// The order in the same words that has not ended yet.
+    pub async fn open_diagnosis_job(&self, asked: &str) -> Result<Option<Id>, StoreError> {
+        let sql = "SELECT id FROM diagnosis_job WHERE ended_at IS NULL AND asked = $1";
+        let found: Option<i64> = sqlx::query_scalar(sql).bind(asked).fetch_optional(&self.readers).await?;
+        Ok(found.map(Id))
+    }
+
+    pub async fn task_counts(&self, job: Id) -> Result<TaskCounts, StoreError> {
+        let sql = "SELECT state, count(*) FROM diagnosis_task WHERE job = $1 GROUP BY state";
+        let rows: Vec<(String, i64)> = sqlx::query_as(sql).bind(job.0).fetch_all(&self.readers).await?;
+        let mut counts = TaskCounts::default();
+        for (state, count) in rows {
+            let of_state = match state.as_str() {
+                "waiting" => &mut counts.waiting,
+                "done" => &mut counts.done,
+                "failed" => &mut counts.failed,
+                _ => &mut counts.canceled,
+            };
+            *of_state += count.unsigned_abs();
+        }
+        Ok(counts)
+    }
+
+    /// What failed, in the order of storing, from after `after` on.
+    pub async fn failed_tasks(&self, job: Id, after: Option<Id>, limit: u32) -> Result<Vec<FailedTask>, StoreError> {
+        let sql = "SELECT record.id, record.imu, record.calibrated_at, reason FROM diagnosis_task
+                   JOIN record ON record.id = diagnosis_task.record
+                   WHERE job = $1 AND record > $2 AND state = 'failed' ORDER BY record LIMIT $3";
+        let after = after.map_or(i64::MIN, |id| id.0);
+        let rows: Vec<(i64, u32, i64, String)> =
+            sqlx::query_as(sql).bind(job.0).bind(after).bind(limit).fetch_all(&self.readers).await?;
+        let failed = |(id, imu, at, reason)| FailedTask { record: Id(id), imu, measured_at: UtcMicros(at), reason };
+        Ok(rows.into_iter().map(failed).collect())
+    }
+
+    /// Campaigns that orders wait for, of the oldest order first.
+    pub async fn tasks_waiting(&self, limit: u32) -> Result<Vec<Id>, StoreError> {
+        let sql = "SELECT record FROM diagnosis_task WHERE state = 'waiting' ORDER BY job, record LIMIT $1";
+        let mut found: Vec<i64> = sqlx::query_scalar(sql).bind(limit).fetch_all(&self.readers).await?;
+        let mut seen = std::collections::HashSet::new();
+        found.retain(|record| seen.insert(*record));
+        Ok(found.into_iter().map(Id).collect())
+    }
+
+    /// How many campaigns wait for their first diagnosis, and how many tasks of orders wait.
+    pub async fn diagnoses_waiting(&self) -> Result<(u64, u64), StoreError> {
+        let sql = "SELECT (SELECT count(*) FROM diagnosis WHERE body IS NULL),
+                          (SELECT count(*) FROM diagnosis_task WHERE state = 'waiting')";
+        let (due, tasks): (i64, i64) = sqlx::query_as(sql).fetch_one(&self.readers).await?;
+        Ok((due.unsigned_abs(), tasks.unsigned_abs()))
+    }
+}

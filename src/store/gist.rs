@@ -1,0 +1,69 @@
+//! What a summary of many diagnoses says of each: a few hundred bytes beside the tens of thousands of the whole.
+
+use futures::TryStreamExt;
+
+use super::batch::{Batch, Rows};
+use super::diagnosis::NewDiagnosis;
+use super::diagnosis_job::CampaignFilter;
+use super::error::StoreError;
+use super::id::Id;
+use super::open::Store;
+use crate::core::time::UtcMicros;
+
+/// The gist of one campaign's diagnosis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GistRow {
+    pub record: Id,
+    pub imu: u32,
+    pub station: u32,
+    pub measured_at: UtcMicros,
+    /// Which program made the diagnosis.
+    pub program: String,
+    /// JSON.
+    pub gist: String,
+}
+
+pub(super) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for NewDiagnosis { row, gist } in diagnoses {
+        rows.row().integer(row.record.0).text(&row.program).bytes(gist.as_bytes());
+    }
+    batch.add(
+        "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
+         SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,
+             CAST(substr($BYTES, made.value->>2, made.value->>3) AS TEXT)
+         FROM json_each($ROWS) AS made JOIN record ON record.id = made.value->>0 WHERE true
+         ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
+        rows,
+    );
+}
+
+impl Store {
+    /// Hands the gist of every campaign that counts to `each`, the earliest measured first.
+    pub async fn each_gist(
+        &self,
+        of: &CampaignFilter,
+        mut each: impl FnMut(GistRow) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        let sql = "SELECT record, imu, station, measured_at, program, gist FROM diagnosis_gist
+                   WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
+                       AND record NOT IN (SELECT item FROM correction)
+                   ORDER BY measured_at, record";
+        let query = sqlx::query_as(sql).bind(of.measured.from.0).bind(of.measured.to.0).bind(of.imu).bind(of.station);
+        let mut rows = query.fetch(&self.readers);
+        while let Some((record, imu, station, at, program, gist)) = rows.try_next().await? {
+            each(GistRow { record: Id(record), imu, station, measured_at: UtcMicros(at), program, gist })?;
+        }
+        Ok(())
+    }
+
+    /// Campaigns that count and have no diagnosis yet.
+    pub async fn not_diagnosed(&self, of: &CampaignFilter) -> Result<u64, StoreError> {
+        let sql = "SELECT count(*) FROM diagnosis JOIN record ON record.id = diagnosis.record
+                   WHERE diagnosis.body IS NULL AND record.calibrated_at BETWEEN $1 AND $2
+                       AND ($3 IS NULL OR record.imu = $3) AND ($4 IS NULL OR record.station = $4)
+                       AND record.id NOT IN (SELECT item FROM correction)";
+        let query = sqlx::query_scalar::<_, i64>(sql).bind(of.measured.from.0).bind(of.measured.to.0);
+        Ok(query.bind(of.imu).bind(of.station).fetch_one(&self.readers).await?.unsigned_abs())
+    }
+}

@@ -88,6 +88,19 @@ impl Service {
         answer.json().await.with_context(|| format!("the answer of {route} is not JSON"))
     }
 
+    /// As [`Service::get`], telling what another try may help from what it does not.
+    pub async fn ask(&self, route: &str) -> Result<Value, Trouble> {
+        let (status, after, body) = self.answer(self.request(Method::GET, route)).await?;
+        if status == StatusCode::OK {
+            let foreign = |error| Trouble::Stop(format!("the answer is not one of gyrowatch: {error}"));
+            return serde_json::from_slice(&body).map_err(foreign);
+        }
+        Err(match sort(status, after, &body)? {
+            Sent::Refused(problem) => Trouble::Stop(format!("{status}: {}", problem.detail)),
+            Sent::Stored(_) | Sent::Known(_) => Trouble::Stop(format!("status {status} from {route}")),
+        })
+    }
+
     /// Posts one document to its own endpoint.
     pub async fn post(&self, route: &str, content_type: &str, body: Bytes) -> Result<Sent, Trouble> {
         let (status, after, body) = self.call(route, content_type, body).await?;
@@ -129,7 +142,10 @@ impl Service {
         content_type: &str,
         body: Bytes,
     ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
-        let request = self.request(Method::POST, route).body(body).header(CONTENT_TYPE, content_type);
+        self.answer(self.request(Method::POST, route).body(body).header(CONTENT_TYPE, content_type)).await
+    }
+
+    async fn answer(&self, request: reqwest::RequestBuilder) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
         let away = |e: reqwest::Error| Trouble::Away(format!("cannot reach {}: {}", self.base, root_cause(&e)));
         let answer = request.send().await.map_err(away)?;
         let status = answer.status();
@@ -153,9 +169,9 @@ fn root_cause(error: &dyn std::error::Error) -> String {
 fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent, Trouble> {
     let problem = || serde_json::from_slice::<Problem>(body).ok();
     match status.as_u16() {
-        code @ (200 | 201) => match serde_json::from_slice::<Value>(body) {
+        code @ (200..=202) => match serde_json::from_slice::<Value>(body) {
             Ok(answer) if answer.get("id").is_some() => {
-                Ok(if code == 201 { Sent::Stored(answer) } else { Sent::Known(answer) })
+                Ok(if code == 200 { Sent::Known(answer) } else { Sent::Stored(answer) })
             }
             _ => Err(Trouble::Stop(format!("status {code}, but the answer is not one of gyrowatch"))),
         },
@@ -186,7 +202,9 @@ mod tests {
 
     #[test]
     fn only_an_answer_of_the_service_acknowledges() {
-        assert!(matches!(sorted(201, br#"{"id":"r1"}"#), Ok(Sent::Stored(_))));
+        for status in [201, 202] {
+            assert!(matches!(sorted(status, br#"{"id":"r1"}"#), Ok(Sent::Stored(_))));
+        }
         assert!(matches!(sorted(200, br#"{"id":"r1"}"#), Ok(Sent::Known(_))));
         for page in [&b"<html>Welcome to the guest network</html>"[..], b"{}", b""] {
             assert!(matches!(sorted(200, page), Err(Trouble::Stop(_))));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
-use super::{diagnose_record, model};
+use super::{diagnose_all, diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, Reference, diagnose, split};
@@ -18,11 +18,12 @@ use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
 use crate::wire::{self, time};
 
-/// Diagnose the gap between a campaign and the error model
+/// Diagnose the gap between a campaign and the error model, or all campaigns of a running service
 #[derive(Debug, clap::Args)]
 pub struct Diagnose {
     /// The campaign, in JSON or CSV, or a calibration record, whose closure is then diagnosed; `-` is standard input
-    campaign: PathBuf,
+    #[arg(required_unless_present = "all")]
+    campaign: Option<PathBuf>,
 
     /// The error model in use: terms of bias, g_linear, g_squared, scale, parted by commas, or a model file
     /// [default: the campaign's own terms, or all]
@@ -44,12 +45,26 @@ pub struct Diagnose {
 
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+
+    /// Have a running service diagnose its stored campaigns, and print what they say together
+    #[arg(long, conflicts_with_all = ["campaign", "model", "adopt", "report", "reference"])]
+    all: bool,
+
+    #[command(flatten)]
+    fleet: diagnose_all::Fleet,
 }
 
 impl Diagnose {
     pub fn run(self) -> anyhow::Result<()> {
-        let file = || document::name(&self.campaign);
-        let bytes = document::read(&self.campaign)?;
+        match &self.campaign {
+            Some(path) => self.one(path),
+            None => diagnose_all::run(&self.fleet, self.format),
+        }
+    }
+
+    fn one(&self, path: &Path) -> anyhow::Result<()> {
+        let file = || document::name(path);
+        let bytes = document::read(path)?;
         if is_record(&bytes) {
             if self.model.is_some() || self.adopt.is_some() || self.report.is_some() || self.reference.is_some() {
                 bail!(

@@ -11,6 +11,7 @@ mod client;
 mod config;
 mod demo;
 mod diagnose;
+mod diagnose_all;
 mod diagnose_record;
 mod document;
 mod experiment;

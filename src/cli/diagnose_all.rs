@@ -1,0 +1,259 @@
+//! `diagnose --all`: has a running service diagnose its stored campaigns, follows it, and prints what they say together.
+//!
+//! The service works and remembers. Breaking off here breaks nothing off there: the same command finds the same order again.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use bytes::Bytes;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::de::DeserializeOwned;
+
+use super::client::{JSON, Sent, Service, Trouble};
+use super::document::{self, Format, table};
+use crate::wire::diagnoses::{CoverageBody, DoubtBody, FindingBody, JobDetailBody, SummaryBody, WhichBody};
+
+/// How often progress is asked for.
+const STEP: Duration = Duration::from_millis(500);
+/// For how long a service that is away or busy is asked again.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Failures that are named; all are counted.
+const MOST_NAMED: usize = 1000;
+
+/// Which service, and which of its campaigns.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "With --all")]
+pub struct Fleet {
+    /// Campaigns of this IMU alone
+    #[arg(long, conflicts_with = "campaign")]
+    imu: Option<String>,
+
+    /// Campaigns of this station alone
+    #[arg(long, conflicts_with = "campaign")]
+    station: Option<String>,
+
+    /// Campaigns measured from this time on, RFC 3339
+    #[arg(long, value_name = "TIME", conflicts_with = "campaign")]
+    since: Option<String>,
+
+    /// Campaigns measured up to this time, RFC 3339
+    #[arg(long, value_name = "TIME", conflicts_with = "campaign")]
+    until: Option<String>,
+
+    /// Also those whose diagnosis is of this version of the program and the model in force
+    #[arg(long, conflicts_with = "campaign")]
+    again: bool,
+
+    /// Address of the service
+    #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
+    url: String,
+
+    /// Access token, where the service asks for one
+    #[arg(long, env = "GYROWATCH_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+}
+
+impl Fleet {
+    fn which(&self) -> WhichBody {
+        let Self { imu, station, since, until, again, .. } = self;
+        WhichBody {
+            imu: imu.clone(),
+            station: station.clone(),
+            since: since.clone(),
+            until: until.clone(),
+            again: *again,
+        }
+    }
+
+    /// Of the summary of the same campaigns.
+    fn query(&self) -> String {
+        let mut query = url::form_urlencoded::Serializer::new(String::new());
+        let all = [("imu", &self.imu), ("station", &self.station), ("since", &self.since), ("until", &self.until)];
+        for (name, value) in all {
+            if let Some(value) = value {
+                query.append_pair(name, value);
+            }
+        }
+        query.finish()
+    }
+}
+
+pub fn run(fleet: &Fleet, format: Format) -> anyhow::Result<()> {
+    let service = Service::at(&fleet.url, fleet.token.clone())?;
+    super::block_on(all(fleet, &service, format))
+}
+
+async fn all(fleet: &Fleet, service: &Service, format: Format) -> anyhow::Result<()> {
+    let order = order(fleet, service).await?;
+    let ended = follow(service, order).await?;
+    for failure in &ended.failures {
+        eprintln!("{} of {} ({}): {}", failure.campaign, failure.imu, failure.measured_at, failure.reason);
+    }
+    if ended.job.state == "canceled" {
+        bail!("order {} was canceled with {} campaigns to go", ended.job.id, ended.job.counts.canceled);
+    }
+    let summary: SummaryBody = ask(service, &format!("/v1/diagnoses/summary?{}", fleet.query())).await?;
+    match format {
+        Format::Table => document::print(&tables(&summary))?,
+        Format::Json => document::print_json(&summary)?,
+    }
+    match ended.job.counts.failed {
+        0 => Ok(()),
+        failed => bail!("{failed} of {} campaigns could not be diagnosed", ended.job.counts.campaigns),
+    }
+}
+
+/// Begins an order, or finds the one that is being worked off.
+async fn order(fleet: &Fleet, service: &Service) -> anyhow::Result<JobDetailBody> {
+    let body = Bytes::from(serde_json::to_vec(&fleet.which()).context("cannot write the order")?);
+    let begun = Instant::now();
+    let answer = loop {
+        match service.post("/v1/diagnoses", JSON, body.clone()).await {
+            Ok(Sent::Stored(answer) | Sent::Known(answer)) => break answer,
+            Ok(Sent::Refused(problem)) => bail!("{}", problem.detail),
+            Err(trouble) => wait(trouble, begun).await?,
+        }
+    };
+    serde_json::from_value(answer).context("the answer is not one of gyrowatch")
+}
+
+/// Until the order has ended, also over a restart of the service.
+async fn follow(service: &Service, mut order: JobDetailBody) -> anyhow::Result<JobDetailBody> {
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} campaigns, {eta} to go {msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::new(order.job.counts.campaigns).with_style(style);
+    let path = format!("/v1/diagnoses/{}?limit={MOST_NAMED}", order.job.id);
+    loop {
+        let counts = order.job.counts;
+        bar.set_position(counts.campaigns - counts.waiting);
+        if counts.failed > 0 {
+            bar.set_message(format!("({} failed)", counts.failed));
+        }
+        if order.job.ended_at.is_some() {
+            bar.finish_and_clear();
+            return Ok(order);
+        }
+        tokio::time::sleep(STEP).await;
+        order = ask(service, &path).await.with_context(|| {
+            format!("order {} goes on at the service; the same command finds it again", order.job.id)
+        })?;
+    }
+}
+
+/// Asks until there is an answer, as long as that can help.
+async fn ask<T: DeserializeOwned>(service: &Service, route: &str) -> anyhow::Result<T> {
+    let begun = Instant::now();
+    let answer = loop {
+        match service.ask(route).await {
+            Ok(answer) => break answer,
+            Err(trouble) => wait(trouble, begun).await?,
+        }
+    };
+    serde_json::from_value(answer).context("the answer is not one of gyrowatch")
+}
+
+/// Waits before another try, where one can help and patience is left.
+async fn wait(trouble: Trouble, begun: Instant) -> anyhow::Result<()> {
+    let pause = match &trouble {
+        Trouble::Stop(_) => return Err(trouble.into()),
+        Trouble::Away(_) => STEP,
+        Trouble::Again { after, .. } => after.unwrap_or(STEP),
+    };
+    if begun.elapsed() + pause > PATIENCE {
+        return Err(trouble.into());
+    }
+    tokio::time::sleep(pause).await;
+    Ok(())
+}
+
+fn tables(summary: &SummaryBody) -> String {
+    let sections = [findings(&summary.findings), doubts(&summary.doubts)];
+    let mut out = coverage(&summary.campaigns);
+    for section in sections.into_iter().flatten() {
+        out.push_str("\n\n");
+        out.push_str(&section);
+    }
+    out
+}
+
+fn coverage(c: &CoverageBody) -> String {
+    let counts = [
+        (c.no_gap, "without a gap"),
+        (c.explained, "explained"),
+        (c.partly_explained, "partly explained"),
+        (c.unexplained, "unexplained"),
+        (c.refused, "with nothing to diagnose"),
+        (c.waiting, "not diagnosed yet"),
+        (c.outdated, "by another version of the program"),
+    ];
+    let said: Vec<String> =
+        counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
+    let rest = if said.is_empty() { String::new() } else { format!(": {}", said.join(", ")) };
+    format!("{} campaigns diagnosed{rest}", c.diagnosed)
+}
+
+fn findings(all: &[FindingBody]) -> Option<String> {
+    let head = [
+        "effect",
+        "gyro",
+        "IMU",
+        "stations",
+        "last without",
+        "first with",
+        "last with",
+        "campaigns",
+        "closure",
+        "D_I",
+        "D_S",
+    ];
+    let mut rows = table(head, 7..11);
+    for f in all {
+        let others: Vec<&str> = f.class.iter().map(String::as_str).filter(|id| *id != f.effect).collect();
+        let effect =
+            if others.is_empty() { f.effect.clone() } else { format!("{}\n(or {})", f.effect, others.join(", ")) };
+        let stations: Vec<String> =
+            f.stations.iter().map(|at| format!("{} {}/{}", at.station, at.campaigns, at.of)).collect();
+        let shift = |name: &str| {
+            let found = f.impact.iter().find(|i| i.coefficient == name);
+            found.map_or_else(|| "-".to_owned(), |i| format!("{:+.6}\n{:.0} %", i.shift, 100.0 * i.of_budget))
+        };
+        let c = &f.closure;
+        rows.add_row([
+            effect,
+            format!("{} {}", f.serial, f.slot),
+            f.imu.clone(),
+            stations.join("\n"),
+            day(f.clear_at.as_deref().unwrap_or("-")),
+            day(&f.first.measured_at),
+            day(&f.last.measured_at),
+            format!("{}/{} of {}", f.campaigns, f.of_since, f.of),
+            format!("{:.2}\n({:.2} to {:.2})", c.median, c.least, c.greatest),
+            shift("D_I"),
+            shift("D_S"),
+        ]);
+    }
+    let note = "campaigns: with the effect / since the first one with it, of all of the gyro; D_I, D_S: largest shift, deg/(h g0), and its part of the budget";
+    (!all.is_empty()).then(|| format!("Named effects\n{rows}\n{note}"))
+}
+
+fn doubts(all: &[DoubtBody]) -> Option<String> {
+    let mut rows = table(["IMU", "verdict", "gyros", "signs", "stations", "campaigns", "first", "last"], 5..6);
+    for d in all {
+        rows.add_row([
+            d.imu.clone(),
+            d.verdict.replace('_', " "),
+            d.gyros.join(" "),
+            d.signs.join("\n"),
+            d.stations.join("\n"),
+            format!("{} of {}", d.campaigns, d.of),
+            day(&d.first.measured_at),
+            day(&d.last.measured_at),
+        ]);
+    }
+    (!all.is_empty()).then(|| format!("Not explained by the catalogue\n{rows}"))
+}
+
+/// The date of an RFC 3339 time.
+fn day(at: &str) -> String {
+    at.split('T').next().unwrap_or(at).to_owned()
+}

@@ -18,7 +18,11 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 30] = [
+const ENGINEERS: [&str; 34] = [
+    "POST /v1/diagnoses",
+    "DELETE /v1/diagnoses/{id}",
+    "POST /diagnoses",
+    "POST /diagnoses/{id}/cancel",
     "POST /v1/bench-results/{id}/void",
     "POST /v1/campaigns/{id}/revise",
     "POST /v1/campaigns/{id}/void",

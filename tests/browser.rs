@@ -464,6 +464,7 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         ("record", record.as_str().unwrap()),
         ("campaign", &campaign),
         ("diagnosis", &diagnosis),
+        ("diagnoses", "/diagnoses"),
         ("stations", "/stations"),
         ("import", "/import"),
         ("alerts", "/alerts"),

@@ -33,6 +33,7 @@ pub(super) struct Page {
 pub(super) enum Section {
     Fleet,
     Alerts,
+    Diagnoses,
     Stations,
     Import,
     Hooks,
@@ -98,6 +99,7 @@ impl Viewer {
                         nav aria-label=(t.navigation) {
                             (entry("/", t.fleet, page.section == Section::Fleet))
                             (entry("/alerts", t.alerts, page.section == Section::Alerts))
+                            (entry("/diagnoses", t.diagnoses, page.section == Section::Diagnoses))
                             (entry("/stations", t.stations, page.section == Section::Stations))
                             (entry("/import", t.import, page.section == Section::Import))
                             (entry("/hooks", t.hooks, page.section == Section::Hooks))

@@ -10,6 +10,7 @@ mod calibration;
 mod chart;
 mod corrections;
 mod course;
+mod diagnoses;
 mod diagnosis;
 mod events;
 mod figure;
@@ -77,6 +78,8 @@ pub fn router(pages: Pages) -> Router {
         .route("/campaigns/{id}/void", get(corrections::ask_record).post(corrections::void_record))
         .route("/bench-results/{id}/void", get(corrections::ask_bench).post(corrections::void_bench))
         .route("/campaigns/{id}/diagnosis", get(diagnosis::page))
+        .route("/diagnoses", get(diagnoses::page).post(diagnoses::start))
+        .route("/diagnoses/{id}/cancel", post(diagnoses::cancel))
         .route("/stations", get(stations::page))
         .route("/import", get(import::page))
         .route("/import/preview", post(import::preview))

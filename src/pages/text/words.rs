@@ -1,4 +1,4 @@
-//! The catalogue.
+//! The catalogue. Longer than 400 lines because it is one table.
 
 macro_rules! catalogue {
     ($($key:ident: $english:literal, $chinese:literal;)*) => {
@@ -151,6 +151,52 @@ catalogue! {
     residuals_note: "Each over its own standard deviation; the band is two of them.", "以各自标准差为单位；灰带为两倍标准差。";
     no_noise: "Nothing gives the noise, so residuals have no scale.", "噪声未知，残差无法归一化。";
     every_residual: "Every residual as a table", "全部残差列表";
+
+    // Diagnoses of many campaigns.
+    diagnoses: "Diagnoses", "诊断汇总";
+    diagnoses_note: "What the diagnoses of all campaigns say together: which effects, in which gyros, at which stations, since when.", "汇总所有标定试验的诊断：哪些效应、出现在哪些陀螺和台站、始于何时。";
+    measured_since: "Measured since", "测试起始";
+    measured_until: "Measured until", "测试截止";
+    what_was_found: "What was found", "诊断结果";
+    campaigns_diagnosed: "Campaigns diagnosed:", "已诊断的标定试验：";
+    campaigns: "Campaigns", "试验数";
+    coverage_no_gap: "no gap", "无差异";
+    coverage_explained: "explained", "已解释";
+    coverage_partly_explained: "partly explained", "部分解释";
+    coverage_unexplained: "unexplained", "未解释";
+    coverage_refused: "nothing to diagnose", "无法诊断";
+    coverage_waiting: "not diagnosed yet", "尚未诊断";
+    coverage_outdated: "by another version of the program", "由其他版本的程序诊断";
+    first_seen: "First with it", "首次出现";
+    last_seen_in: "Last with it", "最近出现";
+    last_clear: "Last without it before", "此前最后一次未出现";
+    gyro_by_gyro: "Gyro by gyro", "逐个陀螺";
+    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。台站：出现／该陀螺在此的试验。解释比例：留出位置段上可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
+    or_as_well: "or just as well:", "或同样可能：";
+    closed: "Closed", "解释比例";
+    not_explained: "Not explained by the catalogue", "目录不能解释的差异";
+    doubts_note: "Something remains in these IMUs that no effect of the catalogue accounts for, or not wholly.", "这些惯性组合中仍有目录效应不能或不能完全解释的差异。";
+    verdict_word: "Verdict", "结论";
+    signs_word: "What shows it", "迹象";
+    orders: "Orders", "诊断任务";
+    no_orders: "No order yet. New campaigns are diagnosed without one.", "尚无任务。新收到的试验会自动诊断。";
+    ordered: "Ordered", "下达";
+    which_campaigns: "Which campaigns", "范围";
+    progress: "Progress", "进度";
+    failed_word: "Failed", "失败";
+    ended: "Ended", "结束";
+    order_done: "done", "完成";
+    order_canceled: "canceled", "已取消";
+    order_running: "running", "进行中";
+    order_waiting: "waiting", "等待";
+    cancel: "Cancel", "取消";
+    all_campaigns: "all", "全部";
+    again_short: "(again)", "（重新诊断）";
+    not_diagnosed: "Not diagnosed, of the order of", "未能诊断，任务下达于";
+    new_order: "Diagnose many campaigns", "批量诊断";
+    new_order_note: "Behind all other work, on every processor. What is done stays done when the service stops, and the rest is taken up again. What is left empty narrows nothing; dates are days in UTC.", "在其他工作之后以最低优先级运行，使用全部处理器。服务停止时已完成的保留，其余在启动后继续。留空表示不限；日期为UTC日。";
+    again_word: "Also those whose diagnosis is up to date", "已是最新诊断的也重新进行";
+    start_order: "Start", "开始";
 
     // A diagnosis.
     diagnosis: "Diagnosis", "诊断";

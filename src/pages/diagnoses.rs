@@ -1,0 +1,285 @@
+//! `/diagnoses`: what the diagnoses of all campaigns say together, and the orders to make them.
+
+mod orders;
+
+use axum::extract::{Query, State as Held};
+use axum::http::StatusCode;
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::figure::percent;
+use super::layout::{Page, Section, encoded, instant, symbol};
+use super::residuals::closure_bar;
+use super::text::Text;
+use super::viewer::Viewer;
+use crate::core::effects::{CATALOGUE, Effect};
+use crate::core::fault::Faults;
+use crate::wire::diagnoses::{
+    AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,
+};
+use crate::wire::problem::Problem;
+use crate::wire::time;
+
+pub(super) use orders::{Wanted, cancel, start};
+
+/// What the summary is narrowed down to; what is empty narrows nothing.
+#[derive(Debug, Default, Clone, Deserialize)]
+#[serde(default)]
+pub(super) struct Filters {
+    imu: String,
+    station: String,
+    effect: String,
+    /// A date, or RFC 3339.
+    since: String,
+}
+
+impl Filters {
+    fn which(&self) -> WhichBody {
+        let since = beginning(&self.since);
+        WhichBody { imu: said(&self.imu), station: said(&self.station), since, ..WhichBody::default() }
+    }
+
+    /// The same summary from the interface.
+    fn csv(&self) -> String {
+        let since = beginning(&self.since).unwrap_or_default();
+        let all = [("imu", &self.imu), ("station", &self.station), ("effect", &self.effect), ("since", &since)];
+        let given = all.into_iter().filter(|(_, value)| !value.trim().is_empty());
+        let query: String = given.map(|(key, value)| format!("&{key}={}", encoded(value.trim()))).collect();
+        format!("/v1/diagnoses/summary?format=csv{query}")
+    }
+}
+
+/// What somebody wrote into a field, if anything.
+fn said(text: &str) -> Option<String> {
+    Some(text.trim().to_owned()).filter(|text| !text.is_empty())
+}
+
+/// A date stands for its first instant, in UTC.
+fn beginning(text: &str) -> Option<String> {
+    said(text).map(|text| if is_date(&text) { text + "T00:00:00Z" } else { text })
+}
+
+/// A date stands for its last instant, in UTC.
+fn end(text: &str) -> Option<String> {
+    said(text).map(|text| if is_date(&text) { text + "T23:59:59.999999Z" } else { text })
+}
+
+fn is_date(text: &str) -> bool {
+    text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
+}
+
+pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
+    match build(&pages, &viewer, &filters, &Wanted::default(), None).await {
+        Ok((status, page)) => viewer.respond(status, &page),
+        Err(problem) => viewer.show(Err(problem)),
+    }
+}
+
+/// The whole page; `wrong` is what is wrong with an order that was just sent.
+async fn build(
+    pages: &Pages,
+    viewer: &Viewer,
+    filters: &Filters,
+    wanted: &Wanted,
+    wrong: Option<&Faults>,
+) -> Result<(StatusCode, Page), Problem> {
+    let t = viewer.text();
+    let filter = pages.pipeline.summary_filter(&filters.which(), said(&filters.effect).as_deref());
+    let (summary, unusable) = match filter {
+        Ok(filter) => (pages.pipeline.diagnosis_summary(&filter).await?, None),
+        Err(faults) => (SummaryBody::default(), Some(faults)),
+    };
+    let orders = orders::section(pages, viewer).await?;
+    let body = html! {
+        h1 { (t.diagnoses) }
+        p.note { (t.diagnoses_note) }
+        (search(t, filters))
+        @if let Some(faults) = &unusable { (orders::faults(t, faults)) }
+        @else { (shown(t, &summary, filters)) }
+        (orders)
+        (orders::form(viewer, wanted, wrong))
+    };
+    let status = if wrong.is_some() {
+        StatusCode::UNPROCESSABLE_ENTITY
+    } else if unusable.is_some() {
+        StatusCode::BAD_REQUEST
+    } else {
+        StatusCode::OK
+    };
+    Ok((status, Page { title: t.diagnoses.into(), section: Section::Diagnoses, plots: false, body }))
+}
+
+fn search(t: &Text, filters: &Filters) -> Markup {
+    html! {
+        form.search role="search" action="/diagnoses" method="get" {
+            input type="search" name="imu" value=(filters.imu) placeholder=(t.imu) aria-label=(t.imu);
+            input type="search" name="station" value=(filters.station) placeholder=(t.station) aria-label=(t.station);
+            label { (t.effect) " " select name="effect" {
+                option value="" { (t.any) }
+                @for entry in CATALOGUE {
+                    option value=(entry.id) selected[entry.id == filters.effect] { (t.effect(entry.effect)) }
+                }
+            } }
+            label { (t.measured_since) " " input type="date" name="since" value=(filters.since); }
+            button { (t.search) }
+        }
+    }
+}
+
+fn shown(t: &Text, summary: &SummaryBody, filters: &Filters) -> Markup {
+    let c = &summary.campaigns;
+    let counts = [
+        (t.coverage_no_gap, c.no_gap),
+        (t.coverage_explained, c.explained),
+        (t.coverage_partly_explained, c.partly_explained),
+        (t.coverage_unexplained, c.unexplained),
+        (t.coverage_refused, c.refused),
+        (t.coverage_waiting, c.waiting),
+        (t.coverage_outdated, c.outdated),
+    ];
+    html! {
+        section {
+            h2 { (t.what_was_found) }
+            p.lead { (t.campaigns_diagnosed) " " strong { (c.diagnosed) } }
+            dl.facts { @for (name, count) in counts { @if count > 0 { dt { (name) } dd { (count) } } } }
+            @if summary.effects.is_empty() { p { (t.no_effect) } } @else { (overview(t, &summary.effects)) }
+        }
+        @if !summary.findings.is_empty() {
+            section {
+                h2 { (t.gyro_by_gyro) }
+                p.note { (t.findings_note) " " (t.unit) }
+                (findings(t, &summary.findings))
+                p { a href=(filters.csv()) { (t.csv) } }
+            }
+        }
+        @if !summary.doubts.is_empty() {
+            section { h2 { (t.not_explained) } p.note { (t.doubts_note) } (doubts(t, &summary.doubts)) }
+        }
+    }
+}
+
+/// An effect by its name in words, with the identifier that the interface uses.
+fn named(t: &Text, id: &str) -> Markup {
+    html! { @if let Some(effect) = Effect::from_id(id) { (t.effect(effect)) " " } code.quiet { (id) } }
+}
+
+fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.effect) } th { (t.imu) } th.n { (t.gyros) } th { (t.station) } th.n { (t.campaigns) }
+                th { (t.first_seen) } th { (t.last_seen_in) }
+            } }
+            tbody { @for one in effects {
+                tr {
+                    th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (named(t, &one.effect)) } }
+                    td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
+                    td.n { (one.gyros) }
+                    td.words translate="no" { (one.stations.join(", ")) }
+                    td.n { (one.campaigns) }
+                    td { (at(&one.first_at)) } td { (at(&one.last_at)) }
+                }
+            } }
+        } }
+    }
+}
+
+fn findings(t: &Text, all: &[FindingBody]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.effect) } th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
+                th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
+                th.n { (t.shift) " " (symbol("D_I")) } th.n { (t.shift) " " (symbol("D_S")) }
+            } }
+            tbody { @for one in all { (finding(t, one)) } }
+        } }
+    }
+}
+
+fn finding(t: &Text, one: &FindingBody) -> Markup {
+    let others = || one.class.iter().filter(|id| **id != one.effect).enumerate();
+    html! {
+        tr {
+            th.words scope="row" {
+                (named(t, &one.effect))
+                @if others().count() > 0 {
+                    br; span.quiet { (t.or_as_well) " " @for (i, id) in others() { @if i > 0 { "; " } (named(t, id)) } }
+                }
+            }
+            td translate="no" { a href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
+            td { (imu_link(&one.imu)) }
+            td.words translate="no" { @for (i, station) in one.stations.iter().enumerate() { @if i > 0 { ", " } (at_station(station)) } }
+            td { @if let Some(clear) = &one.clear_at { (at(clear)) } @else { "–" } }
+            td { (sighting(&one.first)) } td { (sighting(&one.last)) }
+            td.n { (one.campaigns) " / " (one.of_since) " / " (one.of) }
+            td.nowrap { (closure_bar(one.closure.median, Some([one.closure.least, one.closure.greatest]))) (percent(one.closure.median)) }
+            @for coefficient in ["D_I", "D_S"] {
+                td.n {
+                    @if let Some(i) = one.impact.iter().find(|i| i.coefficient == coefficient) {
+                        a href={ "/campaigns/" (i.campaign) "/diagnosis" } { (format!("{:+.6}", i.shift)) } " (" (percent(i.of_budget)) ")"
+                    } @else { "–" }
+                }
+            }
+        }
+    }
+}
+
+fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr {
+                th { (t.imu) } th { (t.verdict_word) } th { (t.serial) } th { (t.signs_word) } th { (t.station) }
+                th.n { (t.campaigns) } th { (t.first_seen) } th { (t.last_seen_in) }
+            } }
+            tbody { @for one in all {
+                tr {
+                    th scope="row" { (imu_link(&one.imu)) }
+                    td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
+                    td.words translate="no" { (one.gyros.join(", ")) }
+                    td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.spoken(t.sign(sign))) } }
+                    td.words translate="no" { (one.stations.join(", ")) }
+                    td.n { (one.campaigns) " / " (one.of) }
+                    td { (sighting(&one.first)) } td { (sighting(&one.last)) }
+                }
+            } }
+        } }
+    }
+}
+
+fn imu_link(imu: &str) -> Markup {
+    html! { a href={ "/imus/" (encoded(imu)) } translate="no" { (imu) } }
+}
+
+fn at_station(station: &AtStationBody) -> Markup {
+    html! { (station.station) " " span.quiet { (station.campaigns) "/" (station.of) } }
+}
+
+fn sighting(seen: &SightingBody) -> Markup {
+    html! { a href={ "/campaigns/" (seen.campaign) "/diagnosis" } { (at(&seen.measured_at)) } }
+}
+
+fn at(text: &str) -> Markup {
+    html! { @if let Ok(at) = time::parse(text) { (instant(at)) } @else { (text) } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_date_stands_for_the_whole_day_and_a_time_for_itself() {
+        assert_eq!(beginning(" 2026-03-01 ").as_deref(), Some("2026-03-01T00:00:00Z"));
+        assert_eq!(end("2026-03-01").as_deref(), Some("2026-03-01T23:59:59.999999Z"));
+        assert_eq!(end("2026-03-01T08:00:00Z").as_deref(), Some("2026-03-01T08:00:00Z"));
+        assert_eq!((beginning(""), end("  ")), (None, None));
+    }
+
+    #[test]
+    fn the_way_to_the_csv_keeps_the_filters() {
+        let filters = Filters { imu: "A&B".into(), since: "2026-03-01".into(), ..Filters::default() };
+        assert_eq!(filters.csv(), "/v1/diagnoses/summary?format=csv&imu=A%26B&since=2026-03-01T00%3A00%3A00Z");
+    }
+}

@@ -1,0 +1,207 @@
+//! Orders to diagnose many campaigns: how they go, a form to begin one, a button to cancel one.
+
+use axum::Form;
+use axum::extract::{Path, State as Held};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::{Filters, at, beginning, build, end, said};
+use crate::core::fault::Faults;
+use crate::pages::Pages;
+use crate::pages::form::{answered, own_form, see_other};
+use crate::pages::text::Text;
+use crate::pages::viewer::Viewer;
+use crate::pipeline::{DiagnosisOrder, Id};
+use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
+use crate::wire::problem::Problem;
+
+/// Orders that are shown, and failures of each.
+const ORDERS: u32 = 10;
+const FAILURES: u32 = 20;
+
+/// Which campaigns are to be diagnosed, as the form says it.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(in crate::pages) struct Wanted {
+    imu: String,
+    station: String,
+    since: String,
+    until: String,
+    again: String,
+}
+
+impl Wanted {
+    fn which(&self) -> WhichBody {
+        WhichBody {
+            imu: said(&self.imu),
+            station: said(&self.station),
+            since: beginning(&self.since),
+            until: end(&self.until),
+            again: self.again == "yes",
+        }
+    }
+}
+
+pub(in crate::pages) async fn start(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Form(wanted): Form<Wanted>,
+) -> Response {
+    let started = async {
+        own_form(&headers)?;
+        match pages.pipeline.check_wanted_diagnoses(wanted.which()) {
+            Ok(order) => {
+                pages.pipeline.order_diagnoses(DiagnosisOrder::Start(order)).await?;
+                Ok(see_other("/diagnoses#orders"))
+            }
+            Err(faults) => {
+                let (status, page) = build(&pages, &viewer, &Filters::default(), &wanted, Some(&faults)).await?;
+                Ok(viewer.respond(status, &page))
+            }
+        }
+    };
+    answered(&viewer, started.await)
+}
+
+pub(in crate::pages) async fn cancel(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+) -> Response {
+    let canceled = async {
+        own_form(&headers)?;
+        let unknown = || Problem::new(404, "No such diagnoses", format!("there is no order of diagnoses {id}"));
+        let number: Id = id.parse().map_err(|_| unknown())?;
+        pages.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number)).await?;
+        Ok(see_other("/diagnoses#orders"))
+    };
+    answered(&viewer, canceled.await)
+}
+
+/// What is wrong, each at its field.
+pub(super) fn faults(t: &Text, faults: &Faults) -> Markup {
+    let field = |pointer: &str| match pointer {
+        "/imu" => t.imu,
+        "/station" => t.station,
+        "/since" => t.measured_since,
+        "/until" => t.measured_until,
+        _ => t.effect,
+    };
+    html! {
+        ul.fault role="alert" { @for fault in &faults.0 { li { (field(&fault.pointer)) ": " (t.spoken(&fault.detail)) } } }
+    }
+}
+
+/// The newest orders with their progress.
+pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
+    let t = viewer.text();
+    let orders = pages.pipeline.diagnosis_jobs(None, ORDERS).await?;
+    let mut failed = Vec::new();
+    for order in orders.iter().filter(|order| order.counts.failed > 0) {
+        if let Ok(id) = order.id.parse()
+            && let Some(detail) = pages.pipeline.diagnosis_job(id, None, FAILURES).await?
+        {
+            failed.push(detail);
+        }
+    }
+    Ok(html! {
+        section #orders {
+            h2 { (t.orders) }
+            @if orders.is_empty() { p { (t.no_orders) } } @else {
+                div.scroll tabindex="0" { table {
+                    thead { tr {
+                        th { (t.ordered) } th { (t.which_campaigns) } th { (t.state) } th { (t.progress) } th.n { (t.failed_word) }
+                        th { (t.ended) } th { (t.actions_word) }
+                    } }
+                    tbody { @for order in &orders { (line(t, order)) } }
+                } }
+            }
+            @for order in &failed {
+                details {
+                    summary { (t.not_diagnosed) " " (at(&order.job.asked_at)) " (" (order.job.counts.failed) ")" }
+                    (failures(t, &order.failures))
+                    @if order.next.is_some() { p { a href={ "/v1/diagnoses/" (order.job.id) } { "JSON" } } }
+                }
+            }
+        }
+    })
+}
+
+fn line(t: &Text, order: &JobBody) -> Markup {
+    let counts = &order.counts;
+    let settled = counts.campaigns - counts.waiting;
+    let (state, badge) = match order.state.as_str() {
+        "done" => (t.order_done, "within"),
+        "canceled" => (t.order_canceled, "none"),
+        "running" => (t.order_running, "indeterminate"),
+        _ => (t.order_waiting, "indeterminate"),
+    };
+    let open = order.ended_at.is_none();
+    html! {
+        tr {
+            th scope="row" { (at(&order.asked_at)) " " span.quiet translate="no" { (order.asked_by) } }
+            td.words { (which(t, &order.asked)) }
+            td { span class={ "badge " (badge) } { (state) } }
+            td.nowrap {
+                @if open { progress value=(settled) max=(counts.campaigns) aria-label=(t.progress) {} " " }
+                (settled) " / " (counts.campaigns)
+            }
+            td.n { (counts.failed) }
+            td { @if let Some(ended) = &order.ended_at { (at(ended)) } @else { "–" } }
+            td { @if open {
+                form action={ "/diagnoses/" (order.id) "/cancel" } method="post" { button { (t.cancel) } }
+            } }
+        }
+    }
+}
+
+fn which(t: &Text, asked: &WhichBody) -> Markup {
+    let all = asked.imu.is_none() && asked.station.is_none() && asked.since.is_none() && asked.until.is_none();
+    html! {
+        @if all { (t.all_campaigns) " " }
+        @if let Some(imu) = &asked.imu { (t.imu) " " span translate="no" { (imu) } " " }
+        @if let Some(station) = &asked.station { (t.station) " " span translate="no" { (station) } " " }
+        @if let Some(since) = &asked.since { (t.measured_since) " " (at(since)) " " }
+        @if let Some(until) = &asked.until { (t.measured_until) " " (at(until)) " " }
+        @if asked.again { span.quiet { (t.again_short) } }
+    }
+}
+
+fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table {
+            thead { tr { th { (t.imu) } th { (t.campaign) } th { (t.why) } } }
+            tbody { @for failure in failures {
+                tr {
+                    td translate="no" { (failure.imu) }
+                    td { a href={ "/campaigns/" (failure.campaign) } { (at(&failure.measured_at)) } }
+                    td.words { (t.spoken(&failure.reason)) }
+                }
+            } }
+        } }
+    }
+}
+
+/// A form that begins an order, with what was written into it.
+pub(super) fn form(viewer: &Viewer, wanted: &Wanted, wrong: Option<&Faults>) -> Markup {
+    let t = viewer.text();
+    html! {
+        section {
+            h2 { (t.new_order) }
+            p.note { (t.new_order_note) }
+            @if let Some(wrong) = wrong { (faults(t, wrong)) }
+            form.deed action="/diagnoses" method="post" {
+                label { (t.imu) input name="imu" value=(wanted.imu) placeholder=(t.any); }
+                label { (t.station) input name="station" value=(wanted.station) placeholder=(t.any); }
+                label { (t.measured_since) input type="date" name="since" value=(wanted.since); }
+                label { (t.measured_until) input type="date" name="until" value=(wanted.until); }
+                label.sure { input type="checkbox" name="again" value="yes" checked[wanted.again == "yes"]; span { (t.again_word) } }
+                p { button.primary { (t.start_order) } }
+            }
+        }
+    }
+}

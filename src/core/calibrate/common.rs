@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::further::{LEAST_VISIBLE, Regressor};
+use super::further::{Regressor, adding, told_apart};
 use crate::core::effects::Effect;
 use crate::core::fit::Factor;
 
@@ -50,39 +50,19 @@ pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
         };
         regressor.iter().zip(gyros).map(power).sum()
     };
-    let (mut kept, mut hidden, mut places) = (Vec::new(), Vec::new(), Vec::new());
-    let mut basis: Vec<DVector<f64>> = Vec::new();
-    for (place, regressor) in shared.into_iter().enumerate() {
-        let mut left = columns[place].clone();
-        for _ in 0..2 {
-            basis.iter().for_each(|q| left.axpy(-q.dot(&left), q, 1.0));
-        }
-        if left.norm_squared() > LEAST_VISIBLE * raw(&regressor) {
-            basis.push(left.normalize());
-            places.push(place);
-            kept.push(regressor);
-        } else if let Some(effect) = regressor.iter().flatten().map(|r| r.effect).next()
-            && !hidden.contains(&effect)
-        {
-            hidden.push(effect);
-        }
-    }
-    let m = kept.len();
     let n = gyros.first().map_or(0, |own| own.residuals.len());
-    let side = DVector::from_iterator(
-        gyros.len() * n,
-        gyros.iter().flat_map(|own| {
-            let whitened = own.residuals.component_mul(own.factor.weights()) / own.variance.sqrt();
-            whitened.iter().copied().collect::<Vec<f64>>()
-        }),
-    );
-    let along = DVector::from_iterator(m, basis.iter().map(|q| q.dot(&side)));
+    let powers = shared.iter().map(raw);
+    let (adds, basis) = adding(DMatrix::zeros(gyros.len() * n, 0), powers.zip(columns.iter().cloned()));
+    let fitted: Vec<&DVector<f64>> = columns.iter().zip(&adds).filter(|(_, adds)| **adds).map(|(c, _)| c).collect();
+    let (kept, hidden) = told_apart(shared, &adds, |regressor| regressor.iter().flatten().map(|r| r.effect).next());
+    let m = kept.len();
+    let whitened = |own: &Own| own.residuals.component_mul(own.factor.weights()).unscale(own.variance.sqrt());
+    let side: Vec<f64> = gyros.iter().flat_map(|own| whitened(own).data.as_vec().clone()).collect();
+    let along = basis.tr_mul(&DVector::from_vec(side));
     // The kept columns are R on the basis, upper triangular, as Gram and Schmidt leave them.
-    let r = DMatrix::from_fn(m, m, |i, j| if i <= j { basis[i].dot(&columns[places[j]]) } else { 0.0 });
+    let r = DMatrix::from_fn(m, m, |i, j| if i <= j { basis.column(i).dot(fitted[j]) } else { 0.0 });
     let back = r.solve_upper_triangular(&DMatrix::identity(m, m)).unwrap_or_else(|| DMatrix::zeros(m, m));
-    let leverage = (0..gyros.len())
-        .map(|j| DVector::from_fn(n, |k, _| basis.iter().map(|q| q[j * n + k].powi(2)).sum()))
-        .collect();
+    let leverage = (0..gyros.len()).map(|j| DVector::from_fn(n, |k, _| basis.row(j * n + k).norm_squared())).collect();
     let variances = gyros.iter().map(|own| own.variance).collect();
     CommonFit { kept, hidden, estimate: &back * along, covariance: &back * back.transpose(), variances, leverage }
 }

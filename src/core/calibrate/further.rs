@@ -11,7 +11,7 @@ use crate::core::fit::Factor;
 
 /// Share of a regressor's whitened power that the columns before it must leave over for it to be fitted: below that,
 /// the effect and model (6) are one to this campaign, and both would be lost.
-pub(super) const LEAST_VISIBLE: f64 = 1e-6;
+const LEAST_VISIBLE: f64 = 1e-6;
 
 /// One coefficient's regressor in the output of one gyro.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,20 +70,46 @@ pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors
 
 /// The regressors that leave something over beside model (6) and those before them, and the effects that do not.
 pub(super) fn visible(base: &Factor, regressors: Vec<Regressor>) -> (Vec<Regressor>, Vec<Effect>) {
-    let mut basis = base.basis().clone();
-    let (mut kept, mut hidden) = (Vec::new(), Vec::new());
-    for regressor in regressors {
-        let whitened = regressor.column.component_mul(base.weights());
-        let mut left = whitened.clone();
+    let whitened = regressors.iter().map(|regressor| regressor.column.component_mul(base.weights()));
+    let (adds, _) = adding(base.basis().clone(), whitened.map(|column| (column.norm_squared(), column)));
+    told_apart(regressors, &adds, |regressor| Some(regressor.effect))
+}
+
+/// Which columns leave something over beside an orthonormal `base` and those before them, each with the power of the regressor
+/// that it stands for; and `base` with what they leave after it.
+pub(super) fn adding(
+    base: DMatrix<f64>,
+    columns: impl Iterator<Item = (f64, DVector<f64>)>,
+) -> (Vec<bool>, DMatrix<f64>) {
+    let mut basis = base;
+    let mut adds = Vec::new();
+    for (power, mut left) in columns {
         for _ in 0..2 {
             left -= &basis * basis.tr_mul(&left);
         }
-        if left.norm_squared() > LEAST_VISIBLE * whitened.norm_squared() {
-            basis = basis.insert_column(kept.len() + base.rank(), 0.0);
-            basis.set_column(kept.len() + base.rank(), &left.normalize());
-            kept.push(regressor);
-        } else if !hidden.contains(&regressor.effect) {
-            hidden.push(regressor.effect);
+        let new = left.norm_squared() > LEAST_VISIBLE * power;
+        if new {
+            let rank = basis.ncols();
+            basis = basis.insert_column(rank, 0.0);
+            basis.set_column(rank, &left.normalize());
+        }
+        adds.push(new);
+    }
+    (adds, basis)
+}
+
+/// Those that add something, and each effect of which something does not.
+pub(super) fn told_apart<T>(
+    all: Vec<T>,
+    adds: &[bool],
+    effect: impl Fn(&T) -> Option<Effect>,
+) -> (Vec<T>, Vec<Effect>) {
+    let (mut kept, mut hidden) = (Vec::new(), Vec::new());
+    for (one, adds) in all.into_iter().zip(adds) {
+        if *adds {
+            kept.push(one);
+        } else if let Some(effect) = effect(&one).filter(|effect| !hidden.contains(effect)) {
+            hidden.push(effect);
         }
     }
     (kept, hidden)

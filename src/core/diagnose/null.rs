@@ -11,12 +11,15 @@
 //! (importance sampling of a scan statistic, Naiman and Priebe 2001). Rare values are common under Q, and their
 //! correlations are the campaign's own. The draws are a fixed sequence: the same campaign gets the same answer.
 
+use std::cell::LazyCell;
+
 use nalgebra::DMatrix;
 
 use super::bank::{Bank, Kind, basis_matrix};
 use super::evidence::{Seen, together};
 use super::floor::STATED_DOF;
 use super::frame::Frame;
+use super::logsum::LogSum;
 use super::scatter::{Scatter, pool};
 use super::tabled::Tabled;
 
@@ -57,15 +60,13 @@ impl Null {
         }
         let nu: Vec<f64> = frame.gyros.iter().map(|gyro| prior + gyro.dof() as f64).collect();
         // A draw's gyros count alone or together, as they are alike or not.
-        let alone = Tabled::of(bank, &kinds, &nu);
-        let pooled = Tabled::of(bank, &kinds, &vec![nu.iter().sum::<f64>(); nu.len()]);
+        let alone = LazyCell::new(|| Tabled::of(bank, &kinds, &nu));
+        let pooled = LazyCell::new(|| Tabled::of(bank, &kinds, &vec![nu.iter().sum::<f64>(); nu.len()]));
         let mut draws: Vec<(f64, f64)> = (0..DRAWS)
             .map(|d| {
                 let mut scatter: Vec<Scatter> =
                     nu.iter().zip(&rss).map(|(&nu, rss)| Scatter { rss: rss[d], nu }).collect();
-                if frame.noise.stated {
-                    pool(&mut scatter);
-                }
+                let tabled = if frame.noise.stated && pool(&mut scatter) { &*pooled } else { &*alone };
                 let seen: Vec<Seen> = (0..frame.gyros.len())
                     .map(|j| Seen {
                         with_residual: &products[j].as_slice()[d * products[j].nrows()..][..products[j].nrows()],
@@ -75,11 +76,10 @@ impl Null {
                         nu: scatter[j].nu,
                     })
                     .collect();
-                let tabled = if scatter[0].nu > nu[0] { &pooled } else { &alone };
                 let evidence: Vec<f64> = tabled.evidence(&seen).collect();
-                let top = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let mean = evidence.iter().map(|x| (x - top).exp()).sum::<f64>() / evidence.len() as f64;
-                (together(evidence.iter().copied()), (-top - mean.ln()).exp())
+                let mut sum = LogSum::default();
+                evidence.iter().for_each(|log| sum.add(*log));
+                (together(evidence.iter().copied()), (-sum.log_mean(evidence.len())).exp())
             })
             .collect();
         draws.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -15,15 +15,17 @@ pub(super) struct Scatter {
 const ALIKE: f64 = 3.0;
 
 /// Gives every gyro the scatter of all, where no gyro differs from it beyond chance: a gyro whose standard errors are wrong in a
-/// way of their own, or that has an effect which stands out, is judged by itself, and so are the others then.
-pub(super) fn pool(gyros: &mut [Scatter]) {
+/// way of their own, or that has an effect which stands out, is judged by itself, and so are the others then. Answers which.
+pub(super) fn pool(gyros: &mut [Scatter]) -> bool {
     let all = gyros
         .iter()
         .fold(Scatter { rss: 0.0, nu: 0.0 }, |sum, own| Scatter { rss: sum.rss + own.rss, nu: sum.nu + own.nu });
     let alike = |own: &Scatter| ((own.rss / own.nu) / (all.rss / all.nu)).ln().abs() <= ALIKE * (2.0 / own.nu).sqrt();
-    if gyros.iter().all(alike) {
+    let pooled = gyros.iter().all(alike);
+    if pooled {
         gyros.fill(all);
     }
+    pooled
 }
 
 #[cfg(test)]

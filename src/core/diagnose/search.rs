@@ -278,7 +278,7 @@ impl Search<'_> {
     /// shares it with those that explain the same; beside a name, what is tied with much has been told from little.
     fn earned(&self, choices: &[Choice], kind: Kind) -> f64 {
         let scores = self.scores(choices);
-        let own = scores.iter().find(|s| s.kind == kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence);
+        let own = evidence_of(&scores, kind);
         let contract = scores.iter().filter(|s| matches!(s.kind, Kind::Effect(_)));
         match kind {
             Kind::Effect(_) if choices.is_empty() => together(contract.map(|s| s.log_evidence.min(own + TIED))),
@@ -286,17 +286,14 @@ impl Search<'_> {
         }
     }
 
+    /// Evidence with which choice `i` is held against the threshold, given all others.
     pub fn earned_beside_others(&self, choices: &[Choice], i: usize) -> f64 {
-        let mut others = choices.to_vec();
-        let kind = others.remove(i).kind;
-        self.earned(&others, kind)
+        self.earned(&without(choices, i), choices[i].kind)
     }
 
     /// Evidence of choice `i` given all others.
-    pub fn given_others(&self, choices: &[Choice], i: usize) -> f64 {
-        let mut others = choices.to_vec();
-        let kind = others.remove(i).kind;
-        self.scores(&others).iter().find(|s| s.kind == kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence)
+    fn given_others(&self, choices: &[Choice], i: usize) -> f64 {
+        evidence_of(&self.scores(&without(choices, i)), choices[i].kind)
     }
 
     /// By how much (ln) choices `i` and `j` together explain more than the best single course in time in their place
@@ -333,6 +330,16 @@ impl Search<'_> {
             self.polish(&mut choices);
         }
     }
+}
+
+fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
+    let mut others = choices.to_vec();
+    others.remove(i);
+    others
+}
+
+fn evidence_of(scores: &[Score], kind: Kind) -> f64 {
+    scores.iter().find(|score| score.kind == kind).map_or(f64::NEG_INFINITY, |score| score.log_evidence)
 }
 
 /// One effect that came in twice, for other gyros each time, is one choice.

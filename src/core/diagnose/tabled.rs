@@ -1,7 +1,7 @@
 //! Bayes factors of the contract's hypotheses from tables, for the many draws of [`super::null`].
 //!
 //! With nothing adopted a flat block's Bayes factor is a function of one number, the share `u = |U'r|^2/R` of the residual that it
-//! explains: a table of it for each number of columns and gyro replaces logarithms and exponentials by a look-up. Linear
+//! explains: a table of it for each number of columns and of degrees of freedom replaces logarithms and exponentials by a look-up. Linear
 //! interpolation errs by less than a thousandth where the threshold lies.
 
 use std::ops::Range;
@@ -37,10 +37,11 @@ pub(super) struct Tabled<'a> {
 impl<'a> Tabled<'a> {
     /// `nu` are the degrees of freedom of each gyro.
     pub fn of(bank: &'a Bank, kinds: &[&(Kind, Range<usize>)], nu: &[f64]) -> Self {
-        let mut known: Vec<(usize, usize, &'static [f64])> = Vec::new();
+        // Gyros with as many degrees of freedom share their tables.
+        let mut known: Vec<(f64, usize, &'static [f64])> = Vec::new();
         let mut place = |hypothesis: &Hypothesis, j: usize| -> Place {
             let block = &hypothesis.blocks[j];
-            let key = (j, block.len, hypothesis.powers);
+            let key = (nu[j], block.len, hypothesis.powers);
             let table = known.iter().position(|k| *k == key).unwrap_or_else(|| {
                 known.push(key);
                 known.len() - 1
@@ -61,7 +62,7 @@ impl<'a> Tabled<'a> {
                 Entries::Flat(flat.collect())
             });
         }
-        let tables = known.iter().map(|&(j, len, powers)| Table::of(nu[j], len, powers)).collect();
+        let tables = known.iter().map(|&(nu, len, powers)| Table::of(nu, len, powers)).collect();
         Self { bank, gyros: nu.len(), tables, kinds: entries }
     }
 

@@ -36,6 +36,17 @@ impl Period {
         };
         UtcMicros(first.saturating_mul(UtcMicros::DAY))
     }
+
+    /// First instant of the period after the one that holds `at`.
+    pub fn next(self, at: UtcMicros) -> UtcMicros {
+        // The longest month has 31 days; four more reach into the next and not beyond it.
+        let days = match self {
+            Self::Day => 1,
+            Self::Week => 7,
+            Self::Month => 35,
+        };
+        self.begin(UtcMicros(self.begin(at).0.saturating_add(days * UtcMicros::DAY)))
+    }
 }
 
 /// What the measurements of one period have in common; in the unit of what was measured.
@@ -112,6 +123,13 @@ mod tests {
             ];
             for (period, expected) in Period::ALL.into_iter().zip(expected) {
                 assert_eq!(civil(period.begin(at)), expected, "{} of {at:?}", period.name());
+                let following = match period {
+                    Period::Day => jiff::Span::new().days(1),
+                    Period::Week => jiff::Span::new().weeks(1),
+                    Period::Month => jiff::Span::new().months(1),
+                };
+                let expected = expected.checked_add(following).expect("in range");
+                assert_eq!(civil(period.next(at)), expected, "after the {} of {at:?}", period.name());
             }
         }
         for at in [i64::MIN, i64::MAX] {

@@ -153,7 +153,9 @@ async fn get_trend(
     };
     if let Some(period) = request.every {
         let (summaries, next) = request.periods(&app, gyro, period).await?;
-        let tag = periods::etag(&request, &summaries, &done, &next);
+        let events: Vec<i64> = events.iter().map(|event| event.id.0).collect();
+        let holds = (summaries.iter().map(periods::shown).collect::<Vec<_>>(), events);
+        let tag = etag(&request, &holds, &next);
         if is_known(&headers, &tag) {
             return Ok(not_modified(&tag));
         }

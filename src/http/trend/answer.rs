@@ -13,14 +13,10 @@ use crate::http::query;
 /// A record or an event that an answer holds, and how the record is judged.
 pub(super) type Seen = (i64, Option<&'static str>);
 
-/// A tag of what the answer holds: rows by identifier and state, and how they are asked for.
-pub(super) fn etag(request: &Request, seen: &[Seen], next: &Option<String>) -> HeaderValue {
+/// A tag of what the answer holds (rows by identifier and state, or periods with the events), and how it is asked for.
+pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
-    seen.hash(&mut hasher);
-    tag(request, next, hasher)
-}
-
-pub(super) fn tag(request: &Request, next: &Option<String>, mut hasher: DefaultHasher) -> HeaderValue {
+    holds.hash(&mut hasher);
     let Request { coefficient, method, voided, every, csv, .. } = request;
     (coefficient, csv, voided, every, next, format!("{method:?}")).hash(&mut hasher);
     let mut tag = String::new();

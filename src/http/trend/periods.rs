@@ -1,12 +1,8 @@
 //! A trend of years: the least, the largest, the mean and the last of each day, week or month.
 
-use std::hash::{DefaultHasher, Hash};
-
-use axum::http::HeaderValue;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::answer::tag;
 use super::{Method, Request, Written, cut};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
@@ -89,7 +85,7 @@ impl Request {
             return Ok((summaries, None));
         }
         // A page ends with a period; the next begins with whatever comes after it.
-        let ends = |summary: &Summary| UtcMicros(next_of(period, summary.begins).0 - 1);
+        let ends = |summary: &Summary| UtcMicros(period.next(summary.begins).0 - 1);
         let next = cut(&mut summaries, self.limit, ends);
         Ok((summaries, next))
     }
@@ -142,17 +138,6 @@ impl PeriodBody {
     }
 }
 
-/// First instant of the period after the one that begins at `begins`.
-fn next_of(period: Period, begins: UtcMicros) -> UtcMicros {
-    // The longest month has 31 days; four more reach into the next and not beyond it.
-    let days = match period {
-        Period::Day => 1,
-        Period::Week => 7,
-        Period::Month => 35,
-    };
-    period.begin(UtcMicros(begins.0.saturating_add(days * UtcMicros::DAY)))
-}
-
 /// RFC 4180: one header line, times in UTC, every figure at full precision.
 fn csv(trend: &PeriodTrend<'_>) -> Option<Vec<u8>> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
@@ -167,17 +152,8 @@ fn csv(trend: &PeriodTrend<'_>) -> Option<Vec<u8>> {
     writer.into_inner().ok()
 }
 
-/// A tag of what the answer holds, and how it was asked for.
-pub(super) fn etag(
-    request: &Request,
-    summaries: &[Summary],
-    events: &[EventBody],
-    next: &Option<String>,
-) -> HeaderValue {
-    let mut hasher = DefaultHasher::new();
-    for Summary { begins, count, min, max, mean, last } in summaries {
-        (begins, count, [min, max, mean, last].map(|figure| figure.to_bits())).hash(&mut hasher);
-    }
-    serde_json::to_string(events).unwrap_or_default().hash(&mut hasher);
-    tag(request, next, hasher)
+/// What an answer shows of a period, as it can be hashed.
+pub(super) fn shown(summary: &Summary) -> (i64, usize, [u64; 4]) {
+    let Summary { begins, count, min, max, mean, last } = *summary;
+    (begins.0, count, [min, max, mean, last].map(f64::to_bits))
 }

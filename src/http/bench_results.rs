@@ -90,7 +90,7 @@ struct StoredBench {
         (status = 200, description = "the bench result", body = StoredBench),
         (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json")))]
 async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
-    let no_such = || Problem::new(404, "No such bench result", format!("there is no bench result {id}"));
+    let no_such = || Problem::no_such("bench result", &id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let row = app.pipeline.store().bench_result(number).await?.ok_or_else(no_such)?;
     let damaged = || Problem::new(500, "Damaged database", format!("bench result {id} cannot be read"));

@@ -127,7 +127,7 @@ struct StoredCampaignBody {
         (status = 200, description = "the campaign", body = StoredCampaignBody),
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
 async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
-    let id: Id = id.parse().map_err(|_| no_such(&id))?;
+    let id: Id = id.parse().map_err(|_| Problem::no_such("campaign", &id))?;
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of campaign {id} is no JSON")))?;
@@ -149,13 +149,13 @@ async fn get_diagnosis(
     Path(id): Path<String>,
     Parameters(query): Parameters<DiagnosisQuery>,
 ) -> Result<Response, Problem> {
-    let number: Id = id.parse().map_err(|_| no_such(&id))?;
+    let number: Id = id.parse().map_err(|_| Problem::no_such("campaign", &id))?;
     let patience = match query.wait.unwrap_or(PATIENCE_S) {
         wait if wait <= PATIENCE_S => Duration::from_secs(wait),
         wait => return Err(bad(&format!("wait must be 0 to {PATIENCE_S}, is {wait}"))),
     };
     match app.pipeline.diagnosis(number, patience).await? {
-        Asked::NoSuchCampaign => Err(no_such(&id)),
+        Asked::NoSuchCampaign => Err(Problem::no_such("campaign", &id)),
         Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
         Asked::Answered(diagnosed) => match (&*diagnosed, query.reference) {
             (Ok(diagnosis), None) => Ok(Json(diagnosis).into_response()),
@@ -194,9 +194,5 @@ async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) 
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {
-    app.pipeline.stored_campaign(id).await?.ok_or_else(|| no_such(&id.to_string()))
-}
-
-fn no_such(id: &str) -> Problem {
-    Problem::new(404, "No such campaign", format!("there is no campaign {id}"))
+    app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such("campaign", id))
 }

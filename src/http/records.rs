@@ -93,7 +93,7 @@ struct StoredRecordBody {
         (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is"))),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
 async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let no_such = || Problem::new(404, "No such record", format!("there is no record {id}"));
+    let no_such = || Problem::no_such("record", &id);
     let id: Id = id.parse().map_err(|_| no_such())?;
     let StoredRecord { row, answer, .. } = stored(&app, id).await?;
     if row.kind == Kind::Campaign {
@@ -112,7 +112,7 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
         (status = 200, description = "the diagnosis of the closure", body = ClosureBody),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
 async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<ClosureBody>, Problem> {
-    let no_such = || Problem::new(404, "No such record", format!("there is no record {id}"));
+    let no_such = || Problem::no_such("record", &id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let closures = app.pipeline.closures(number).await?.ok_or_else(no_such)?;
     Ok(Json(ClosureBody::from(&closures)))
@@ -120,5 +120,5 @@ async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) ->
 
 async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {
     let stored = app.pipeline.stored_record(id).await?;
-    stored.ok_or_else(|| Problem::new(404, "No such record", format!("there is no record {id}")))
+    stored.ok_or_else(|| Problem::no_such("record", id))
 }

@@ -96,7 +96,7 @@ async fn void(
 
 /// A record or campaign that still counts.
 async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
-    let unknown = || Problem::new(404, "No such record", format!("there is no record {id}"));
+    let unknown = || Problem::no_such("record", id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let stored = pages.pipeline.stored_record(number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
@@ -131,7 +131,7 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
 }
 
 async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
-    let unknown = || Problem::new(404, "No such bench result", format!("there is no bench result {id}"));
+    let unknown = || Problem::no_such("bench result", id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let row = pages.pipeline.store().bench_result(number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
@@ -158,8 +158,7 @@ async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem
 }
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
-    let said = pages.pipeline.store().corrections(id).await?;
-    if said.iter().all(|row| row.item != id) {
+    if pages.pipeline.counts(id).await? {
         return Ok(());
     }
     Err(Problem::new(409, "Already voided or revised", format!("{id} has been voided or revised already")))

@@ -84,8 +84,11 @@ impl Pipeline {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    /// Whether a record counts: it has neither been voided nor revised.
-    pub(super) async fn counts(&self, id: Id) -> Result<bool, StoreError> {
+    /// Whether a record, campaign or bench result counts: it has neither been voided nor revised.
+    ///
+    /// # Errors
+    /// [`StoreError`], where what was said of it cannot be read.
+    pub async fn counts(&self, id: Id) -> Result<bool, StoreError> {
         Ok(self.store.corrections(id).await?.iter().all(|correction| correction.item != id))
     }
 

@@ -39,6 +39,11 @@ impl Problem {
         Self::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known"))
     }
 
+    /// Nothing of that kind has the identifier.
+    pub fn no_such(what: &str, id: impl std::fmt::Display) -> Self {
+        Self::new(404, &format!("No such {what}"), format!("there is no {what} {id}"))
+    }
+
     /// A body that is no JSON (400) or says what cannot be stored (422).
     pub fn of_faults(status: u16, title: &str, faults: Faults) -> Self {
         let detail = faults.to_string();

@@ -211,7 +211,7 @@ async fn designs_that_show_too_little_are_answered_with_what_is_missing() {
         let named = answer["separations"].as_array().unwrap().len() + answer["not_separated"].as_array().unwrap().len();
         assert_eq!(named, 3, "each gyro is separated or the reason is given: {answer}");
         lab.get(&format!("/v1/campaigns/{}", answer["id"].as_str().unwrap())).await.ok();
-        let diagnosis = lab.get(&format!("/v1/campaigns/{}/diagnosis", answer["id"].as_str().unwrap())).await;
+        let diagnosis = lab.diagnosis(answer["id"].as_str().unwrap()).await;
         assert!([200, 422].contains(&diagnosis.status), "{}", diagnosis.text);
     }
 }
@@ -222,18 +222,18 @@ async fn the_diagnosis_of_a_stored_campaign_is_the_command_lines() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/practice/campaign-03.json");
     let sent: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     let id = posts(&lab, &sent).await.created()["id"].as_str().unwrap().to_owned();
-    let diagnosis = lab.get(&format!("/v1/campaigns/{id}/diagnosis")).await.ok();
+    let diagnosis = lab.diagnosis(&id).await.ok();
     let mut command = assert_cmd::Command::cargo_bin("gyrowatch").unwrap();
     let printed = command.args(["diagnose", "--format", "json"]).arg(&path).assert().success();
     let printed: Value = serde_json::from_slice(&printed.get_output().stdout).unwrap();
     assert_eq!(diagnosis, printed);
     lab.restart().await;
-    assert_eq!(lab.get(&format!("/v1/campaigns/{id}/diagnosis")).await.ok(), diagnosis);
+    assert_eq!(lab.diagnosis(&id).await.ok(), diagnosis);
     lab.get("/v1/campaigns/0000000000000/diagnosis").await.refused(404);
     let record = lab.posts(&lab::tables_3_and_4()).await;
     let id = record["id"].as_str().unwrap();
     lab.get(&format!("/v1/campaigns/{id}")).await.refused(404);
-    lab.get(&format!("/v1/campaigns/{id}/diagnosis")).await.refused(404);
+    lab.diagnosis(id).await.refused(404);
 }
 
 /// One fault and its place: put into the JSON, it is refused by its pointer, over HTTP and on the command line.

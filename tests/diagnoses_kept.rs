@@ -15,8 +15,8 @@ fn campaign(measured_at: &str) -> Value {
     campaign
 }
 
-fn path(stored: &Value) -> String {
-    format!("/v1/campaigns/{}/diagnosis", stored["id"].as_str().unwrap())
+fn id(stored: &Value) -> &str {
+    stored["id"].as_str().unwrap()
 }
 
 async fn database(lab: &Lab) -> SqliteConnection {
@@ -54,22 +54,22 @@ async fn all_made(lab: &Lab) {
 async fn a_kept_diagnosis_is_served_after_a_restart_and_made_again_by_another_program() {
     let mut lab = Lab::open().await;
     let stored = lab.post("/v1/campaigns", &campaign("2026-05-01T08:00:00Z")).await.created();
-    let made = lab.get(&path(&stored)).await.ok();
+    let made = lab.diagnosis(id(&stored)).await.ok();
     assert_eq!(made["effects"][0]["effect"], "temperature_bias");
 
     lab.restart().await;
-    assert_eq!(lab.get(&path(&stored)).await.ok(), made);
+    assert_eq!(lab.diagnosis(id(&stored)).await.ok(), made);
 
     // What is served is what lies on disk, not what would be found now.
     lab.stop().await;
     tamper(&lab, "UPDATE diagnosis SET body = json_set(body, '$.verdict', 'as kept')").await;
     lab.start().await;
-    assert_eq!(lab.get(&path(&stored)).await.ok()["verdict"], "as kept");
+    assert_eq!(lab.diagnosis(id(&stored)).await.ok()["verdict"], "as kept");
 
     lab.stop().await;
     tamper(&lab, "UPDATE diagnosis SET program = '0.0.1, method 0'").await;
     lab.start().await;
-    assert_eq!(lab.get(&path(&stored)).await.ok(), made);
+    assert_eq!(lab.diagnosis(id(&stored)).await.ok(), made);
     lab.stop().await;
     tamper(&lab, "UPDATE diagnosis SET body = body WHERE body NOT LIKE '%as kept%'").await;
 }
@@ -100,24 +100,23 @@ async fn an_adopted_model_has_the_diagnoses_of_its_imu_made_again_without_anybod
     let sql = "SELECT json_extract(body, '$.model.effects[0].effect') FROM diagnosis";
     let against: Option<String> = sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap();
     assert_eq!(against.as_deref(), Some("temperature_bias"));
-    assert_eq!(lab.get(&path(&stored)).await.ok()["verdict"], "no_gap");
+    assert_eq!(lab.diagnosis(id(&stored)).await.ok()["verdict"], "no_gap");
 }
 
 #[tokio::test]
 async fn who_does_not_wait_is_told_to_ask_again_and_then_gets_it() {
     let lab = Lab::open().await;
     let mut waiting = 0;
-    let mut asked = String::new();
     for day in 1..=4 {
         let stored = lab.post("/v1/campaigns", &campaign(&format!("2026-05-0{day}T08:00:00Z"))).await.created();
-        let at_once = lab.get(&format!("{}?wait=0", path(&stored))).await;
+        let path = format!("/v1/campaigns/{}/diagnosis", id(&stored));
+        let at_once = lab.get(&format!("{path}?wait=0")).await;
         if at_once.status == 202 {
             assert!(at_once.header("retry-after").parse::<u32>().unwrap() > 0);
             waiting += 1;
         }
-        asked = path(&stored);
-        assert_eq!(lab.get(&asked).await.ok()["effects"][0]["effect"], "temperature_bias");
+        assert_eq!(lab.diagnosis(id(&stored)).await.ok()["effects"][0]["effect"], "temperature_bias");
+        lab.get(&format!("{path}?wait=11")).await.refused(400);
     }
     assert!(waiting > 0, "a diagnosis takes longer than a request");
-    lab.get(&format!("{asked}?wait=11")).await.refused(400);
 }

@@ -33,7 +33,7 @@ fn model_path(campaign: &Value) -> String {
 }
 
 async fn diagnosis(lab: &Lab, stored: &Value) -> Value {
-    lab.get(&format!("/v1/campaigns/{}/diagnosis", stored["id"].as_str().unwrap())).await.ok()
+    lab.diagnosis(stored["id"].as_str().unwrap()).await.ok()
 }
 
 fn named(diagnosis: &Value) -> Vec<&str> {

@@ -1,15 +1,32 @@
-//! Work that can wait, on threads of its own that the operating system lets run when nobody else wants the processor.
+//! Work that computes for long, on threads of its own, and when it gives way to others.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use tokio::sync::oneshot;
+use tokio::time::Instant;
 
-/// Runs `work` behind everything else; none where it panicked or no thread could be had.
-pub(super) async fn behind_others<T: Send + 'static>(
+/// Who waits for the work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Awaited {
+    /// A person: it is done like any request.
+    BySomebody,
+    /// Nobody yet: the operating system gives it a tenth of a processor that others want too. Not less, because somebody
+    /// may come to wait for it.
+    ByNobody,
+}
+
+/// Runs `work` on a thread of its own; none where it panicked or no thread could be had.
+pub(super) async fn beside_others<T: Send + 'static>(
     name: &'static str,
+    awaited: Awaited,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Option<T> {
     let (done, result) = oneshot::channel();
     let started = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-        step_back();
+        if awaited == Awaited::ByNobody {
+            step_back();
+        }
         // Whoever asked may have gone.
         let _gone = done.send(work());
     });
@@ -20,12 +37,12 @@ pub(super) async fn behind_others<T: Send + 'static>(
     result.await.ok()
 }
 
-/// The least priority that a thread can give itself. It cannot take it back, so the thread must end with its work.
+/// The thread cannot take it back, so it must end with its work.
 #[cfg(target_os = "linux")]
 fn step_back() {
-    const LEAST: i32 = 19;
+    const BEHIND: i32 = 10;
     // What POSIX says of a process Linux does for the calling thread alone.
-    if let Err(error) = rustix::process::nice(LEAST) {
+    if let Err(error) = rustix::process::nice(BEHIND) {
         tracing::debug!(%error, "the priority of a thread could not be lowered");
     }
 }
@@ -33,22 +50,77 @@ fn step_back() {
 #[cfg(not(target_os = "linux"))]
 fn step_back() {}
 
+/// When something last came in whose sender waits for its answer. Cheap to clone.
+#[derive(Debug, Clone)]
+pub(super) struct Bustle(Arc<Mutex<Instant>>);
+
+impl Bustle {
+    pub fn new() -> Self {
+        Self(Arc::new(Mutex::new(Instant::now())))
+    }
+
+    /// Something comes in.
+    pub fn stir(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+    }
+
+    /// Returns when nothing has come in for as long as `quiet`, after `most` in any case.
+    pub async fn lull(&self, quiet: Duration, most: Duration) {
+        let end = Instant::now() + most;
+        loop {
+            let settled = *self.0.lock().unwrap_or_else(PoisonError::into_inner) + quiet;
+            if Instant::now() >= settled.min(end) {
+                return;
+            }
+            tokio::time::sleep_until(settled.min(end)).await;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::behind_others;
+    use std::time::Duration;
+
+    use tokio::time::Instant;
+
+    use super::Awaited::{ByNobody, BySomebody};
+    use super::{Bustle, beside_others};
 
     #[tokio::test]
     async fn its_result_comes_back_and_a_panic_comes_back_as_nothing() {
-        assert_eq!(behind_others("work", || 6 * 7).await, Some(42));
-        assert_eq!(behind_others("work", || panic!("on purpose")).await, None::<()>);
+        assert_eq!(beside_others("work", BySomebody, || 6 * 7).await, Some(42));
+        assert_eq!(beside_others("work", ByNobody, || panic!("on purpose")).await, None::<()>);
     }
 
     #[cfg(target_os = "linux")]
     #[tokio::test]
-    async fn only_its_own_thread_steps_back() {
+    async fn only_a_thread_that_nobody_waits_for_steps_back() {
         let niceness = || rustix::process::nice(0).expect("reading it changes nothing");
         let before = niceness();
-        assert_eq!(behind_others("work", niceness).await, Some(19));
+        assert_eq!(beside_others("work", ByNobody, niceness).await, Some((before + 10).min(19)));
+        assert_eq!(beside_others("work", BySomebody, niceness).await, Some(before));
         assert_eq!(niceness(), before);
+    }
+
+    #[tokio::test]
+    async fn it_waits_for_a_lull_and_not_for_ever() {
+        let (quiet, most) = (Duration::from_millis(200), Duration::from_millis(600));
+        let begun = Instant::now();
+        let bustle = Bustle::new();
+        bustle.lull(quiet, Duration::from_secs(3600)).await;
+        assert!(begun.elapsed() >= quiet);
+
+        let coming = bustle.clone();
+        let senders = tokio::spawn(async move {
+            loop {
+                coming.stir();
+                tokio::time::sleep(Duration::from_millis(5)).await;
+            }
+        });
+        let begun = Instant::now();
+        bustle.stir();
+        bustle.lull(quiet, most).await;
+        assert!(begun.elapsed() >= most);
+        senders.abort();
     }
 }

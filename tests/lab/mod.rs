@@ -144,6 +144,16 @@ impl Lab {
         trend["points"].as_array().expect("points").clone()
     }
 
+    /// The diagnosis of a campaign; asks again while it is being made.
+    pub async fn diagnosis(&self, campaign: &str) -> Answer {
+        loop {
+            let answer = self.get(&format!("/v1/campaigns/{campaign}/diagnosis")).await;
+            if answer.status != 202 {
+                return answer;
+            }
+        }
+    }
+
     /// Moves the clock to an RFC 3339 time.
     pub fn clock_shows(&self, text: &str) {
         self.clock.set(time::parse(text).expect("a time"));

@@ -82,6 +82,7 @@ pub struct Pipeline {
     config: Arc<Config>,
     clock: Clock,
     jobs: mpsc::Sender<Job>,
+    bustle: background::Bustle,
     models: models::ModelBook,
     diagnoser: diagnosing::Diagnoser,
     /// Moves when a hook has changed or has something new to be told.
@@ -208,14 +209,16 @@ impl Pipeline {
         let models = models::ModelBook::load(&store).await?;
         let guard = Guard::start(store.clone(), config.access.clone()).await?;
         let (due, watched) = watch::channel(0);
-        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade());
+        let bustle = background::Bustle::new();
+        let diagnoser =
+            diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
         let after = writer::After { wake: wake.clone(), models: models.clone(), due, guard: guard.clone() };
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
         tokio::spawn(diagnoser.clone().run(watched));
         let handle = tokio::spawn(task.run(queue));
         let pulse = outbox::Pulse::default();
-        Ok((Self { store, config, clock, jobs, models, diagnoser, wake, pulse, guard }, handle))
+        Ok((Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard }, handle))
     }
 
     /// A pipeline that answers what is asked of it and takes nothing in.
@@ -225,10 +228,12 @@ impl Pipeline {
     pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
         let (jobs, _closed) = mpsc::channel(1);
         let models = models::ModelBook::load(&store).await?;
-        let diagnoser = diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade());
+        let bustle = background::Bustle::new();
+        let diagnoser =
+            diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
         let guard = Guard::start(store.clone(), config.access.clone()).await?;
         let (wake, pulse) = (watch::Sender::default(), outbox::Pulse::default());
-        Ok(Self { store, config, clock, jobs, models, diagnoser, wake, pulse, guard })
+        Ok(Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard })
     }
 
     pub fn store(&self) -> &Store {
@@ -263,6 +268,7 @@ impl Pipeline {
     /// # Errors
     /// [`Refused`]; then nothing of it is stored.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
+        self.bustle.stir();
         let (reply, answer) = oneshot::channel();
         self.offer(Job::Store { items: vec![item], reply })?;
         let mut replies = answer.await.map_err(|_| Refused::Stopping)?;
@@ -272,6 +278,7 @@ impl Pipeline {
     /// As [`Pipeline::submit`] for many, each with an answer of its own. Waits for room in the queue; what it then returns waits
     /// for the disk, so that the next items can be made ready meanwhile.
     pub async fn enqueue(&self, items: Vec<Submission>) -> impl Future<Output = Vec<Reply>> + use<> {
+        self.bustle.stir();
         let count = items.len();
         let (reply, answer) = oneshot::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
 use self::gist::{Gist, Seat, seats};
-use super::background::behind_others;
+use super::background::{Awaited, Bustle, beside_others};
 use super::campaign::damaged;
 use super::models::{InForce, ModelBook};
 use super::read::anything;
@@ -96,6 +96,7 @@ pub(super) struct Diagnoser {
     clock: Clock,
     /// Weak: the writer ends when nobody but this could send to it.
     jobs: mpsc::WeakSender<Job>,
+    bustle: Bustle,
     /// How many are computed at the same time.
     at_once: usize,
     turns: Arc<Semaphore>,
@@ -147,14 +148,14 @@ impl Made {
 }
 
 impl Diagnoser {
-    pub fn new(store: Store, models: ModelBook, clock: Clock, jobs: mpsc::WeakSender<Job>) -> Self {
+    pub fn new(store: Store, models: ModelBook, clock: Clock, jobs: mpsc::WeakSender<Job>, bustle: Bustle) -> Self {
         let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
         let turns = Arc::new(Semaphore::new(at_once));
-        Self { store, models, clock, jobs, at_once, turns, under_way: Arc::default(), known: Arc::default() }
+        Self { store, models, clock, jobs, bustle, at_once, turns, under_way: Arc::default(), known: Arc::default() }
     }
 
     /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
-    async fn diagnosis(&self, id: Id, patience: Duration) -> Result<Asked, StoreError> {
+    async fn diagnosis(&self, id: Id, awaited: Awaited, patience: Duration) -> Result<Asked, StoreError> {
         if let Some(diagnosed) = self.recall(id) {
             return Ok(Asked::Answered(diagnosed));
         }
@@ -165,7 +166,7 @@ impl Diagnoser {
         if let Some(diagnosed) = self.kept(&row, &in_force).await? {
             return Ok(Asked::Answered(diagnosed));
         }
-        let mut end = self.begin(&row, in_force)?;
+        let mut end = self.begin(&row, in_force, awaited)?;
         let ended = tokio::time::timeout(patience, end.wait_for(Option::is_some)).await;
         let Ok(ended) = ended else { return Ok(Asked::Waiting) };
         let gone = || StoreError::Damaged(format!("the diagnosis of campaign {id} failed"));
@@ -190,7 +191,12 @@ impl Diagnoser {
     }
 
     /// Has it made by a task of its own, whether or not the caller stays; once, however many ask.
-    fn begin(&self, row: &RecordRow, in_force: InForce) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
+    fn begin(
+        &self,
+        row: &RecordRow,
+        in_force: InForce,
+        awaited: Awaited,
+    ) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
         let key = (row.id, in_force.id);
         let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(end) = under_way.get(&key) {
@@ -202,7 +208,7 @@ impl Diagnoser {
         let (diagnoser, imu) = (self.clone(), row.imu);
         tokio::spawn(async move {
             let gyros = seats(&campaign);
-            let (begun_at, made) = diagnoser.compute(campaign, &in_force).await;
+            let (begun_at, made) = diagnoser.compute(campaign, &in_force, awaited).await;
             let (campaign, model) = key;
             let outcome = match &made {
                 Some(diagnosed) => {
@@ -221,8 +227,13 @@ impl Diagnoser {
         Ok(end)
     }
 
-    /// When it is its turn, and while nobody else wants the processor: since when, and the answer; none where it panicked.
-    async fn compute(&self, campaign: Campaign, in_force: &InForce) -> (UtcMicros, Option<Diagnosed>) {
+    /// When it is its turn: since when, and the answer; none where it panicked.
+    async fn compute(
+        &self,
+        campaign: Campaign,
+        in_force: &InForce,
+        awaited: Awaited,
+    ) -> (UtcMicros, Option<Diagnosed>) {
         // Nobody closes it: a turn always comes.
         let _turn = self.turns.acquire().await;
         let (begun_at, begun) = (self.clock.now(), Instant::now());
@@ -231,7 +242,7 @@ impl Diagnoser {
             Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
             Err(why) => Err(why.to_string()),
         };
-        let made = behind_others("diagnosis", work).await;
+        let made = beside_others("diagnosis", awaited, work).await;
         let outcome = match &made {
             Some(Ok(_)) => "made",
             Some(Err(_)) => "refused",
@@ -288,7 +299,7 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError`], where the campaign cannot be read.
     pub async fn diagnosis(&self, id: Id, patience: Duration) -> Result<Asked, StoreError> {
-        self.diagnoser.diagnosis(id, patience).await
+        self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await
     }
 
     /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few milliseconds.

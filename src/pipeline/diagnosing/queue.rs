@@ -1,7 +1,7 @@
 //! What waits to be diagnosed, worked off: newly stored campaigns first, then what orders wait for.
 //!
 //! The queue is the database. What a crash or a stop interrupts is still waiting there, and is taken up again; what was done
-//! has been kept. Only a page of it is in memory at a time.
+//! has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what comes in.
 
 use std::collections::HashSet;
 use std::future::ready;
@@ -12,6 +12,7 @@ use futures::stream;
 use tokio::sync::watch;
 
 use super::{Diagnoser, Made, Outcome};
+use crate::pipeline::background::Awaited;
 use crate::store::{Id, Kind, StoreError};
 
 /// How many due campaigns are looked up at once.
@@ -20,6 +21,10 @@ const PAGE: u32 = 64;
 const TASKS: u32 = 16;
 /// How long to wait where the database takes no diagnoses or cannot be read.
 const PAUSE: Duration = Duration::from_secs(5);
+/// A diagnosis begins when nothing has come in for this long,
+const QUIET: Duration = Duration::from_millis(100);
+/// or when it has given way for this long.
+const GIVES_WAY: Duration = Duration::from_secs(1);
 
 impl Diagnoser {
     /// Makes what is due and what is ordered, until nobody can make anything due any more.
@@ -56,7 +61,10 @@ impl Diagnoser {
             page.retain(|id| !hopeless.contains(id));
             let mut made = stream::iter(page)
                 .take_while(|_| ready(due.has_changed().is_ok()))
-                .map(|id| async move { (id, self.diagnosis(id, Duration::MAX).await) })
+                .map(|id| async move {
+                    self.bustle.lull(QUIET, GIVES_WAY).await;
+                    (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
+                })
                 .buffer_unordered(self.at_once);
             while let Some((id, made)) = made.next().await {
                 if let Err(error) = made {
@@ -95,6 +103,7 @@ impl Diagnoser {
     /// Makes a diagnosis that orders wait for, whether or not there is one. Where the database cannot be read now it goes on
     /// waiting; what can never be read has failed.
     async fn settle(&self, id: Id) {
+        self.bustle.lull(QUIET, GIVES_WAY).await;
         let begun_at = self.clock.now();
         match self.make(id).await {
             Ok(()) => {}
@@ -111,7 +120,7 @@ impl Diagnoser {
         let missing = || StoreError::Damaged(format!("campaign {id} is missing"));
         let row = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign).ok_or_else(missing)?;
         let in_force = self.models.of(Some(row.imu));
-        let mut end = self.begin(&row, in_force)?;
+        let mut end = self.begin(&row, in_force, Awaited::ByNobody)?;
         // An end without an answer has been written down as well.
         let _broken_off = end.wait_for(Option::is_some).await;
         Ok(())

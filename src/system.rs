@@ -47,6 +47,20 @@ pub fn fill_random(bytes: &mut [u8]) -> Result<(), rand::rngs::SysError> {
     rand::rngs::SysRng.try_fill_bytes(bytes)
 }
 
+/// SHA-256 of `bytes`.
+pub fn sha256(bytes: &[u8]) -> [u8; 32] {
+    let digest = ring::digest::digest(&ring::digest::SHA256, bytes);
+    digest.as_ref().try_into().expect("SHA-256 has 32 bytes")
+}
+
+/// HMAC-SHA-256 under `key` of `parts` one after the other.
+pub fn hmac_sha256(key: &[u8], parts: &[&[u8]]) -> [u8; 32] {
+    let key = ring::hmac::Key::new(ring::hmac::HMAC_SHA256, key);
+    let mut context = ring::hmac::Context::with_key(&key);
+    parts.iter().for_each(|part| context.update(part));
+    context.sign().as_ref().try_into().expect("HMAC-SHA-256 has 32 bytes")
+}
+
 /// An HTTP client that follows no redirect, uses no proxy from the environment and gives up in time.
 pub fn http_client(connect_timeout: Duration, timeout: Duration) -> reqwest::ClientBuilder {
     reqwest::Client::builder()
@@ -88,5 +102,14 @@ mod tests {
         fill_random(&mut one).unwrap();
         fill_random(&mut other).unwrap();
         assert_ne!(one, other);
+    }
+
+    /// "abc" of FIPS 180-4, and the second case of RFC 4231.
+    #[test]
+    fn digests_are_those_of_their_standards() {
+        let digest = hex::encode(sha256(b"abc"));
+        assert_eq!(digest, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        let code = hex::encode(hmac_sha256(b"Jefe", &[b"what do ya want ", b"for nothing?"]));
+        assert_eq!(code, "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843");
     }
 }

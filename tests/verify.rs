@@ -3,7 +3,6 @@
 mod support;
 
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use sqlx::{ConnectOptions, Row, SqliteConnection};
 use support::{Server, data, gyrowatch};
 
@@ -103,7 +102,7 @@ async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
     let changed = changed.to_string();
     sqlx::query("UPDATE record SET body = $1, body_sha256 = $2 WHERE id = $3")
         .bind(&changed)
-        .bind(Sha256::digest(changed.as_bytes()).to_vec())
+        .bind(gyrowatch::system::sha256(changed.as_bytes()).to_vec())
         .bind(id)
         .execute(&mut connection)
         .await

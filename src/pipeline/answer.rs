@@ -1,7 +1,5 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
-use sha2::{Digest, Sha256};
-
 use super::campaign::FittedAgain;
 use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
@@ -11,6 +9,7 @@ use crate::core::fault::Faults;
 use crate::core::judge::Verdict;
 use crate::core::judge::history::Need;
 use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
+use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 
 /// A stored record with its answer.
@@ -68,8 +67,7 @@ impl Pipeline {
     /// As [`Pipeline::stored_record`].
     pub(super) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
         let Some(row) = self.store.record(id).await? else { return Ok(None) };
-        let hash: [u8; 32] = Sha256::digest(row.body.as_bytes()).into();
-        if hash != row.body_sha256 {
+        if sha256(row.body.as_bytes()) != row.body_sha256 {
             return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
         }
         let unreadable =

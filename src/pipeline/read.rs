@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use sha2::{Digest, Sha256};
 
 use super::{Actor, Pipeline};
 use crate::core::bench::BenchResult;
@@ -15,6 +14,7 @@ use crate::core::record::{GyroParameters, Name, Plausibility, Record};
 use crate::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate};
 use crate::core::time::UtcMicros;
 use crate::store::{Id, Kind};
+use crate::system::sha256;
 use crate::wire::bench::parse_bench_result;
 use crate::wire::record::parse_record;
 
@@ -222,7 +222,7 @@ impl Pipeline {
 pub(super) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
     let text = std::str::from_utf8(bytes)
         .map_err(|error| Faults::from(Fault { pointer: String::new(), detail: format!("is not UTF-8: {error}") }))?;
-    Ok((text.into(), Sha256::digest(bytes).into()))
+    Ok((text.into(), sha256(bytes)))
 }
 
 /// Limits that refuse nothing that was ever stored.

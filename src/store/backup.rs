@@ -3,7 +3,6 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqliteConnection};
 
@@ -14,6 +13,7 @@ use super::lock::beside;
 use super::names::Names;
 use super::open::{MIGRATIONS, Options, Store, connect_options, load_names, migrate};
 use super::tail::{SharedTail, Tail};
+use crate::system::sha256;
 
 impl Options {
     /// The file that the address names.
@@ -222,7 +222,7 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> 
 }
 
 fn unchanged(what: &str, id: Id, body: &str, hash: [u8; 32]) -> Result<(), StoreError> {
-    if Sha256::digest(body.as_bytes()).as_slice() == hash {
+    if sha256(body.as_bytes()) == hash {
         return Ok(());
     }
     Err(StoreError::Damaged(format!("{what} {id}: its text is not the one that was stored")))

@@ -4,8 +4,6 @@
 
 use std::hint::black_box;
 
-use sha2::{Digest, Sha256};
-
 use crate::store::Id;
 use crate::system;
 
@@ -49,7 +47,7 @@ impl Secret {
 
     /// What is kept of it.
     pub fn sha256(&self) -> [u8; 32] {
-        Sha256::digest(self.bits).into()
+        system::sha256(&self.bits)
     }
 
     /// Whether it is the one whose hash was kept; takes as long whether it is or not. `None` compares with nothing and is never it.

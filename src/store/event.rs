@@ -64,4 +64,13 @@ impl Store {
         let rows: Vec<Row> = sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
         rows.into_iter().map(row).collect()
     }
+
+    /// Every event of several gyros, by gyro and oldest first.
+    pub async fn events_of(&self, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
+        let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd
+                   FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id";
+        let gyros = serde_json::json!(gyros).to_string();
+        let rows: Vec<Row> = sqlx::query_as(sql).bind(gyros).fetch_all(&self.readers).await?;
+        rows.into_iter().map(row).collect()
+    }
 }

@@ -75,7 +75,7 @@ async fn read_folded(
 }
 
 /// SQLite joins blobs byte for byte, and in the order of the subquery; a row out of place would show here.
-fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
+pub(super) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
     let (rows, rest) = packed.as_chunks::<PACKED_LEN>();
     if !rest.is_empty() {
         return Err(StoreError::Damaged(format!("history rows of gyro number {gyro} have a wrong length")));
@@ -84,7 +84,7 @@ fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
 }
 
 /// Rows of one order in one: those that wait hold where both have the instant.
-fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
+pub(super) fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
     if waiting.is_empty() {
         return folded;
     }
@@ -120,7 +120,7 @@ impl Store {
         Ok(rows)
     }
 
-    async fn counting(
+    pub(super) async fn counting(
         &self,
         gyro: u32,
         mut span: Span,
@@ -149,15 +149,7 @@ impl Store {
         limit: usize,
         newest_first: bool,
     ) -> Result<Vec<Figures>, StoreError> {
-        let waiting = {
-            let tail = self.tail.read();
-            let rows = tail.of(gyro, span);
-            if newest_first {
-                rows.iter().rev().take(limit).copied().collect()
-            } else {
-                rows.iter().take(limit).copied().collect()
-            }
-        };
+        let waiting = self.tail.read().first_of(gyro, span, limit, newest_first);
         let folded = read_folded(&self.readers, gyro, span, limit, newest_first).await?;
         Ok(merged(folded, waiting, newest_first, limit))
     }

@@ -76,6 +76,12 @@ impl Tail {
         rows.get(from..to).unwrap_or_default()
     }
 
+    /// The oldest `limit` of them, oldest first; or the newest, newest first.
+    pub fn first_of(&self, gyro: u32, span: Span, limit: usize, newest_first: bool) -> Vec<Figures> {
+        let rows = self.of(gyro, span).iter();
+        if newest_first { rows.rev().take(limit).copied().collect() } else { rows.take(limit).copied().collect() }
+    }
+
     /// The newest waiting row of each gyro that has any.
     pub fn newest(&self) -> impl Iterator<Item = (u32, &Figures)> {
         self.waiting.iter().filter_map(|(gyro, waiting)| Some((*gyro, waiting.rows.last()?)))

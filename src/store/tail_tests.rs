@@ -27,7 +27,9 @@ fn some_rows(random: &mut ChaCha8Rng, record: Id, expected: &mut Expected) -> Ch
     let mut group: BTreeMap<(u32, i64), Figures> = BTreeMap::new();
     for _ in 0..ROWS {
         let (gyro, at) = (random.random_range(1..=GYROS), random.random_range(0..20_000));
-        group.insert((gyro, at), history(record, gyro, at, random.random()).figures);
+        let mut figures = history(record, gyro, at, random.random()).figures;
+        figures.voided = random.random_ratio(1, 6);
+        group.insert((gyro, at), figures);
     }
     let mut changes = Changes::default();
     for (key, figures) in group {
@@ -48,9 +50,11 @@ async fn counts(dir: &TempDir) -> (i64, i64) {
 }
 
 async fn check(store: &Store, expected: &Expected, random: &mut ChaCha8Rng) {
-    let mut newest = Vec::new();
+    let (mut newest, mut stretches, mut oldest_of_many, mut newest_of_many) = (vec![], vec![], vec![], vec![]);
+    let at_once = random.random_range(1..30);
     for gyro in 1..=GYROS {
-        let all: Vec<Figures> = expected.range((gyro, 0)..=(gyro, i64::MAX)).map(|(_, row)| *row).collect();
+        let of_gyro = expected.range((gyro, 0)..=(gyro, i64::MAX)).map(|(_, row)| *row);
+        let all: Vec<Figures> = of_gyro.filter(|row| !row.voided).collect();
         assert_eq!(store.history(gyro, Span::EVER, usize::MAX).await.unwrap(), all);
         assert_eq!(store.count_history(gyro).await.unwrap(), all.len());
         let (a, b) = (random.random_range(0..20_000), random.random_range(0..20_000));
@@ -62,7 +66,16 @@ async fn check(store: &Store, expected: &Expected, random: &mut ChaCha8Rng) {
         let skipped = within.len().saturating_sub(limit);
         assert_eq!(store.newest_history(gyro, span, limit).await.unwrap(), within[skipped..]);
         newest.push((gyro, all.last().copied()));
+        stretches.push((gyro, span));
+        oldest_of_many.push(within[..at_once.min(within.len())].to_vec());
+        newest_of_many.push(within[within.len().saturating_sub(at_once)..].to_vec());
     }
+    assert_eq!(store.histories(&stretches, at_once).await.unwrap(), oldest_of_many);
+    assert_eq!(store.newest_histories(&stretches, at_once).await.unwrap(), newest_of_many);
+    let ever: Vec<Stretch> = (1..=GYROS).map(|gyro| (gyro, Span::EVER)).collect();
+    let last: Vec<Option<Figures>> =
+        store.newest_histories(&ever, 1).await.unwrap().iter().map(|rows| rows.last().copied()).collect();
+    assert_eq!(last, newest.iter().map(|(_, row)| *row).collect::<Vec<_>>());
     assert_eq!(store.newest_of_gyros(0, 100).await.unwrap(), newest);
 }
 

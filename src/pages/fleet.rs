@@ -59,11 +59,8 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let last_page = count.saturating_sub(1) / ROWS;
     let number = filters.page.min(last_page);
     let shown: Vec<&Row> = found.into_iter().skip(number * ROWS).take(ROWS).collect();
-    let mut glimpses = Vec::with_capacity(shown.len());
-    for row in &shown {
-        let (gyro, serial) = (row.standing.number, &row.standing.serial);
-        glimpses.push(pages.pipeline.glimpse(gyro, &row.imu, serial, VALUES).await?);
-    }
+    let standings: Vec<&Standing> = shown.iter().map(|row| &row.standing).collect();
+    let glimpses = pages.pipeline.glimpses(&standings, VALUES).await?;
     let now = pages.clock.now();
     let body = html! {
         h1 { (t.fleet) }

@@ -38,8 +38,7 @@ impl Facts {
         let number =
             number.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU with the name {imu} is known")))?;
         let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
-        let mut gyros = pages.pipeline.fleet().await?;
-        gyros.retain(|standing| standing.newest.is_some_and(|newest| newest.imu == number));
+        let mut gyros = pages.pipeline.seated_in(number).await?;
         gyros.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
         let parameters = match records.first() {
             Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),

@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::Pipeline;
-use super::line::{load_marks, sample_of};
-use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, baseline_since, stated_level};
+use super::line::{marks_of, sample_of};
+use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Rule, State, overdue};
 use crate::core::time::UtcMicros;
-use crate::store::{Figures, Span, StoreError, StoredVerdict};
+use crate::store::{Figures, Span, StoreError, StoredVerdict, Stretch};
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +41,17 @@ pub struct Glimpse {
 impl Pipeline {
     /// Every gyro, in the order in which they were first seen.
     pub async fn fleet(&self) -> Result<Vec<Standing>, StoreError> {
-        let newest = self.store.newest_of_gyros(0, u32::MAX).await?;
+        self.standings(self.store.newest_of_gyros(0, u32::MAX).await?).await
+    }
+
+    /// The gyros whose newest calibration was made in this IMU.
+    pub async fn seated_in(&self, imu: u32) -> Result<Vec<Standing>, StoreError> {
+        let mut newest = self.store.newest_of_gyros(0, u32::MAX).await?;
+        newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
+        self.standings(newest).await
+    }
+
+    async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
         let sheets = self.store.verdict_sheets(records.into_iter()).await?;
         let verdicts: HashMap<_, _> = sheets
@@ -70,26 +80,43 @@ impl Pipeline {
         Ok(newest.into_iter().filter_map(standing).collect())
     }
 
-    /// The last `count` values of a gyro.
-    pub async fn glimpse(&self, gyro: u32, imu: &str, serial: &str, count: usize) -> Result<Glimpse, StoreError> {
-        let rows = self.store.newest_history(gyro, Span::EVER, count).await?;
-        let marks = load_marks(&self.store, gyro).await?;
-        let last = rows.last().map_or(UtcMicros(0), |figures| figures.at);
-        let from = baseline_since(&marks, last).unwrap_or(Span::EVER.from);
-        let first = self.store.history(gyro, Span { from, to: last }, BASELINE_RECORDS).await?;
+    /// The last `count` values of each of these gyros, in three queries however many they are.
+    pub async fn glimpses(&self, of: &[&Standing], count: usize) -> Result<Vec<Glimpse>, StoreError> {
+        let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
+        let marks = marks_of(&self.store, &gyros).await?;
+        let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
+        let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        let rows = self.store.newest_histories(&ever, count).await?;
+        let newest_baseline = |k: usize| {
+            let last = last_of(&rows[k]);
+            (gyros[k], Span { from: baseline_since(marks[k], last).unwrap_or(Span::EVER.from), to: last })
+        };
+        let of_baselines: Vec<Stretch> = (0..of.len()).map(newest_baseline).collect();
+        let baselines = self.store.histories(&of_baselines, BASELINE_RECORDS).await?;
+        Ok((0..of.len()).map(|k| self.glimpse(of[k], marks[k], &rows[k], &baselines[k])).collect())
+    }
+
+    fn glimpse(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> Glimpse {
         let method = self.config.judging.method;
-        let baseline: Vec<Sample> = first.iter().map(|figures| sample_of(figures, method)).collect();
-        let limits = self.config.judging.limits(imu, serial);
+        let samples = |rows: &[Figures]| -> Vec<Sample> { rows.iter().map(|row| sample_of(row, method)).collect() };
+        let last = last_of(rows);
+        let imu = rows.last().and_then(|figures| self.store.names().read().imus.name(figures.imu).cloned());
+        let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
         let drifts = [limits.d_i, limits.d_s];
-        Ok(Glimpse {
-            samples: rows.iter().map(|figures| sample_of(figures, method)).collect(),
+        let baseline = samples(baseline);
+        Glimpse {
+            samples: samples(rows),
             level: [0, 1].map(|column| {
-                let fixed = stated_level(&marks, last, column).or(drifts[column].fixed_baseline);
+                let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
                 level(&baseline, column, fixed)
             }),
             budget: drifts.map(|drift| drift.baseline),
-        })
+        }
     }
+}
+
+fn last_of(rows: &[Figures]) -> UtcMicros {
+    rows.last().map_or(UtcMicros(0), |figures| figures.at)
 }
 
 /// The mean of a complete baseline, or the one that is fixed.

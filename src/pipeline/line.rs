@@ -1,5 +1,7 @@
 //! One gyro's history as judging needs it: the newest stretch, in memory.
 
+use std::collections::HashMap;
+
 use crate::config::JudgedMethod;
 use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since};
 use crate::core::judge::{Limits, Verdict, judge};
@@ -109,6 +111,15 @@ pub(super) fn baseline_of<'a>(samples: &'a [Sample], marks: &[Mark], at: UtcMicr
 pub(super) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
     let events = store.events(gyro).await?;
     Ok(events.iter().map(mark_of).collect())
+}
+
+/// What was done to each of several gyros; those to which nothing was are left out.
+pub(super) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, Vec<Mark>>, StoreError> {
+    let mut marks = HashMap::<u32, Vec<Mark>>::new();
+    for event in store.events_of(gyros).await? {
+        marks.entry(event.gyro).or_default().push(mark_of(&event));
+    }
+    Ok(marks)
 }
 
 pub(super) fn mark_of(event: &EventRow) -> Mark {

@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::Pipeline;
-use super::line::{load_marks, sample_of};
+use super::line::{marks_of, sample_of};
 use crate::core::time::UtcMicros;
-use crate::store::{Figures, Span, StoreError};
+use crate::store::{Figures, Span, StoreError, Stretch};
 
 /// Newest records of each gyro that count.
 const RECORDS: usize = 60;
+/// Gyros that are looked through together.
+const AT_ONCE: usize = 128;
 
 /// One station over the fleet, deg/(h g0).
 #[derive(Debug, Clone, PartialEq)]
@@ -41,12 +43,16 @@ impl Pipeline {
     pub async fn station_effects(&self) -> Result<Vec<StationEffect>, StoreError> {
         let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
         let mut seen = BTreeMap::<u32, Seen>::new();
-        for gyro in gyros {
-            let rows = self.store.newest_history(gyro, Span::EVER, RECORDS).await?;
-            let marks = load_marks(&self.store, gyro).await?;
-            let resets: Vec<UtcMicros> =
-                marks.iter().filter(|mark| mark.event.resets_baseline()).map(|mark| mark.at).collect();
-            self.look_through(&rows, &resets, &mut seen);
+        for some in gyros.chunks(AT_ONCE) {
+            let ever: Vec<Stretch> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+            let histories = self.store.newest_histories(&ever, RECORDS).await?;
+            let marks = marks_of(&self.store, some).await?;
+            for (gyro, rows) in some.iter().zip(&histories) {
+                let marks = marks.get(gyro).into_iter().flatten();
+                let resets: Vec<UtcMicros> =
+                    marks.filter(|mark| mark.event.resets_baseline()).map(|mark| mark.at).collect();
+                self.look_through(rows, &resets, &mut seen);
+            }
         }
         let tables = self.store.names().read();
         let named = seen.into_iter().filter_map(|(number, seen)| Some(seen.summed_up(tables.stations.name(number)?)));

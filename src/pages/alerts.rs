@@ -11,6 +11,7 @@ use super::Pages;
 use super::form::{Deed, Word, answered, own_form, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
 use crate::core::notify::Standing;
@@ -168,7 +169,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
                 @if let Some(said) = &alert.acknowledged { (remark(t.said_by, &said.by, &said.reason)) }
                 @if let Some(said) = &alert.silenced { " " (t.until) " " (written(&said.until)) (remark(t.said_by, &said.by, &said.reason)) }
                 @if let Some(at) = &alert.resolved_at { " " (written(at)) }
-                @if let Some(here) = here.filter(|_| open) {
+                @if let Some(here) = here.filter(|_| open && viewer.may(Role::Engineer)) {
                     span.actions.no-print {
                         @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
                         a href=(deed("silence", here)) { (t.silence) }

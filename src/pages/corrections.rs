@@ -13,6 +13,7 @@ use super::figure;
 use super::form::{Deed, Word, answered, own_form, see_other};
 use super::layout::{Section, encoded, instant, symbol};
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::mounting::Slot;
 use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
@@ -186,7 +187,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
     Ok(html! {
         @for row in &said { (remark(viewer, row, id)) }
-        @if counts {
+        @if counts && viewer.may(Role::Engineer) {
             p.actions { a.action href={ "/" (place) "/" (id) "/void?back=" (encoded(&viewer.here)) } {
                 (if kind == Kind::Campaign { t.void_campaign } else { t.void_record })
             } }

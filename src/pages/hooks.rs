@@ -11,6 +11,7 @@ use super::Pages;
 use super::alerts::written;
 use super::layout::{Page, Section};
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::judge::{Rule, Severity};
 use crate::pipeline::Id;
 use crate::wire::hook::{FilterBody, HookBody};
@@ -29,7 +30,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
     let body = html! {
         h1 { (t.hooks) }
         p.note { (t.hooks_note) }
-        p { a.action href="/hooks/new" { (t.add_hook) } }
+        @if viewer.may(Role::Admin) { p { a.action href="/hooks/new" { (t.add_hook) } } }
         @if hooks.is_empty() { p.lead { (t.no_hooks) } } @else {
             div.scroll tabindex="0" { table {
                 thead { tr {
@@ -87,11 +88,13 @@ fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
     html! {
         div.actions {
             @if hook.enabled { form action=(post("test")) method="post" { button { (t.test_hook) } } }
-            form action=(post("enabled")) method="post" {
-                input type="hidden" name="enabled" value=(!hook.enabled);
-                button { (if hook.enabled { t.disable } else { t.enable }) }
+            @if viewer.may(Role::Admin) {
+                form action=(post("enabled")) method="post" {
+                    input type="hidden" name="enabled" value=(!hook.enabled);
+                    button { (if hook.enabled { t.disable } else { t.enable }) }
+                }
+                a href=(post("delete")) { (t.delete_hook) }
             }
-            a href=(post("delete")) { (t.delete_hook) }
         }
     }
 }

@@ -16,7 +16,7 @@ use super::layout::{Page, Section, encoded, instant, symbol};
 use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
 use crate::pipeline::{Accepted, Caller, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 
@@ -28,11 +28,17 @@ pub(super) async fn page(viewer: Viewer) -> Response {
 }
 
 /// What the text says, or what is wrong with it. Stores nothing.
-pub(super) async fn preview(Held(pages): Held<Pages>, viewer: Viewer, headers: HeaderMap, form: String) -> Response {
+pub(super) async fn preview(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Extension(caller): Extension<Caller>,
+    headers: HeaderMap,
+    form: String,
+) -> Response {
     if let Err(foreign) = own_form(&headers) {
         return viewer.show(Err(foreign));
     }
-    off_the_loop(move || viewer.show(Ok(previewed(&pages, &viewer, &text_of(&form))))).await
+    off_the_loop(move || viewer.show(Ok(previewed(&pages.pipeline, &viewer, &caller, &text_of(&form))))).await
 }
 
 pub(super) async fn store(
@@ -46,8 +52,8 @@ pub(super) async fn store(
         return viewer.show(Err(foreign));
     }
     let pipeline = pages.pipeline.clone();
-    let read = off_the_loop(move || read_all(&pipeline, &text_of(&form))).await;
-    let outcomes = submit(&pages.pipeline, &caller, read).await;
+    let read = off_the_loop(move || read_all(&pipeline, &caller, &text_of(&form))).await;
+    let outcomes = submit(&pages.pipeline, read).await;
     viewer.show(Ok(outcome(&viewer, &outcomes)))
 }
 
@@ -66,22 +72,27 @@ fn text_of(form: &str) -> String {
     text.strip_suffix("\r\n").unwrap_or(text).replace("\r\n", "\n")
 }
 
-fn read(pipeline: &Pipeline, piece: &Piece) -> Result<ReadDocument, Faults> {
-    match piece.form {
+/// What a piece says, if this caller may send it.
+fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocument, Faults> {
+    let document = match piece.form {
         Form::Json => pipeline.read_document(piece.text.as_bytes()),
         Form::Csv => pipeline.read_campaign_document(piece.text.as_bytes(), Form::Csv),
-    }
+    }?;
+    let refused = |refused: Refused| Fault { pointer: "/station".into(), detail: refused.to_string() };
+    caller.may_submit(&document.submission).map_err(refused)?;
+    Ok(document)
 }
 
-fn previewed(pages: &Pages, viewer: &Viewer, text: &str) -> Page {
+fn previewed(pipeline: &Pipeline, viewer: &Viewer, caller: &Caller, text: &str) -> Page {
     let t = viewer.text();
     let pieces = pieces(text);
-    let read: Vec<_> = pieces.iter().map(|piece| (piece, read(&pages.pipeline, piece))).collect();
+    let read: Vec<_> = pieces.iter().map(|piece| (piece, read(pipeline, caller, piece))).collect();
     let faulty = read.iter().filter(|(_, read)| read.is_err()).count();
     let sound = read.len() - faulty;
     let body = html! {
         section.preview aria-live="polite" {
             h2 { (t.preview) }
+            @if read.is_empty() { p.fault { (t.no_document) } }
             p.lead {
                 (sound) " " (t.can_be_stored)
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
@@ -112,24 +123,16 @@ enum Outcome {
 }
 
 /// Every document of the text, with the line on which it begins.
-fn read_all(pipeline: &Pipeline, text: &str) -> Vec<(usize, Result<ReadDocument, Faults>)> {
-    pieces(text).iter().map(|piece| (piece.line, read(pipeline, piece))).collect()
+fn read_all(pipeline: &Pipeline, caller: &Caller, text: &str) -> Vec<(usize, Result<ReadDocument, Faults>)> {
+    pieces(text).iter().map(|piece| (piece.line, read(pipeline, caller, piece))).collect()
 }
 
 /// Submits all together, so that they share their flushes of the disk.
-async fn submit(
-    pipeline: &Pipeline,
-    caller: &Caller,
-    read: Vec<(usize, Result<ReadDocument, Faults>)>,
-) -> Vec<(usize, Outcome)> {
+async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Outcome)> {
     let (mut outcomes, mut sound, mut submissions) = (Vec::new(), Vec::new(), Vec::new());
     for (line, document) in read {
         match document {
             Ok(ReadDocument { submission, origin }) => {
-                if let Err(refused) = caller.may_submit(&submission) {
-                    outcomes.push((line, Outcome::Refused(refused)));
-                    continue;
-                }
                 let bench = matches!(submission, Submission::Bench(_));
                 sound.push((line, origin, if bench { "v1/bench-results" } else { "records" }));
                 submissions.push(submission);

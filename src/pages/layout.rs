@@ -9,6 +9,7 @@ use maud::{DOCTYPE, Markup, html};
 
 use super::assets::{PLOTLY, SCRIPT, STYLE};
 use super::viewer::{Theme, Viewer};
+use crate::core::access::Role;
 use crate::core::judge::Coefficient;
 use crate::core::time::UtcMicros;
 use crate::wire::problem::Problem;
@@ -102,7 +103,7 @@ impl Viewer {
                             (entry("/diagnoses", t.diagnoses, page.section == Section::Diagnoses))
                             (entry("/stations", t.stations, page.section == Section::Stations))
                             (entry("/import", t.import, page.section == Section::Import))
-                            (entry("/hooks", t.hooks, page.section == Section::Hooks))
+                            @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
                             (entry("/docs", t.api, false))
                         }
                         (self.switches())

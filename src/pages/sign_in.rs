@@ -13,12 +13,15 @@ use serde::Deserialize;
 use super::Pages;
 use super::layout::{Page, Section};
 use super::viewer::{Viewer, is_local};
+use crate::core::access::Role;
 use crate::pipeline::{Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Asked {
     back: Option<String>,
+    /// The role that the page takes from which somebody was sent here.
+    takes: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -28,7 +31,10 @@ pub(super) struct Shown {
 }
 
 pub(super) async fn page(viewer: Viewer, Query(asked): Query<Asked>) -> Response {
-    viewer.show(Ok(form(&viewer, asked.back.as_deref(), None)))
+    let t = viewer.text();
+    let lacking =
+        asked.takes.as_deref().and_then(Role::from_name).map(|role| format!("{}{}", t.takes_role, t.role(role)));
+    viewer.show(Ok(form(&viewer, asked.back.as_deref(), lacking.as_deref())))
 }
 
 /// Takes the token for a cookie that no script reads and no other site's page has sent along.

@@ -10,6 +10,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
 use super::text::{Language, Text};
+use crate::core::access::Role;
 use crate::pipeline::{By, Caller};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -36,11 +37,18 @@ pub(super) struct Viewer {
     pub here: String,
     /// The name of the token that they have signed in with.
     pub signed_in: Option<String>,
+    /// What they may do; none for somebody who has not signed in where that is needed.
+    pub role: Option<Role>,
 }
 
 impl Viewer {
     pub fn text(&self) -> &'static Text {
         self.language.text()
+    }
+
+    /// Whether what takes this role is offered to them: what would be refused is not.
+    pub fn may(&self, role: Role) -> bool {
+        self.role.is_some_and(|own| own >= role)
     }
 }
 
@@ -56,9 +64,10 @@ impl<S: Send + Sync> FromRequestParts<S> for Viewer {
         let chosen = cookie(&parts.headers, "language").and_then(Language::from_name);
         let language = chosen.unwrap_or_else(|| preferred(&parts.headers));
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
-        let caller = parts.extensions.get::<Caller>().filter(|caller| matches!(caller.by, By::Session { .. }));
-        let signed_in = caller.map(|caller| caller.name.clone());
-        Ok(Self { language, theme, here, signed_in })
+        let caller = parts.extensions.get::<Caller>();
+        let session = caller.filter(|caller| matches!(caller.by, By::Session { .. }));
+        let signed_in = session.map(|caller| caller.name.clone());
+        Ok(Self { language, theme, here, signed_in, role: caller.map(|caller| caller.role) })
     }
 }
 

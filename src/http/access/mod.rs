@@ -48,6 +48,10 @@ pub async fn admit(State(app): State<App>, mut request: Request, next: Next) -> 
         Least::Nobody => Some(Role::Admin).filter(|role| caller.role < *role),
     };
     if let Some(role) = needed {
+        if by_cookie && wants_page(&request) {
+            let place = format!("{}&takes={}", sign_in_for(request.uri()), role.name());
+            return (StatusCode::SEE_OTHER, [(LOCATION, place)]).into_response();
+        }
         let detail = format!("this takes the role {}; the token has the role {}", role.name(), caller.role.name());
         return challenged(Problem::new(403, "Not allowed", detail), "Bearer error=\"insufficient_scope\"");
     }
@@ -97,12 +101,16 @@ fn session(headers: &HeaderMap) -> Option<&str> {
     pairs.find(|(name, _)| *name == SESSION_COOKIE).map(|(_, value)| value)
 }
 
+/// Whether a person looks at a page.
+fn wants_page(request: &Request) -> bool {
+    let accepts = request.headers().get(ACCEPT).and_then(|accept| accept.to_str().ok());
+    request.method() == Method::GET && accepts.is_some_and(|accept| accept.contains("text/html"))
+}
+
 /// A person who looks at a page is sent to where to sign in; everybody else is told why.
 fn refuse(denied: &Denied, request: &Request) -> Response {
-    let wants_page =
-        request.headers().get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/html"));
     let could_sign_in = matches!(denied, Denied::NoToken | Denied::SignedOut | Denied::Revoked | Denied::Expired);
-    if wants_page && could_sign_in && request.method() == Method::GET && bearer(request.headers()).is_none() {
+    if wants_page(request) && could_sign_in && bearer(request.headers()).is_none() {
         return (StatusCode::SEE_OTHER, [(LOCATION, sign_in_for(request.uri()))]).into_response();
     }
     denied_response(denied)

@@ -7,6 +7,7 @@ mod words;
 
 pub(super) use words::Text;
 
+use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Event, Rule, Severity};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,6 +79,14 @@ impl Text {
         match severity {
             Severity::Warning => self.warning,
             Severity::Critical => self.severity_critical,
+        }
+    }
+
+    pub fn role(&self, role: Role) -> &'static str {
+        match role {
+            Role::Station => self.role_station,
+            Role::Engineer => self.role_engineer,
+            Role::Admin => self.role_admin,
         }
     }
 

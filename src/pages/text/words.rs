@@ -290,6 +290,7 @@ catalogue! {
     choose_file: "Choose a file, or drop it here:", "选择文件，或拖放到此处：";
     or_paste: "Text of the file:", "文件内容：";
     preview: "Preview", "预览";
+    no_document: "There is no document in it.", "其中没有任何文件内容。";
     can_be_stored: "can be stored", "项可以存储";
     cannot_be_stored: "cannot, and will not be", "项有误，不会存储";
     store: "Store", "存储";
@@ -417,6 +418,10 @@ catalogue! {
     sign_out: "Sign out", "退出";
     sign_in_note: "With a token that an administrator has made for you. It is kept until you sign out or some hours have passed.", "请使用管理员为您创建的令牌登录；退出或数小时后失效。";
     token: "Token", "令牌";
+    takes_role: "The token that you have signed in with does not reach that far. Sign in with one of the role: ", "您登录所用的令牌权限不足，请使用以下角色的令牌登录：";
+    role_station: "station", "台站";
+    role_engineer: "engineer", "工程师";
+    role_admin: "administrator", "管理员";
     wrong_token: "This token is not valid.", "令牌无效。";
     too_many_tokens: "Too many attempts. Wait a minute.", "尝试次数过多，请一分钟后再试。";
 }

@@ -204,6 +204,9 @@ async fn a_stations_token_sends_for_that_station_alone_on_every_way_in() {
     let form = format!("text={}\r\n", record.to_string().replace("2026-", "2025-"));
     let page = server.call("POST", "/import/store", &headers, form).await.text();
     assert!(page.contains("the token is for elsewhere alone"), "{page}");
+    let form = format!("text={record}\r\n");
+    let preview = server.call("POST", "/import/preview", &headers, form).await.text();
+    assert!(preview.contains("the token is for elsewhere alone") && preview.contains("0 can be stored"), "{preview}");
 }
 
 /// The cookie that an answer sets, as name=value.
@@ -570,4 +573,63 @@ fn a_certificate_that_cannot_be_used_stops_the_start_and_is_named() {
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains(named), "{said}");
     }
+}
+
+/// Addresses of this service in an attribute of a page's elements, as a browser would follow them.
+fn addresses(page: &str, attribute: &str) -> Vec<String> {
+    let opening = format!(" {attribute}=\"");
+    let found = page.split(&opening).skip(1).map(|rest| rest.split('"').next().unwrap());
+    found.filter(|at| at.starts_with('/')).map(|at| at.replace("&amp;", "&")).collect()
+}
+
+#[tokio::test]
+async fn pages_offer_to_everybody_what_they_may_do_and_nothing_else() {
+    let server = Server::start().await;
+    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    for month in 1..=6 {
+        record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
+        record["gyros"][0]["g_pulse_per_s_g0"][0] = (2.4210 + if month > 4 { 0.05 } else { 0.0 }).into();
+        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
+    }
+    let bench = json!({ "serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-03-02T08:00:00Z",
+        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.0, "d_s_deg_per_h_g0": 2.0 });
+    assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
+    let hook = json!({ "kind": "cloudevents", "url": "http://127.0.0.1:9/" });
+    assert_eq!(server.post_json("/v1/hooks", &hook).await.status, 201);
+    let (admin, _) = token(&server, "", "admin", json!({})).await;
+    for role in ["station", "engineer", "admin"] {
+        let (token, _) = token(&server, &admin, role, json!({})).await;
+        let cookie = cookie(&sign_in(&server, &token).await);
+        let headers = [("cookie", cookie.as_str()), ("accept", "text/html")];
+        // Everything that can be reached, not only what the first pages offer.
+        let (mut open, mut seen, mut offers) = (vec!["/".to_owned()], BTreeSet::new(), BTreeSet::new());
+        while let Some(path) = open.pop() {
+            let is_page = !["/v1/", "/docs", "/assets/"].iter().any(|start| path.starts_with(start));
+            if !seen.insert(path.split(['?', '#']).next().unwrap().to_owned()) || !is_page {
+                continue;
+            }
+            let answer = server.call("GET", &path, &headers, "").await;
+            let to_sign_in = answer.headers.get("location").is_some_and(|at| at.to_str().unwrap().contains("&takes="));
+            assert!(answer.status != 403 && !to_sign_in, "{path} is offered to the role {role}, and refused");
+            if answer.status == 200 {
+                let page = answer.text();
+                let links = addresses(&page, "href");
+                offers.extend(links.iter().cloned().chain(addresses(&page, "action")));
+                open.extend(links.into_iter().filter(|at| !at.starts_with("/preference")));
+            }
+        }
+        let any = |part: &str| offers.iter().any(|at| at.split('?').next().unwrap().contains(part));
+        assert!(any("/gyros/LFG-0101") && any("/import/preview"), "{offers:?}");
+        let engineers = ["/void", "/acknowledge", "/silence", "/events/new", "/hooks", "/test"];
+        assert_eq!(engineers.map(any), [role != "station"; 6], "{role}: {offers:?}");
+        assert_eq!(["/hooks/new", "/enabled", "/delete"].map(any), [role == "admin"; 3], "{role}: {offers:?}");
+    }
+    let (token, _) = token(&server, &admin, "station", json!({})).await;
+    let cookie = cookie(&sign_in(&server, &token).await);
+    let headers = [("cookie", cookie.as_str()), ("accept", "text/html")];
+    let sent_on = server.call("GET", "/hooks", &headers, "").await;
+    let place = sent_on.headers["location"].to_str().unwrap().to_owned();
+    assert_eq!((sent_on.status, place.as_str()), (303, "/sign-in?back=%2Fhooks&takes=engineer"));
+    let page = server.call("GET", &place, &headers, "").await;
+    assert!(page.status == 200 && page.text().contains("Sign in with one of the role: engineer"), "{}", page.text());
 }

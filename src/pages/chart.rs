@@ -163,7 +163,7 @@ mod tests {
         let points: Vec<Point> = values.iter().enumerate().map(point).collect();
         let strip = Strip {
             symbol: "D_I",
-            series: vec![Series::new("rigid", false, &points)],
+            series: vec![Series::new("rigid", false, &points, |point| point.measured.value, Point::clone)],
             bands: vec![(0, 86_400_000, 1.0, Some(0.5), Some(0.2))],
         };
         let marks = vec![Mark { t: 43_200_000, label: "repair".into(), event: true }];

@@ -11,7 +11,7 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
-use crate::core::judge::history::Measured;
+use crate::core::judge::history::{Measured, Sample};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Baseline, BenchRow, Course, Figures, Tables, sample_of};
 
@@ -80,24 +80,29 @@ pub(super) fn name(name: Option<&Arc<str>>) -> &str {
     name.map_or("", |name| &**name)
 }
 
-pub(super) fn plot(viewer: &Viewer, serial: &str, shown: Shown, course: &Course, tables: &Tables) -> Plot {
+pub(super) fn plot(
+    viewer: &Viewer,
+    serial: &str,
+    shown: Shown,
+    (course, bands): (&Course, &Bands),
+    tables: &Tables,
+) -> Plot {
     let t = viewer.text();
     let bench_only = shown == Shown::Bench;
     let columns = if bench_only { 0..2 } else { 0..3 };
     let strips = columns.map(|column| {
-        let bands = bands(course, shown.separation(), column);
+        let bands = &bands[column];
         let mut series = Vec::new();
         if !bench_only && !course.figures.is_empty() {
-            let points = separated(&course.figures, shown.separation(), column, (&bands, tables));
-            series.push(Series::new(shown.title(t), false, &points));
+            series.push(separated(shown.title(t), &course.figures, (shown.separation(), column), (bands, tables)));
         }
         for method in BenchMethod::ALL.into_iter().filter(|_| column < 2) {
-            let points = benched(&course.benches, method, column, tables);
-            if !points.is_empty() {
-                series.push(Series::new(t.method(method.name()), true, &points));
+            let of_method: Vec<&BenchRow> = course.benches.iter().filter(|row| row.method == method).collect();
+            if !of_method.is_empty() {
+                series.push(benched(t.method(method.name()), &of_method, column, tables));
             }
         }
-        Strip { symbol: ["D_I", "D_S", "D_O"][column], series, bands }
+        Strip { symbol: ["D_I", "D_S", "D_O"][column], series, bands: bands.clone() }
     });
     let since = course.baselines.last().filter(|_| course.baselines.len() > 1).map(|baseline| millis(baseline.from));
     Plot {
@@ -110,27 +115,24 @@ pub(super) fn plot(viewer: &Viewer, serial: &str, shown: Shown, course: &Course,
     }
 }
 
-/// The levels of a coefficient, D_I, D_S or D_O, with what it is held against.
-pub(super) fn bands(course: &Course, method: JudgedMethod, column: usize) -> Vec<Band> {
+/// The levels of D_I, D_S and D_O, with what they are held against.
+pub(super) type Bands = [Vec<Band>; 3];
+
+pub(super) fn bands(course: &Course, method: JudgedMethod) -> Bands {
     let budgets = [course.limits.d_i.baseline, course.limits.d_s.baseline, course.limits.closure];
+    let samples: Vec<Sample> = course.figures.iter().map(|figures| sample_of(figures, method)).collect();
     let last = course.baselines.len().saturating_sub(1);
-    let band = |(k, baseline): (usize, &Baseline)| {
-        let within = |at: UtcMicros| baseline.from <= at && (at < baseline.until || k == last);
-        let values: Vec<f64> = course
-            .figures
-            .iter()
-            .filter(|figures| within(figures.at))
-            .map(|figures| sample_of(figures, method).d[column].value)
-            .collect();
-        Some((
-            millis(baseline.from),
-            millis(baseline.until),
-            baseline.level[column]?,
-            budgets[column],
-            control(&values),
-        ))
-    };
-    course.baselines.iter().enumerate().filter_map(band).collect()
+    [0, 1, 2].map(|column| {
+        let band = |(k, baseline): (usize, &Baseline)| {
+            let start = samples.partition_point(|sample| sample.at < baseline.from);
+            let end = if k == last { samples.len() } else { samples.partition_point(|s| s.at < baseline.until) };
+            let values: Vec<f64> =
+                samples.get(start..end).unwrap_or_default().iter().map(|sample| sample.d[column].value).collect();
+            let (from, until) = (millis(baseline.from), millis(baseline.until));
+            Some((from, until, baseline.level[column]?, budgets[column], control(&values)))
+        };
+        course.baselines.iter().enumerate().filter_map(band).collect()
+    })
 }
 
 /// Successive differences that are needed to know a gyro's own scatter.
@@ -152,26 +154,32 @@ pub(super) fn is_outside(bands: &[Band], at: UtcMicros, value: f64) -> bool {
     bands.iter().rfind(of_time).is_some_and(|band| band.3.is_some_and(|budget| (value - band.2).abs() > budget))
 }
 
-fn separated(rows: &[Figures], method: JudgedMethod, column: usize, (bands, tables): (&[Band], &Tables)) -> Vec<Point> {
+fn separated(
+    name_of_method: &str,
+    rows: &[Figures],
+    (method, column): (JudgedMethod, usize),
+    (bands, tables): (&[Band], &Tables),
+) -> Series {
+    let measured = |figures: &Figures| sample_of(figures, method).d[column];
     let point = |figures: &Figures| Point {
         at: figures.at,
-        measured: sample_of(figures, method).d[column],
+        measured: measured(figures),
         state: figures.states.0[column],
-        outside: is_outside(bands, figures.at, sample_of(figures, method).d[column].value),
+        outside: is_outside(bands, figures.at, measured(figures).value),
         place: format!("{} · {}", seat(figures, tables), name(tables.stations.name(figures.station))),
     };
-    rows.iter().map(point).collect()
+    Series::new(name_of_method, false, rows, |figures| measured(figures).value, point)
 }
 
-fn benched(rows: &[BenchRow], method: BenchMethod, column: usize, tables: &Tables) -> Vec<Point> {
-    let point = |row: &BenchRow| Point {
+fn benched(name_of_method: &str, rows: &[&BenchRow], column: usize, tables: &Tables) -> Series {
+    let point = |row: &&BenchRow| Point {
         at: row.measured_at,
         measured: Measured { value: row.d[column], sd: row.sd[column] },
         state: None,
         outside: false,
         place: name(tables.stations.name(row.station)).to_owned(),
     };
-    rows.iter().filter(|row| row.method == method).map(point).collect()
+    Series::new(name_of_method, true, rows, |row| row.d[column], point)
 }
 
 /// A change from one calibration to the next.

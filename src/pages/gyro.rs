@@ -5,14 +5,14 @@ use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::course::{self, Shown};
+use super::course::{self, Bands, Shown};
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
-use super::plot::Band;
 use super::standing::Grade;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use super::{Pages, alerts};
+use crate::core::access::Role;
 use crate::core::judge::{Rule, State};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Comparison, Course, Figures, Id, Tables, sample_of};
@@ -44,6 +44,8 @@ pub(super) async fn page(
 /// All that is known of a gyro, by the method that is shown.
 pub(super) struct Facts {
     pub course: Course,
+    /// What its course is held against.
+    pub bands: Bands,
     pub comparison: Comparison,
     /// On its newest record.
     pub verdicts: Vec<Said>,
@@ -56,7 +58,8 @@ impl Facts {
         let course = pages.pipeline.course(number, serial, shown.separation()).await?;
         let comparison = pages.pipeline.compare_methods(number, None).await?;
         let verdicts = newest_verdicts(pages, serial, &course).await?;
-        Ok(Self { course, comparison, verdicts, alerts: alerts::open_ones(pages, number).await? })
+        let bands = course::bands(&course, shown.separation());
+        Ok(Self { course, bands, comparison, verdicts, alerts: alerts::open_ones(pages, number).await? })
     }
 }
 
@@ -76,11 +79,11 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
         (deeds(viewer, serial))
         (verdict_section(viewer, &facts.verdicts))
         (alert_section(viewer, &facts.alerts))
-        (history(viewer, serial, shown, &facts.course, &tables))
+        (history(viewer, serial, shown, &facts, &tables))
         (agreement(viewer, serial, &facts.comparison))
         (course::happenings(viewer, &facts.course, &tables))
         (benches(viewer, &facts.course, &tables))
-        (calibrations(viewer, serial, shown, asked.skip, &facts.course, &tables))
+        (calibrations(viewer, serial, shown, asked.skip, &facts, &tables))
     };
     Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
 }
@@ -91,8 +94,10 @@ fn deeds(viewer: &Viewer, serial: &str) -> Markup {
     let path = format!("/gyros/{}", encoded(serial));
     html! {
         p.actions {
-            a.action href={ (path) "/events/new" } { (t.add_event) }
-            a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
+            @if viewer.may(Role::Engineer) {
+                a.action href={ (path) "/events/new" } { (t.add_event) }
+                a.action href={ (path) "/events/new?event=baseline" } { (t.start_baseline) }
+            }
             a.action href={ (path) "/report" } { (t.report) }
         }
     }
@@ -149,9 +154,9 @@ fn verdict_section(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     }
 }
 
-fn history(viewer: &Viewer, serial: &str, shown: Shown, course: &Course, tables: &Tables) -> Markup {
+fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
-    let plot = course::plot(viewer, serial, shown, course, tables);
+    let plot = course::plot(viewer, serial, shown, (&facts.course, &facts.bands), tables);
     let left_out = plot.strips.iter().flat_map(|strip| &strip.series).find_map(|series| series.thinned());
     html! {
         section {
@@ -217,10 +222,10 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
     }
 }
 
-fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course: &Course, tables: &Tables) -> Markup {
+fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
-    let count = course.figures.len();
-    let rows = course.figures.iter().rev().skip(skip).take(ROWS);
+    let count = facts.course.figures.len();
+    let rows = facts.course.figures.iter().rev().skip(skip).take(ROWS);
     let to = |skip: usize| format!("/gyros/{}?method={}&skip={skip}#calibrations", encoded(serial), shown.name());
     html! {
         @if count > 0 {
@@ -230,7 +235,7 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course
                     (skip + 1) "–" ((skip + ROWS).min(count)) " / " (count) ", "
                     (t.method_of(shown.separation())) ", " (t.unit)
                 }
-                (calibration_table(viewer, shown, course, rows, tables, true))
+                (calibration_table(viewer, shown, &facts.bands, rows, tables, viewer.may(Role::Engineer)))
                 nav.pager aria-label=(t.calibrations) {
                     @if skip > 0 { a href=(to(0)) { (t.newer) } }
                     @if skip + ROWS < count { a rel="next" href=(to(skip + ROWS)) { (t.older) } }
@@ -244,13 +249,12 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, course
 pub(super) fn calibration_table<'a>(
     viewer: &Viewer,
     shown: Shown,
-    course: &Course,
+    bands: &Bands,
     rows: impl Iterator<Item = &'a Figures>,
     tables: &Tables,
     deeds: bool,
 ) -> Markup {
     let t = viewer.text();
-    let bands = [0, 1, 2].map(|column| course::bands(course, shown.separation(), column));
     html! {
         div.scroll tabindex="0" { table {
             thead { tr {
@@ -258,7 +262,7 @@ pub(super) fn calibration_table<'a>(
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
                 @if deeds { th { (t.actions_word) } }
             } }
-            tbody { @for figures in rows { (calibration(viewer, shown, figures, (&bands, tables), deeds)) } }
+            tbody { @for figures in rows { (calibration(viewer, shown, figures, (bands, tables), deeds)) } }
         } }
     }
 }
@@ -267,7 +271,7 @@ fn calibration(
     viewer: &Viewer,
     shown: Shown,
     figures: &Figures,
-    (bands, tables): (&[Vec<Band>; 3], &Tables),
+    (bands, tables): (&Bands, &Tables),
     deeds: bool,
 ) -> Markup {
     let t = viewer.text();
@@ -301,12 +305,13 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
     let t = viewer.text();
     html! {
         @if !course.benches.is_empty() {
+            @let may_void = viewer.may(Role::Engineer);
             section #benches {
                 h2 { (t.bench_results) }
                 div.scroll.tall tabindex="0" { table {
                     thead { tr {
                         th { (t.date) } th { (t.method) } th { (t.station) }
-                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th { (t.actions_word) }
+                        th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th { (t.actions_word) } }
                     } }
                     tbody { @for row in course.benches.iter().rev() {
                         tr {
@@ -314,7 +319,7 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
                             td { (t.method(row.method.name())) }
                             td { (course::name(tables.stations.name(row.station))) }
                             @for i in 0..2 { td.n { (figure::drift(row.d[i], row.sd[i])) } }
-                            td { (void_link(viewer, "bench-results", row.id, row.measured_at)) }
+                            @if may_void { td { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }
                     } }
                 } }

@@ -15,6 +15,7 @@ use crate::core::time::UtcMicros;
 const MOST_POINTS: usize = 1000;
 
 /// One measured value with what is said when the pointer is over it.
+#[derive(Clone)]
 pub(super) struct Point {
     pub at: UtcMicros,
     pub measured: Measured,
@@ -76,10 +77,10 @@ pub(super) struct Plot {
 }
 
 impl Series {
-    pub fn new(name: &str, bench: bool, points: &[Point]) -> Self {
-        let values: Vec<f64> = points.iter().map(|point| point.measured.value).collect();
-        let kept = thin::indices(&values, MOST_POINTS);
-        let kept: Vec<&Point> = kept.into_iter().map(|i| &points[i]).collect();
+    /// Of all `rows`, in order of time, those that make the picture; only those become points.
+    pub fn new<T>(name: &str, bench: bool, rows: &[T], value: impl Fn(&T) -> f64, point: impl Fn(&T) -> Point) -> Self {
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        let kept: Vec<Point> = thin::indices(&values, MOST_POINTS).into_iter().map(|i| point(&rows[i])).collect();
         let mut places = Vec::new();
         let mut known = HashMap::<&str, u32>::new();
         let place = kept.iter().map(|point| {
@@ -96,10 +97,10 @@ impl Series {
             t: kept.iter().map(|point| millis(point.at)).collect(),
             v: kept.iter().map(|point| rounded(point.measured.value)).collect(),
             sd: any_sd.then(|| kept.iter().map(|point| point.measured.sd.map(rounded)).collect()),
-            state: kept.iter().map(|point| code(point)).collect(),
+            state: kept.iter().map(code).collect(),
             place,
             places,
-            of: points.len(),
+            of: rows.len(),
         }
     }
 
@@ -149,6 +150,10 @@ fn rounded(value: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn of_points(points: &[Point]) -> Series {
+        Series::new("rigid", false, points, |point| point.measured.value, Point::clone)
+    }
+
     #[test]
     fn what_a_station_calls_itself_cannot_end_the_block() {
         let point = Point {
@@ -158,7 +163,7 @@ mod tests {
             outside: false,
             place: "</script><b>".into(),
         };
-        let strips = vec![Strip { symbol: "D_I", series: vec![Series::new("rigid", false, &[point])], bands: vec![] }];
+        let strips = vec![Strip { symbol: "D_I", series: vec![of_points(&[point])], bands: vec![] }];
         let plot = Plot { name: "</script>".into(), unit: "", strips, marks: vec![], states: [""; 4], since: None };
         let markup = plot.markup(super::super::text::Language::English.text()).into_string();
         assert_eq!(markup.matches("</script>").count(), 1, "{markup}");
@@ -174,7 +179,7 @@ mod tests {
             place: String::new(),
         };
         let points: Vec<Point> = (0..20_000).map(point).collect();
-        let series = Series::new("rigid", false, &points);
+        let series = of_points(&points);
         assert_eq!(series.thinned(), Some(20_000));
         assert!(series.v.contains(&9.0) && series.v.len() <= MOST_POINTS && series.places.len() == 1);
     }

@@ -39,14 +39,14 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
             (as_of(pages, viewer))
             section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &tables)) }
             section { h2 { (t.verdicts) } (verdicts::all(viewer, &facts.verdicts)) }
-            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&course::plot(viewer, serial, shown, &facts.course, &tables))) }
+            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&course::plot(viewer, serial, shown, (&facts.course, &facts.bands), &tables))) }
             (agreement(viewer, serial, &facts.comparison))
             (course::happenings(viewer, &facts.course, &tables))
             (open_alerts(viewer, &facts))
             section {
                 h2 { (t.calibrations) }
                 p.note { (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(shown.separation())) ", " (t.unit) }
-                (calibration_table(viewer, shown, &facts.course, facts.course.figures.iter().rev().take(ROWS), &tables, false))
+                (calibration_table(viewer, shown, &facts.bands, facts.course.figures.iter().rev().take(ROWS), &tables, false))
             }
             (signature(viewer))
         }
@@ -83,7 +83,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                 section.sheet {
                     h2 { (t.serial) " " (serial) " " (grade(facts).badge(t)) }
                     (verdicts::all(viewer, &facts.verdicts))
-                    (chart::strips(&course::plot(viewer, serial, shown, &facts.course, &tables)))
+                    (chart::strips(&course::plot(viewer, serial, shown, (&facts.course, &facts.bands), &tables)))
                     (agreement(viewer, serial, &facts.comparison))
                     (course::happenings(viewer, &facts.course, &tables))
                     (open_alerts(viewer, facts))

@@ -5,7 +5,8 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::figure::short;
+use super::alerts::written;
+use super::figure::{self, short};
 use super::layout::{instant, symbol};
 use super::text::Text;
 use crate::pipeline::{Id, Kind, NotSplit, RecordHead, StoredCampaign};
@@ -66,7 +67,7 @@ impl Against {
                     (self.choice(t))
                     @match &self.split {
                         Some(Ok(split)) => (parts(t, split)),
-                        Some(Err(why)) => p { (why) },
+                        Some(Err(why)) => p { (t.spoken(why)) },
                         None => p { (t.none_before) },
                     }
                 }
@@ -101,7 +102,7 @@ fn parts(t: &Text, split: &SplitBody) -> Markup {
     let gyros = split.gyros.iter().map(|gyro| (gyro.slot.as_str(), &gyro.parts));
     let rows = [(t.all_gyros, &split.all)].into_iter().chain(gyros);
     html! {
-        p.note { (split.station) " · " (split.measured_at) " · " (t.against_note) }
+        p.note { span translate="no" { (split.station) } " · " (written(&split.measured_at)) " · " (t.against_note) }
         div.scroll tabindex="0" { table {
             thead { tr {
                 th { (t.serial) } th.n { (t.whole_gap) } th.n { (t.part_parameters) } th.n { (t.part_structure) }
@@ -115,7 +116,7 @@ fn parts(t: &Text, split: &SplitBody) -> Markup {
             } }
             tbody { @for moved in &split.moved { (moved_row(moved)) } }
         } }
-        @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (note) } } } }
+        @if !split.notes.is_empty() { ul { @for note in &split.notes { li { (t.spoken(note)) } } } }
     }
 }
 
@@ -124,12 +125,16 @@ fn part_row(slot: &str, p: &PartsBody) -> Markup {
     html! { tr { th scope="row" { (slot) } @for number in numbers { td.n { (short(number)) } } } }
 }
 
+/// Every figure to the place of its uncertainty.
 fn moved_row(moved: &MovedBody) -> Markup {
+    let places = figure::places_beside(moved.sd, 6);
     html! {
         tr {
             td { (moved.slot) } td { (symbol(&moved.coefficient)) }
-            td.n { (format!("{:.6}", moved.reference)) } td.n { (format!("{:.6}", moved.now)) }
-            td.n { (format!("{:+.6}", moved.shift)) } td.n { (moved.sd.map_or("–".to_owned(), short)) } td { (moved.unit) }
+            td.n { (format!("{:.places$}", moved.reference)) } td.n { (format!("{:.places$}", moved.now)) }
+            td.n { (format!("{:+.places$}", moved.shift)) }
+            td.n { @if let Some(sd) = moved.sd { (format!("{sd:.places$}")) } @else { "–" } }
+            td { (moved.unit) }
         }
     }
 }

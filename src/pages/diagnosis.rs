@@ -133,7 +133,7 @@ fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
         article.effect {
             h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
             @if let Some(entry) = Effect::from_id(&effect.effect).map(Effect::entry) {
-                p.note { code { (entry.equation) } }
+                p.note { code { (t.spoken(entry.equation)) } }
             }
             (closure(t, &effect.held_out))
             p.note {
@@ -211,7 +211,8 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
                             td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
                             td.nowrap {
                                 @if let Some(closure) = candidate.closure {
-                                    (residuals::closure_bar(closure, None)) (percent(closure))
+                                    (residuals::closure_bar(closure, candidate.interval)) (percent(closure))
+                                    @if let Some([low, high]) = candidate.interval { " (" (percent(low)) " – " (percent(high)) ")" }
                                 } @else { "–" }
                             }
                             td.n { (short(candidate.p_value_adjusted)) } td.words { (t.spoken(&candidate.why_not)) }
@@ -240,7 +241,7 @@ fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
                             td { (one.slot) } td { (super::layout::symbol(&one.coefficient)) }
                             td.n { (super::figure::with_sd(one.plain, Some(one.augmented_sd), 6)) }
                             td.n { (super::figure::with_sd(one.augmented, Some(one.augmented_sd), 6)) }
-                            td.n { (format!("{:+.6}", one.shift)) } td.n { (percent(one.of_budget)) }
+                            td.n { (format!("{:+.*}", super::figure::places_beside(Some(one.augmented_sd), 6), one.shift)) } td.n { (percent(one.of_budget)) }
                         }
                     } }
                 } }

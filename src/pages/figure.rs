@@ -12,7 +12,8 @@ pub(super) fn drift(value: f64, sd: Option<f64>) -> String {
 /// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is known.
 pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
     match sd.filter(|sd| *sd > 0.0 && sd.is_finite()) {
-        Some(sd) if (1e-8..1e7).contains(&sd) => {
+        // As in `short`: nobody counts zeros behind the point.
+        Some(sd) if (1e-4..1e7).contains(&value.abs().max(sd)) && sd >= 1e-8 => {
             let places = places(sd, 2);
             format!("{} ± {sd:.places$}", unsigned_zero(format!("{value:.places$}")))
         }
@@ -25,6 +26,11 @@ pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
         }
         None => fixed(value, decimals),
     }
+}
+
+/// Decimals of a figure that stands beside its standard deviation in a table; `decimals` where none is known.
+pub(super) fn places_beside(sd: Option<f64>, decimals: usize) -> usize {
+    sd.filter(|sd| (1e-8..1e7).contains(sd)).map_or(decimals, |sd| places(sd, 2))
 }
 
 /// A number of so many decimals; of those that round to nothing, three digits with an exponent.
@@ -87,8 +93,18 @@ mod tests {
             (0.0, None, "0.000000"),
             (-1e-7, Some(2.2e-4), "0.00000 ± 0.00022"),
             (2.05e-9, Some(2e-10), "(2.05 ± 0.20)e-9"),
+            (-1.108e-6, Some(8.7e-8), "(-1.108 ± 0.087)e-6"),
+            (0.0, Some(1.0e-6), "(0.0 ± 1.0)e-6"),
+            (4.19e-4, Some(3e-6), "0.0004190 ± 0.0000030"),
         ] {
             assert_eq!(drift(value, sd), text);
+        }
+    }
+
+    #[test]
+    fn figures_in_columns_end_where_their_uncertainty_does() {
+        for (sd, places) in [(Some(0.0004), 5), (Some(0.00996), 3), (Some(12.0), 0), (Some(0.0), 6), (None, 6)] {
+            assert_eq!(places_beside(sd, 6), places, "{sd:?}");
         }
     }
 

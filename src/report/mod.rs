@@ -195,7 +195,7 @@ fn candidates(all: &[CandidateBody]) -> Markup {
                 tr {
                     td { (c.effect) } td { (c.gyros.join(", ")) }
                     td class="n" { @if let Some(x) = c.closure { (percent(x)) } @else { "-" } }
-                    td { @if let Some(x) = c.closure { (PreEscaped(plot::bar(x, None))) } }
+                    td { @if let Some(x) = c.closure { (PreEscaped(plot::bar(x, c.interval))) } }
                     td class="n" { (figure(c.p_value_adjusted)) } td { (c.why_not) }
                 }
             } }

@@ -161,6 +161,9 @@ pub struct CandidateBody {
     pub effect: String,
     /// Fraction of the reducible gap that it closes alone; null where it could not be tried.
     pub closure: Option<f64>,
+    /// 95 % interval of that.
+    #[serde(default)]
+    pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
     pub gyros: Vec<String>,
     pub why_not: String,
@@ -337,6 +340,7 @@ impl From<&core::Candidate> for CandidateBody {
         Self {
             effect: c.effect.id().to_owned(),
             closure: c.closure,
+            interval: c.interval,
             p_value_adjusted: c.p_value_adjusted,
             gyros: names(&c.gyros),
             why_not: c.why_not.clone(),

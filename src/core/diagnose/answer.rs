@@ -166,6 +166,8 @@ pub struct Candidate {
     pub effect: Effect,
     /// Fraction of the reducible gap that it closes alone; none where it could not be tried.
     pub closure: Option<f64>,
+    /// 95 % interval of that.
+    pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
     pub gyros: Vec<Slot>,
     pub why_not: String,

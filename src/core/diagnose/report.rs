@@ -353,14 +353,15 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
         let part =
             Part { effect, shape: settled.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() };
         let visible = identify::visible(&settled.bank, effect) > super::bank::INVISIBLE;
-        let closure = visible.then(|| {
+        let held_out = visible.then(|| {
             let coefficients = part.columns(frame, 0).len() as f64;
-            heldout::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN).closure
+            heldout::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
         });
         let with_named = given.iter().find(|s| s.kind == score.kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence);
         Some(Candidate {
             effect,
-            closure,
+            closure: held_out.map(|h| h.closure),
+            interval: held_out.map(|h| h.interval),
             p_value_adjusted: search.p_value(score.log_evidence),
             gyros: slots(frame, &choice.members),
             why_not: why_not(effect, score.log_evidence, with_named, search, named, visible),

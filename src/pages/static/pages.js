@@ -38,6 +38,13 @@
     };
   };
 
+  // Value and uncertainty to the same place.
+  const figures = (value, sd) => {
+    if (!sd) return value.toFixed(6);
+    const places = Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(Number(sd.toPrecision(2))))));
+    return `${value.toFixed(places)} ± ${sd.toFixed(places)}`;
+  };
+
   const tracesOf = (plot, strip, row, palette) =>
     strip.series.map((thinned, i) => {
       const main = !thinned.bench;
@@ -59,10 +66,9 @@
         },
         text: series.t.map((t, k) => {
           if (t === null) return "";
-          const sd = series.sd && series.sd[k] !== null ? ` ± ${series.sd[k].toPrecision(2)}` : "";
           const state = main ? `<br>${plot.states[series.state[k]]}` : "";
           return (
-            `<b>${title(strip.symbol)} = ${series.v[k]}${sd}</b> ${plot.unit}<br>${series.name}<br>` +
+            `<b>${title(strip.symbol)} = ${figures(series.v[k], series.sd && series.sd[k])}</b> ${plot.unit}<br>${series.name}<br>` +
             `${local(new Date(t))}<br>${new Date(t).toISOString().slice(0, 16).replace("T", " ")} UTC<br>` +
             escaped(series.places[series.place[k]]) + state
           );
@@ -106,6 +112,11 @@
     return joined;
   };
 
+  // Every figure beside an axis with as many decimals as its steps need.
+  const DECIMALS = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map((k) => ({
+    dtickrange: [0.9 * 10 ** -k, k ? 9 * 10 ** -k : null], value: `.${k}f`,
+  }));
+
   const layoutOf = (plot, palette, narrow) => {
     const rows = plot.strips.length;
     const layout = {
@@ -133,7 +144,7 @@
       layout[row ? `yaxis${row + 1}` : "yaxis"] = {
         domain: [Math.max(0, top - size), top],
         title: { text: `${title(strip.symbol)}, ${plot.unit}`, standoff: 6 },
-        gridcolor: palette.line, zeroline: false, linecolor: palette.line, tickformat: "~g", nticks: 6,
+        gridcolor: palette.line, zeroline: false, linecolor: palette.line, tickformatstops: DECIMALS, nticks: 6,
       };
       layout.shapes.push(...shapesOf(strip, row, palette));
     });

@@ -3,6 +3,7 @@
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
 //! pointer, or words of the detail), and leave the service's holdings as they were.
 
+mod spoken;
 mod support;
 
 use std::time::Duration;
@@ -200,11 +201,15 @@ fn bench_results() -> Vec<Row> {
     ]
 }
 
-/// Sends every row and collects all that is wrong with the answers, so that one run shows the whole table.
+/// Sends every row, to a program and to a Chinese page, and collects all that is wrong with the answers, so that one run shows the whole table.
 async fn refuse(server: &Server, route: &str, rows: Vec<Row>) {
     let before = server.holdings().await;
     let mut wrong = Vec::new();
     for Row { what, body, status, place } in rows {
+        if let Ok(document) = std::str::from_utf8(&body) {
+            let english = spoken::english_left(server, document).await;
+            wrong.extend(english.iter().map(|fault| format!("{what}: not in Chinese: {fault}")));
+        }
         let answer = server.post(route, "application/json", body).await;
         let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
         let named = match place {

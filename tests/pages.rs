@@ -1,6 +1,7 @@
 //! The web pages as they leave the service, before any script: whole, in the viewer's language, naming no other host.
 
 mod receiver;
+mod spoken;
 mod support;
 
 use std::time::{Duration, Instant};
@@ -442,4 +443,94 @@ async fn a_report_has_its_plots_without_a_script() {
     let imu = page(&server, "/imus/IMU-B/report", &[("accept-language", "zh")]).await;
     assert!(imu.contains("惯性组合报告") && imu.contains("JUMP/1") && imu.contains("偏离基线"));
     assert_eq!(server.get("/gyros/NOBODY/report").await.status, 404);
+}
+
+/// A campaign with one member replaced, or added.
+fn campaign_with(pointer: &str, value: Value) -> String {
+    let mut document: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let (parent, member) = pointer.rsplit_once('/').unwrap();
+    match document.pointer_mut(parent).unwrap() {
+        Value::Object(members) => _ = members.insert(member.into(), value),
+        Value::Array(items) => items[member.parse::<usize>().unwrap()] = value,
+        other => panic!("{other} has no members"),
+    }
+    document.to_string()
+}
+
+#[tokio::test]
+async fn what_is_wrong_with_a_campaign_is_said_in_the_viewers_language() {
+    let server = Server::start().await;
+    let members = [
+        ("/dwells/1/start_s", json!(100.0)),
+        ("/dwells/5/start_s", json!(240.0)),
+        ("/dwells/1/start_s", json!(-1.0)),
+        ("/dwells/1/duration_s", json!(0.0)),
+        ("/dwells/1/attitude", json!([-0.5, 0.5, 0.5, 0.6])),
+        ("/dwells/1/attitude", json!([1.0, 0.0, 0.0, 0.0])),
+        ("/dwells/1/attitude", Value::Null),
+        ("/dwells/1/specific_force_g0", json!([0.0, 0.9, 0.0])),
+        ("/dwells/1/rate_arcsec_s", json!([0.0, 3600.0, 0.0])),
+        ("/dwells/1/rate_arcsec_s", json!([0.0, 1.0])),
+        ("/dwells/1/output_sem_pulse_s/2", json!(0.0)),
+        ("/dwells/1/output_pulse_s", json!([1.0, 2.0, 3.0, 4.0])),
+        ("/dwells/1/output_pulse_s", json!("1, 2, 3")),
+        ("/dwells/1/temperature_c", json!(5000.0)),
+        ("/dwells/1/phase", json!("still")),
+        ("/dwells/1/colour", json!("red")),
+        ("/dwells", json!([])),
+        ("/dwells", json!(7)),
+        ("/dwells/1", json!(true)),
+        ("/model", json!(["bias", "jerk"])),
+        ("/model", json!([])),
+        ("/model", json!(["bias", "bias"])),
+        ("/test", json!("spin")),
+        ("/test", json!("torque_feedback")),
+        ("/geometry", json!("cubic")),
+        ("/geometry", json!({"G1": {"input": [0, 0, 0], "spin": [0, 1, 0]}})),
+        ("/gyros", json!([])),
+        ("/gyros/1/serial", json!("LFG-9000-1")),
+        ("/gyros/1/slot", json!("G1")),
+        ("/gyros/1/known_e_pulse_per_arcsec", json!([0.0, 0.0, 1e9])),
+        ("/measured_at", json!("2026-03-01T08:00:00")),
+        ("/site", json!({"latitude_deg": 91.0, "gravity_g0": 9.8})),
+        ("/site", json!({"latitude_deg": 34.25})),
+        ("/station", json!(" ST")),
+        ("/note", json!("x".repeat(100_000))),
+    ];
+    let mut documents: Vec<String> =
+        members.into_iter().map(|(pointer, value)| campaign_with(pointer, value)).collect();
+    let table = "# imu: IMU-7\n# station: ST-1\n# measured_at: 2026-03-01T08:00:00Z\n# geometry: orthogonal\n\
+        # gyros: G1 A\n# note: a, b\n\
+        phase,start_s,duration_s,specific_force_g0_x,specific_force_g0_y,specific_force_g0_z,\
+        rate_arcsec_s_x,rate_arcsec_s_y,rate_arcsec_s_z,temperature_c,output_pulse_s_1\n\
+        static,0,180,1,0,0,0,0,15,45.1,1.5\nstatic,200,180,0,1,0,0,0,15,45.1,2.5\n";
+    let cells = [
+        ("temperature_c,", "Temperature,"),
+        ("temperature_c,", "colour,"),
+        ("rate_arcsec_s_y", "rate_arcsec_s_x"),
+        ("static,200", "rest,200"),
+        ("45.1,2.5", "45,1,2.5"),
+        ("45.1,2.5", "\"45,1\",2.5"),
+        ("45.1,2.5", ",2.5"),
+        ("45.1,2.5", "warm,2.5"),
+        ("45.1,2.5", "NaN,2.5"),
+        ("static,200", "static,100"),
+        ("static,200", "static,"),
+        ("# imu: IMU-7\n", ""),
+        ("# imu", "# imu: X\n# imu"),
+        ("# imu", "# operater: x\n# imu"),
+        ("G1 A", "G1 A, G1 B"),
+        ("G1 A", "G7 A"),
+        ("G1 A", "[{"),
+        ("G1 A", "A"),
+        ("2026-03-01T08:00:00Z", "1.3.2026"),
+        ("# note: a, b", "# latitude_deg: 34,25"),
+    ];
+    documents.extend(cells.into_iter().map(|(from, to)| table.replacen(from, to, 1)));
+    documents.extend(["# imu: X\n".to_owned(), "{".to_owned(), "phase,start_s\nstatic,0\n".to_owned()]);
+    let mut wrong = Vec::new();
+    for document in &documents {
+        wrong.extend(spoken::english_left(&server, document).await);
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -58,6 +58,9 @@ mod tests {
     use super::*;
     use crate::core::effects::CATALOGUE;
 
+    /// Words of an equation that are the same in every language.
+    const MATHEMATICS: [&str; 8] = ["sin", "cos", "tan", "exp", "sign", "tau", "phi", "period"];
+
     #[test]
     fn what_was_filled_in_is_kept_and_said_in_chinese_itself() {
         assert_eq!(in_chinese("must have 3 elements, has 4"), "应有3个元素，实有4个");
@@ -92,6 +95,10 @@ mod tests {
         for entry in CATALOGUE {
             let needs = in_chinese(entry.needs);
             assert!(!needs.is_ascii(), "{}: {needs}", entry.id);
+            let equation = in_chinese(entry.equation);
+            let words = equation.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| word.len() > 2);
+            let english: Vec<&str> = words.filter(|word| !MATHEMATICS.contains(word)).collect();
+            assert!(english.is_empty(), "{}: {equation}: {english:?}", entry.id);
         }
     }
 }

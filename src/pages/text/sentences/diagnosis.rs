@@ -3,6 +3,32 @@
 use super::Sentence;
 
 pub(super) const SENTENCES: &[Sentence] = &[
+    // Against an earlier calibration.
+    ("the reference is of IMU {}, the campaign of {}", "参照标定属于惯性组合{0}，而本次试验属于{1}"),
+    ("the reference has another geometry than the campaign", "参照标定与本次试验的构型不同"),
+    ("the reference holds no gyro in {}, where the campaign has {}", "参照标定在{0}处没有陀螺，而本次试验中为{1}"),
+    ("the reference has gyro {} in {}, the campaign {}", "参照标定在{1}处为陀螺{0}，而本次试验中为{2}"),
+    ("a bench test of one gyro is compared with no reference", "单表测试不与参照标定比较"),
+    ("the reference determines no parameter of the model in use", "参照标定不能确定现用模型的任何参数"),
+    ("{}: E is held in this campaign and not compared", "{0}：本次试验中E保持不变，不作比较"),
+    ("{}: the reference does not determine {}; fitted anew", "{0}：参照标定不能确定{1}，已重新拟合"),
+    (
+        "the effects of the model in use are fitted anew in each campaign and not compared",
+        "现用模型中的效应在每次试验中重新拟合，不作比较",
+    ),
+    ("the reference is a record: it states no noise of D0 and P", "参照为标定记录：没有给出D0与P的噪声"),
+    ("the reference states no standard deviations: it is taken to be exact", "参照标定没有给出标准差：视为准确值"),
+    // Equations, where words stand in them.
+    ("{}, over |E|", "{0}，除以|E|"),
+    ("{}, {} unknown", "{0}，{1}未知"),
+    ("k after an unknown instant", "k，自某一未知时刻起"),
+    ("k in one unknown dwell", "k，在某一未知位置段"),
+    ("k a_O of the dwell before; nothing in the first dwell", "前一位置段的k a_O；第一个位置段中为零"),
+    (
+        "k . C b, b the horizontal direction of the field; its vertical part lies inside G",
+        "k . C b，b为磁场的水平方向；其垂直分量包含在G之内",
+    ),
+    ("{}: scale factor x (1 + {})", "{0}：标度因数 × (1 + {1})"),
     // Why a candidate was not taken.
     ("the design does not show it", "本次试验设计看不到该效应"),
     ("this campaign cannot tell it from {}, which stands for both", "本次试验无法将其与“{0}”区分，以后者代表两者"),

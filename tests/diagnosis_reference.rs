@@ -203,7 +203,7 @@ async fn the_page_shows_the_parts_against_the_calibration_before_or_another_one(
     let body = server.get(&format!("/v1/campaigns/{}/diagnosis?reference={}", ids[2], ids[1])).await.json();
     assert!((shift(&body["reference"], "G1", "D0") + moved).abs() < 1e-6);
     let shown = page(&format!("/campaigns/{}/diagnosis", ids[2])).await;
-    let back = format!("<td class=\"n\">{:+.6}</td>", shift(&body["reference"], "G1", "D0"));
+    let back = format!("<td class=\"n\">{:+.4}", shift(&body["reference"], "G1", "D0"));
     assert!(shown.contains("Against an earlier calibration") && shown.contains(&back), "{back}");
     assert!(shown.contains(&format!("<option value=\"{}\" selected>", ids[1])));
     let chosen = page(&format!("/campaigns/{}/diagnosis?reference={}", ids[2], ids[0])).await;

@@ -15,7 +15,7 @@ const TOP: f64 = 10.0;
 const BOTTOM: f64 = 24.0;
 /// Dates under a strip, and figures beside it, about.
 const DATES: usize = 5;
-const FIGURES: f64 = 4.0;
+const FIGURES: f64 = 6.0;
 
 /// From the numbers of a strip to places in its picture.
 struct Scale {

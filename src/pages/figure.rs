@@ -12,8 +12,8 @@ pub(super) fn drift(value: f64, sd: Option<f64>) -> String {
 /// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is known.
 pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
     match sd.filter(|sd| *sd > 0.0 && sd.is_finite()) {
-        // As in `short`: nobody counts zeros behind the point.
-        Some(sd) if (1e-4..1e7).contains(&value.abs().max(sd)) && sd >= 1e-8 => {
+        // Nobody counts zeros behind the point.
+        Some(sd) if (1e-5..1e7).contains(&value.abs().max(sd)) && sd >= 1e-8 => {
             let places = places(sd, 2);
             format!("{} ± {sd:.places$}", unsigned_zero(format!("{value:.places$}")))
         }

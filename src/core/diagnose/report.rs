@@ -378,7 +378,10 @@ fn why_not(effect: Effect, alone: f64, given: f64, search: &Search, named: &[Nam
         return format!("this campaign cannot tell it from {}, which stands for both", twin.part.effect.id());
     }
     if alone <= search.needed(0) {
-        return format!("noise alone shows as much somewhere in {:.2} of campaigns", search.p_value(alone));
+        let p = search.p_value(alone);
+        // Two decimals, and more where they would show nothing.
+        let decimals = if p > 0.0 { (-p.log10().floor()).clamp(2.0, 9.0) as usize } else { 2 };
+        return format!("noise alone shows as much somewhere in {p:.decimals$} of campaigns");
     }
     match named.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence)) {
         Some(best) if given <= search.needed(1) => {

@@ -125,6 +125,12 @@ fn digits(limit: f64) -> usize {
     if limit == 0.0 { 6 } else { (3.0 - limit.abs().log10().floor()).clamp(0.0, 12.0) as usize }
 }
 
+/// As many decimals as the limit, and more where they would show less than two digits of the standard deviation.
+fn sd_digits(sd: f64, limit: f64) -> usize {
+    let two = if sd > 0.0 { (1.0 - sd.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    digits(limit).max(two)
+}
+
 impl Verdict {
     /// Unit of the value and the limit.
     pub fn unit(&self) -> &'static str {
@@ -228,7 +234,7 @@ impl Verdict {
     fn write_certainty(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match (self.sd, self.probability) {
             (Some(sd), Some(probability)) => {
-                let p = digits(self.limit);
+                let p = sd_digits(sd, self.limit);
                 write!(f, " With a standard deviation of {:.p$} the true value ", Decimal(sd))?;
                 f.write_str("exceeds it with a probability of ")?;
                 write_percent(f, probability)?;

@@ -120,7 +120,7 @@ fn origin(since: Option<crate::core::time::UtcMicros>) -> String {
 fn certainty(verdict: &Verdict) -> String {
     match (verdict.sd, verdict.probability) {
         (Some(sd), Some(probability)) => {
-            let p = digits(verdict.limit);
+            let p = sd_digits(sd, verdict.limit);
             let chance = match probability {
                 p if p > 0.999 => "大于99.9 %".to_owned(),
                 p if p < 0.001 => "小于0.1 %".to_owned(),
@@ -147,6 +147,12 @@ fn unit(verdict: &Verdict) -> &'static str {
 /// Decimals that show a thousandth of the limit.
 fn digits(limit: f64) -> usize {
     if limit == 0.0 { 6 } else { (3.0 - limit.abs().log10().floor()).clamp(0.0, 12.0) as usize }
+}
+
+/// As many decimals as the limit, and more where they would show less than two digits of the standard deviation.
+fn sd_digits(sd: f64, limit: f64) -> usize {
+    let two = if sd > 0.0 { (1.0 - sd.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    digits(limit).max(two)
 }
 
 #[cfg(test)]

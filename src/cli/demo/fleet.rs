@@ -88,7 +88,7 @@ pub fn draw(today: UtcMicros) -> Vec<Happening> {
             happenings.push(Happening::Bench(bench(&gyros[gyro], gyro, day, method, first_day, &mut rng)));
         }
     }
-    happenings.push(Happening::Baseline {
+    happenings.push(Happening::Repair {
         serial: gyros[stories::FALLING.0].serial.clone(),
         at: time::format(instant(first_day, stories::BACK - 1.0)),
         reason: "rotor bearing replaced, rebalanced; goes into IMU-09".into(),

@@ -59,7 +59,7 @@ enum Happening {
     Record(Box<RecordBody>),
     Bench(BenchBody),
     Campaign(Box<CampaignBody>),
-    Baseline { serial: String, at: String, reason: String },
+    Repair { serial: String, at: String, reason: String },
 }
 
 impl Happening {
@@ -69,7 +69,7 @@ impl Happening {
             Self::Record(record) => &record.calibrated_at,
             Self::Bench(bench) => &bench.measured_at,
             Self::Campaign(campaign) => &campaign.measured_at,
-            Self::Baseline { at, .. } => at,
+            Self::Repair { at, .. } => at,
         }
     }
 
@@ -78,9 +78,9 @@ impl Happening {
             Self::Record(record) => ("/v1/records".to_owned(), serde_json::to_vec(record)?),
             Self::Bench(bench) => ("/v1/bench-results".to_owned(), serde_json::to_vec(bench)?),
             Self::Campaign(campaign) => ("/v1/campaigns".to_owned(), serde_json::to_vec(campaign)?),
-            Self::Baseline { serial, at, reason } => {
-                let body = json!({"at": at, "reason": reason, "author": "demo"});
-                (format!("/v1/gyros/{serial}/baseline"), serde_json::to_vec(&body)?)
+            Self::Repair { serial, at, reason } => {
+                let body = json!({"event": "repair", "at": at, "reason": reason, "author": "demo"});
+                (format!("/v1/gyros/{serial}/events"), serde_json::to_vec(&body)?)
             }
         })
     }

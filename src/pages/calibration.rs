@@ -156,7 +156,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
     let t = viewer.text();
     let short = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure::short);
     html! {
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p" }
                 th.n { (t.noise) ", deg/h" } th.n { (t.sem_factor) } th { (t.noise_from) }
@@ -164,10 +164,13 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
             tbody { @for gyro in fits {
                 tr {
                     th scope="row" { (Slot::from(gyro.slot).name()) " " (gyro.serial) }
-                    td.n { (gyro.rank) " / " (gyro.parameters.len()) } td.n { (gyro.dof) }
-                    td.n { (short(gyro.reduced_chi2)) } td.n { (short(gyro.p_value)) }
-                    td.n { (short(gyro.noise.rms_deg_per_h)) } td.n { (short(gyro.noise.sem_factor)) }
-                    td { (t.spoken(&gyro.noise.source)) }
+                    td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
+                    td.n data-label=(t.freedom) { (gyro.dof) }
+                    td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
+                    td.n data-label="p" { (short(gyro.p_value)) }
+                    td.n data-label={ (t.noise) ", deg/h" } { (short(gyro.noise.rms_deg_per_h)) }
+                    td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
+                    td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }
                 }
             } }
         } }

@@ -4,6 +4,8 @@
 use std::time::Duration;
 
 use axum::extract::{Path, Query, State as Held};
+use axum::http::header::REFRESH;
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::Response;
 use maud::{Markup, html};
 
@@ -27,18 +29,33 @@ pub(super) async fn page(
     Path(id): Path<String>,
     Query(asked): Query<against::Asked>,
 ) -> Response {
-    viewer.show(build(&pages, &viewer, &id, &asked).await)
+    match build(&pages, &viewer, &id, &asked).await {
+        Ok(Some(page)) => viewer.show(Ok(page)),
+        Ok(None) => waiting(&viewer),
+        Err(problem) => viewer.show(Err(problem)),
+    }
+}
+
+/// Others are being made: the browser asks again by itself.
+fn waiting(viewer: &Viewer) -> Response {
+    let t = viewer.text();
+    let body = html! { h1 { (t.diagnosis) } p.lead { (t.diagnosis_waiting) } };
+    let page = Page { title: t.diagnosis.into(), section: Section::Fleet, plots: false, body };
+    let mut response = viewer.respond(StatusCode::ACCEPTED, &page);
+    response.headers_mut().insert(REFRESH, HeaderValue::from_static("3"));
+    response
 }
 
 /// How long a viewer waits for a diagnosis that is being made.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &against::Asked) -> Result<Page, Problem> {
+/// The page; none while the diagnosis waits for others.
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &against::Asked) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {
         Asked::NoSuchCampaign => return Err(Problem::new(404, "Not found", format!("there is no campaign {id}"))),
-        Asked::Waiting => return Err(Problem::new(503, "Wait", t.diagnosis_waiting)),
+        Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {
             Ok(diagnosis) => diagnosis.clone(),
             Err(why) => return Err(Problem::new(422, "Nothing to diagnose", why.as_str())),
@@ -66,7 +83,8 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &against::Asked)
             section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (t.spoken(note)) } } } }
         }
     };
-    Ok(Page { title: format!("{} · {}", t.diagnosis, stored.answer.imu), section: Section::Fleet, plots: false, body })
+    let title = format!("{} · {}", t.diagnosis, stored.answer.imu);
+    Ok(Some(Page { title, section: Section::Fleet, plots: false, body }))
 }
 
 fn verdict_in_words(t: &Text, verdict: &str) -> &'static str {
@@ -100,7 +118,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
                 }
                 tr {
                     th scope="row" { (t.noise_floor) } td.n { (short(d.noise_floor.deg_per_h)) }
-                    td.quiet colspan="2" { (t.spoken(&d.noise_floor.source)) }
+                    td.quiet colspan="2" { (t.noise_source(&d.noise_floor.source)) }
                 }
             }
         } }

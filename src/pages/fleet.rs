@@ -11,6 +11,7 @@ use super::layout::{Page, Section, encoded, instant, symbol};
 use super::spark;
 use super::standing::Grade;
 use super::viewer::Viewer;
+use crate::core::judge::State;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Glimpse, Standing, Tables, sample_of};
@@ -71,7 +72,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         } @else if shown.is_empty() {
             p.lead { (t.none_found) }
         } @else {
-            p.note { (count) " " (t.gyros) ", " (t.worst_first) ". " (t.band_note) " " (t.unit) }
+            p.note { (count) " " (t.gyros_found) " " (t.band_note) }
             (table(viewer, pages, &shown, &glimpses, now))
             (pager(viewer, filters, number, last_page))
         }
@@ -170,7 +171,7 @@ fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], no
             table.fleet {
                 thead { tr {
                     th { (t.state) } th { (t.serial) } th { (t.imu) }
-                    th { (symbol("D_I")) } th { (symbol("D_S")) }
+                    th { (symbol("D_I")) ", " (t.unit) } th { (symbol("D_S")) ", " (t.unit) }
                     th { (t.violates) } th { (t.calibrated) }
                 } }
                 tbody { @for (row, glimpse) in rows.iter().zip(glimpses) { (line(viewer, pages, row, glimpse, now)) } }
@@ -192,15 +193,16 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
                 }
             }
             @for column in 0..2 {
-                td.trend {
+                td.trend data-label=(["D_I", "D_S"][column]) {
                     @if let Some(sample) = &newest { (trend(glimpse, column, sample.d[column])) }
                 }
             }
             td {
                 @for (coefficient, rule) in &standing.exceeded {
-                    span.broken { (symbol(coefficient.name())) " " (t.rule(*rule)) }
+                    @let grade = Grade::judged(Some(State::Exceeded), std::iter::once(*rule));
+                    span.broken.(grade.name()) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
                 }
-                @if standing.overdue_days.is_some() { span.broken { (t.overdue) } }
+                @if standing.overdue_days.is_some() { span.broken.overdue { (t.overdue) } }
             }
             td { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
         }
@@ -222,7 +224,10 @@ fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup 
     html! {
         span.nowrap { (instant(at)) }
         br;
-        span.quiet { @if days < 1.0 { (t.today) } @else { (format!("{days:.0}")) " " (t.days_ago) } " · " (station) }
+        span.quiet.nowrap {
+            @if days < 1.0 { (t.today) } @else if days < 2.0 { (t.yesterday) } @else { (format!("{days:.0}")) " " (t.days_ago) }
+            " · " (station)
+        }
     }
 }
 

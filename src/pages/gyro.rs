@@ -20,6 +20,8 @@ use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
 
+/// What is separated, in the order of the figures.
+pub(super) const DRIFTS: [&str; 3] = ["D_I", "D_S", "D_O"];
 /// Calibrations in one table.
 const ROWS: usize = 30;
 
@@ -75,11 +77,11 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
     let facts = Facts::of(pages, number, serial, shown).await?;
     let tables = pages.pipeline.store().names().read();
     let body = html! {
-        (head(viewer, serial, &facts.verdicts, &facts.course, &tables))
+        (head(viewer, serial, &facts, &tables))
         (deeds(viewer, serial))
         (verdict_section(viewer, &facts.verdicts))
-        (alert_section(viewer, &facts.alerts))
         (history(viewer, serial, shown, &facts, &tables))
+        (alert_section(viewer, &facts.alerts))
         (agreement(viewer, serial, &facts.comparison))
         (course::happenings(viewer, &facts.course, &tables))
         (benches(viewer, &facts.course, &tables))
@@ -120,9 +122,9 @@ async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result
     Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }
 
-fn head(viewer: &Viewer, serial: &str, verdicts: &[Said], course: &Course, tables: &Tables) -> Markup {
+fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
-    let newest = course.figures.last();
+    let (newest, verdicts) = (facts.course.figures.last(), &facts.verdicts);
     let broken = verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
     let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));
     let grade = Grade::judged(newest.map(|figures| verdicts::worst(figures, verdicts)), broken);
@@ -136,6 +138,7 @@ fn head(viewer: &Viewer, serial: &str, verdicts: &[Said], course: &Course, table
                 a href={ "/imus/" (encoded(course::name(tables.imus.name(figures.imu)))) } { (course::seat(figures, tables)) }
                 " · " (t.station) " " (course::name(tables.stations.name(figures.station)))
                 " · " (t.calibrated) " " (instant(figures.at))
+                @if !facts.alerts.is_empty() { " · " a href="#alerts" { (facts.alerts.len()) " " (t.alerts_count) } }
             }
         } @else {
             p.lead { (t.never_calibrated) }
@@ -192,7 +195,7 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
             }
             @if !comparison.results.is_empty() {
                 p.note { (t.agreement_note) " " (t.unit) }
-                div.scroll tabindex="0" { table {
+                div.scroll tabindex="0" { table.cards {
                     thead { tr {
                         th { (t.method) } th { (t.date) } th { (t.station) }
                         th.n { (symbol("D_I")) } th.n { (symbol("D_S")) }
@@ -205,13 +208,15 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                                 (result.station)
                                 @if let Some((imu, slot)) = &result.seat { br; span.quiet { (imu) " " (slot.name()) } }
                             }
-                            @for measured in result.d { td.n { (figure::drift(measured.value, measured.sd)) } }
+                            @for (measured, name) in result.d.iter().zip(DRIFTS) {
+                                td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
+                            }
                         }
                     } }
                     tfoot { tr {
                         th scope="row" colspan="3" { (t.range) }
-                        @for range in comparison.range {
-                            td.n { @if let Some(range) = range { (figure::fixed(range, 6)) } }
+                        @for (range, name) in comparison.range.into_iter().zip(DRIFTS) {
+                            td.n data-label=(name) { @if let Some(range) = range { (figure::fixed(range, 6)) } }
                         }
                     } }
                 } }
@@ -256,7 +261,7 @@ pub(super) fn calibration_table<'a>(
 ) -> Markup {
     let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.calibrated) } th { (t.imu) } th { (t.station) }
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
@@ -276,24 +281,24 @@ fn calibration(
 ) -> Markup {
     let t = viewer.text();
     let sample = sample_of(figures, shown.separation());
-    let beyond: Vec<usize> = (0..3).filter(|&column| figures.states.0[column] == Some(State::Exceeded)).collect();
-    let outside = |&column: &usize| course::is_outside(&bands[column], figures.at, sample.d[column].value);
+    let beyond = (0..3).filter(|&column| figures.states.0[column] == Some(State::Exceeded));
     // As in the plot: what some rule flags inside the budget is a warning.
-    let grade = match figures.states.worst() {
-        Some(State::Exceeded) if beyond.iter().any(outside) => Grade::Exceeded,
-        Some(State::Exceeded) => Grade::Warning,
-        Some(State::Within) => Grade::Within,
-        Some(State::Indeterminate) | None => Grade::Undecided,
-    };
+    let outside = |column: &usize| course::is_outside(&bands[*column], figures.at, sample.d[*column].value);
+    let (exceeded, flagged): (Vec<usize>, Vec<usize>) = beyond.partition(outside);
+    let calm = if figures.states.worst() == Some(State::Within) { Grade::Within } else { Grade::Undecided };
     html! {
         tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
             td { (course::seat(figures, tables)) }
             td { (course::name(tables.stations.name(figures.station))) }
-            @for measured in sample.d { td.n { (figure::drift(measured.value, measured.sd)) } }
+            @for (measured, name) in sample.d.iter().zip(DRIFTS) {
+                td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
+            }
             td {
-                (grade.badge(t)) " "
-                @for column in beyond { (symbol(["D_I", "D_S", "D_O"][column])) " " }
+                @for (grade, columns) in [(Grade::Exceeded, &exceeded), (Grade::Warning, &flagged)] {
+                    @if !columns.is_empty() { (grade.badge(t)) " " @for column in columns { (symbol(DRIFTS[*column])) " " } }
+                }
+                @if exceeded.is_empty() && flagged.is_empty() { (calm.badge(t)) }
             }
             @if deeds { td { (void_link(viewer, "records", figures.record, figures.at)) } }
         }
@@ -308,7 +313,7 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
             @let may_void = viewer.may(Role::Engineer);
             section #benches {
                 h2 { (t.bench_results) }
-                div.scroll.tall tabindex="0" { table {
+                div.scroll.tall tabindex="0" { table.cards {
                     thead { tr {
                         th { (t.date) } th { (t.method) } th { (t.station) }
                         th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } @if may_void { th { (t.actions_word) } }
@@ -318,7 +323,7 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
                             td { (instant(row.measured_at)) }
                             td { (t.method(row.method.name())) }
                             td { (course::name(tables.stations.name(row.station))) }
-                            @for i in 0..2 { td.n { (figure::drift(row.d[i], row.sd[i])) } }
+                            @for i in 0..2 { td.n data-label=(DRIFTS[i]) { (figure::drift(row.d[i], row.sd[i])) } }
                             @if may_void { td { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }
                     } }

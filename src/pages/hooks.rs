@@ -32,7 +32,7 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
         p.note { (t.hooks_note) }
         @if viewer.may(Role::Admin) { p { a.action href="/hooks/new" { (t.add_hook) } } }
         @if hooks.is_empty() { p.lead { (t.no_hooks) } } @else {
-            div.scroll tabindex="0" { table {
+            div.scroll tabindex="0" { table.cards {
                 thead { tr {
                     th { (t.hook) } th { (t.kind) } th { (t.hook_url) } th { (t.state) }
                     th.n { (t.open_deliveries) } th.n { (t.dead_letters) } th { (t.actions_word) }
@@ -51,11 +51,11 @@ fn line(viewer: &Viewer, hook: &HookBody) -> Markup {
             td.nowrap { (hook.kind) }
             td.words { code { (hook.url) } (filter(viewer, &hook.filter)) }
             td { (state(viewer, hook)) }
-            td.n {
+            td.n data-label=(viewer.text().open_deliveries) {
                 (hook.queue.open)
                 @if let Some(oldest) = &hook.queue.oldest_open { br; span.quiet { (written(oldest)) } }
             }
-            td.n { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
+            td.n data-label=(viewer.text().dead_letters) { @if hook.queue.dead > 0 { a href={ "/hooks/" (hook.id) "?state=dead" } { (hook.queue.dead) } } @else { "0" } }
             td { (buttons(viewer, hook)) }
         }
     }

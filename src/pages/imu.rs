@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
+use super::gyro::DRIFTS;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::standing::Grade;
@@ -87,7 +88,7 @@ async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result
 
 pub(super) fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.slot) } th { (t.serial) } th { (t.state) }
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.calibrated) }
@@ -98,8 +99,8 @@ pub(super) fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
                         td { (newest.slot.name()) }
                         th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
                         td { (Grade::of(gyro).badge(t)) }
-                        @for measured in sample_of(newest, pages.config.judging.method).d {
-                            td.n { (figure::drift(measured.value, measured.sd)) }
+                        @for (measured, name) in sample_of(newest, pages.config.judging.method).d.into_iter().zip(DRIFTS) {
+                            td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
                         }
                         td { (instant(newest.at)) }
                     }

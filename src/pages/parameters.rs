@@ -100,7 +100,7 @@ fn table(
     let lines: Vec<(&Parameters, Option<Line>)> = gyros.iter().map(|gyro| (gyro, line(gyro))).collect();
     let with_norm = lines.iter().any(|(_, line)| line.as_ref().is_some_and(|(.., norm)| norm.is_some()));
     html! {
-        div.scroll tabindex="0" { table.parameters {
+        div.scroll tabindex="0" { table.parameters.cards {
             thead { tr {
                 th { var { (symbol) } ", " (unit) } th.n { "X" } th.n { "Y" } th.n { "Z" }
                 @if with_norm { th.n { "|" (symbol) "|" } }
@@ -109,8 +109,10 @@ fn table(
                 tr {
                     th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
                     @if let Some((three, bounds, norm)) = line {
-                        @for i in 0..3 { (cell(t, three.values[i], three.sd[i], bounds[i])) }
-                        @if let Some((length, bounds)) = norm { (cell(t, *length, None, *bounds)) }
+                        @for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+                            (cell(t, &format!("{symbol} {axis}"), three.values[i], three.sd[i], bounds[i]))
+                        }
+                        @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|"), *length, None, *bounds)) }
                     } @else {
                         td.quiet colspan="4" { (t.not_determined) }
                     }
@@ -120,18 +122,27 @@ fn table(
     }
 }
 
-fn cell(t: &Text, value: f64, sd: Option<f64>, bounds: Option<Bounds>) -> Markup {
+fn cell(t: &Text, label: &str, value: f64, sd: Option<f64>, bounds: Option<Bounds>) -> Markup {
     html! {
-        td.n {
-            (figure::with_sd(value, sd, 6))
-            @if let Some(Bounds { low, high }) = bounds {
-                @let kept = (low..=high).contains(&value);
-                br;
-                span.quiet { (low) " … " (high) } " "
-                span class={ "badge " (if kept { "within" } else { "exceeded" }) } { (if kept { t.pass } else { t.fail }) }
+        td.n data-label=(label) {
+            div {
+                (figure::with_sd(value, sd, 6))
+                @if let Some(Bounds { low, high }) = bounds {
+                    @let kept = (low..=high).contains(&value);
+                    br;
+                    span.quiet { (bounds_alike(low, high)) } " "
+                    span class={ "badge " (if kept { "within" } else { "exceeded" }) } { (if kept { t.pass } else { t.fail }) }
+                }
             }
         }
     }
+}
+
+/// Both with as many decimals as the longer one has in the paper.
+fn bounds_alike(low: f64, high: f64) -> String {
+    let decimals = |bound: f64| bound.to_string().split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let most = decimals(low).max(decimals(high));
+    format!("{low:.most$} … {high:.most$}")
 }
 
 #[cfg(test)]
@@ -147,6 +158,7 @@ mod tests {
         let gyros: Vec<Parameters> = record.gyros.iter().map(Parameters::stated).collect();
         let shown = tables(Language::English.text(), &gyros, is_skewed(&record.geometry)).into_string();
         assert!(shown.contains("0.847300") && shown.contains("0.8425 … 0.8529"), "{shown}");
+        assert_eq!(bounds_alike(-0.609, -0.5972), "-0.6090 … -0.5972");
         assert_eq!(shown.matches("class=\"badge ").count(), 3 * (3 + 1 + 3));
         let e: Vec<f64> = record.gyros.iter().flat_map(|gyro| gyro.e_pulse_per_arcsec.0).collect();
         let required = Requirement::tables_3_and_4().map(|r| r.e).concat();

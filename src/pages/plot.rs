@@ -118,8 +118,8 @@ impl Plot {
         let numbers = numbers.replace('<', "\\u003c");
         html! {
             div.plot-tools hidden {
-                @if self.since.is_some() { button type="button" data-zoom="since" { (t.since_baseline) } }
-                button type="button" data-zoom="all" { (t.whole_history) }
+                @if self.since.is_some() { button type="button" data-zoom="since" aria-pressed="false" { (t.since_baseline) } }
+                button type="button" data-zoom="all" aria-pressed="true" { (t.whole_history) }
                 button type="button" data-zoom="picture" { (t.save_picture) }
             }
             div.plot data-plot="history" {}

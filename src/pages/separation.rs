@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::figure;
+use super::gyro::DRIFTS;
 use super::layout::{encoded, symbol};
 use super::text::Text;
 use crate::core::mounting::Slot;
@@ -10,7 +11,7 @@ use crate::wire::answer::{FigureBody, SeparationBody};
 
 pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.serial) } th { (t.method) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) }
                 th.n { (t.closure_rms) }
@@ -19,7 +20,7 @@ pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
         } }
         p.note { (t.unit) ". " (t.as_printed_note) }
         h3 { (t.mounting) }
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.serial) } th.n { "α" sub { "x" } } th.n { "α" sub { "y" } } th.n { "α" sub { "z" } }
                 th.n { (t.misalignment) ", ′" } th.n { (t.clocking) ", °" } th.n { "|E|, pulse/arcsec" }
@@ -27,10 +28,12 @@ pub(super) fn tables(t: &Text, separations: &[SeparationBody]) -> Markup {
             tbody { @for one in separations {
                 tr {
                     (gyro(one))
-                    @for angle in one.alpha_deg.0 { td.n { (figure::fixed(angle, 6)) "°" } }
-                    td.n { (figure::fixed(one.misalignment_arcmin, 3)) }
-                    td.n { (measured(&one.clocking_deg)) }
-                    td.n { (measured(&one.scale_factor)) }
+                    @for (angle, name) in one.alpha_deg.0.into_iter().zip(["αx", "αy", "αz"]) {
+                        td.n data-label=(name) { (figure::fixed(angle, 6)) "°" }
+                    }
+                    td.n data-label={ (t.misalignment) ", ′" } { (figure::fixed(one.misalignment_arcmin, 3)) }
+                    td.n data-label={ (t.clocking) ", °" } { (measured(&one.clocking_deg)) }
+                    td.n data-label="|E|, pulse/arcsec" { (measured(&one.scale_factor)) }
                 }
             } }
         } }
@@ -47,18 +50,18 @@ fn figures(t: &Text, one: &SeparationBody) -> Markup {
         tr {
             (gyro(one))
             td { (t.method_rigid) }
-            @for figure in rigid { td.n { (measured(&figure)) } }
+            @for (figure, name) in rigid.iter().zip(DRIFTS) { td.n data-label=(name) { (measured(figure)) } }
             td.n {}
         }
-        @for (body, name) in [(&one.published, t.method_published), (&one.as_printed, t.as_printed)] {
+        @for (body, name) in [(&one.published, t.published_by), (&one.as_printed, t.as_printed)] {
             @if let Some(body) = body {
                 tr.beside {
                     td {}
                     td { (name) " (" (body.branch) ")" }
-                    td.n { (figure::drift(body.d_i, body.d_i_sd)) }
-                    td.n { (figure::drift(body.d_s, body.d_s_sd)) }
+                    td.n data-label="D_I" { (figure::drift(body.d_i, body.d_i_sd)) }
+                    td.n data-label="D_S" { (figure::drift(body.d_s, body.d_s_sd)) }
                     td.n {}
-                    td.n { (figure::short(body.closure_rms)) }
+                    td.n data-label=(t.closure_rms) { (figure::short(body.closure_rms)) }
                 }
             }
         }

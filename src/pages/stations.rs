@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
+use super::gyro::DRIFTS;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -23,11 +24,11 @@ async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
         h1 { (t.stations) }
         @if stations.is_empty() { p.lead { (t.nothing_yet) } } @else {
             p.note { (t.station_note) " " (t.unit) }
-            div.scroll tabindex="0" { table {
+            div.scroll tabindex="0" { table.cards {
                 thead { tr {
                     th { (t.station) } th { (t.last_seen) } th.n { (t.calibrations_seen) }
                     th.n { (t.scatter) " " (symbol("D_I")) } th.n { (t.scatter) " " (symbol("D_S")) }
-                    th.n { (t.on_arrival) " " (symbol("D_I")) } th.n { (t.on_arrival) " " (symbol("D_S")) } th.n { (t.changes_seen) }
+                    th.n { (t.on_arrival) " " (symbol("D_I")) } th.n { (t.on_arrival) " " (symbol("D_S")) } th.n.capital { (t.changes_seen) }
                 } }
                 tbody { @for station in &stations { (line(t, station)) } }
             } }
@@ -40,13 +41,13 @@ fn line(t: &Text, station: &StationEffect) -> Markup {
     html! {
         tr {
             th scope="row" { a href={ "/?station=" (encoded(&station.name)) } title=(t.gyros) { (station.name) } }
-            td { (instant(station.last)) }
-            td.n { (station.records) }
-            @for scatter in station.scatter { td.n { @if let Some(scatter) = scatter { (figure::short(scatter)) } @else { "–" } } }
-            @for arrival in station.arrival {
-                td.n { @if let Some((mean, error)) = arrival { (figure::with_sd(mean, error, 6)) } @else { "–" } }
+            td data-label=(t.last_seen) { (instant(station.last)) }
+            td.n data-label=(t.calibrations_seen) { (station.records) }
+            @for (scatter, name) in station.scatter.into_iter().zip(DRIFTS) { td.n data-label={ (t.scatter) " " (name) } { @if let Some(scatter) = scatter { (figure::fixed(scatter, 6)) } @else { "–" } } }
+            @for (arrival, name) in station.arrival.into_iter().zip(DRIFTS) {
+                td.n data-label={ (t.on_arrival) " " (name) } { @if let Some((mean, error)) = arrival { (figure::with_sd(mean, error, 6)) } @else { "–" } }
             }
-            td.n { (station.arrivals) }
+            td.n data-label=(t.changes_seen) { (station.arrivals) }
         }
     }
 }

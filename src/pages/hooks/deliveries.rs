@@ -78,7 +78,7 @@ fn replay(viewer: &Viewer, hook: &HookBody) -> Markup {
 fn table(viewer: &Viewer, hook: &str, deliveries: &[DeliveryBody]) -> Markup {
     let t = viewer.text();
     html! {
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.message) } th { (t.queued) } th { (t.state) } th.n { (t.attempts) } th { (t.last_attempt) } th { (t.actions_word) }
             } }
@@ -98,12 +98,12 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody) -> Markup {
     html! {
         tr {
             th.nowrap scope="row" { (delivery.event) br; span.quiet { (delivery.webhook_id) } }
-            td { (written(&delivery.queued_at)) }
+            td data-label=(t.queued) { (written(&delivery.queued_at)) }
             td {
                 span class={ "badge " (shape) } { (t.delivery(delivery.state)) }
                 @if let Some(due) = &delivery.due_at { br; span.quiet { (written(due)) } }
             }
-            td.n { (delivery.attempts.len()) }
+            td.n data-label=(t.attempts) { (delivery.attempts.len()) }
             td.words {
                 @if let Some(last) = delivery.attempts.last() {
                     (written(&last.at)) " " @if let Some(status) = last.status { (status) " " }

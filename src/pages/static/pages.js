@@ -187,6 +187,14 @@
     return ranges;
   };
 
+  // Where a repair has moved the level by far more than the budget, the whole history shows neither the budget nor a drift.
+  const isDwarfed = (plot) =>
+    plot.since !== null && plot.strips.some((strip) => {
+      const levels = strip.bands.map(([, , level]) => level);
+      const budget = strip.bands.length ? strip.bands[strip.bands.length - 1][3] : null;
+      return budget !== null && Math.max(...levels) - Math.min(...levels) > 10 * budget;
+    });
+
   const draw = (place) => {
     const plot = JSON.parse(place.nextElementSibling.textContent);
     const tools = place.previousElementSibling;
@@ -197,7 +205,14 @@
       const layout = layoutOf(plot, palette, place.clientWidth < 600);
       return Plotly.react(place, traces, layout, { responsive: true, displaylogo: false, displayModeBar: false });
     };
-    paint().then(() => { place.dataset.drawn = "true"; });
+    const show = (wanted) => {
+      const axes = plot.strips.map((_, row) => [row ? `yaxis${row + 1}.autorange` : "yaxis.autorange", true]);
+      const everything = { "xaxis.autorange": true, ...Object.fromEntries(axes) };
+      for (const button of tools.querySelectorAll("[aria-pressed]"))
+        button.setAttribute("aria-pressed", String(button.dataset.zoom === wanted));
+      return Plotly.relayout(place, wanted === "since" ? rangesSince(plot, plot.since) : everything);
+    };
+    paint().then(() => show(isDwarfed(plot) ? "since" : "all")).then(() => { place.dataset.drawn = "true"; });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
     tools.hidden = false;
     tools.addEventListener("click", (event) => {
@@ -205,11 +220,8 @@
       if (wanted === "picture") {
         const size = { width: 1200, height: place.clientHeight * 1200 / Math.max(place.clientWidth, 600) };
         Plotly.downloadImage(place, { format: "png", filename: plot.name, scale: 2, ...size });
-      } else if (wanted === "since") {
-        Plotly.relayout(place, rangesSince(plot, plot.since));
-      } else if (wanted === "all") {
-        const axes = plot.strips.map((_, row) => [row ? `yaxis${row + 1}.autorange` : "yaxis.autorange", true]);
-        Plotly.relayout(place, { "xaxis.autorange": true, ...Object.fromEntries(axes) });
+      } else if (wanted) {
+        show(wanted);
       }
     });
   };

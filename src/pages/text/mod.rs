@@ -127,6 +127,16 @@ impl Text {
         }
     }
 
+    /// What noise is known from, by its name on the wire.
+    pub fn noise_source(&self, name: &str) -> String {
+        let spoken = self.spoken(name);
+        if spoken != name {
+            return spoken;
+        }
+        let words = name.split('+').map(|part| if part == "sem" { "standard errors" } else { part });
+        words.collect::<Vec<_>>().join(" and ")
+    }
+
     /// The phase of a dwell by its name on the wire.
     pub fn phase(&self, name: &str) -> &'static str {
         if name == "rate" { self.phase_rate } else { self.phase_static }

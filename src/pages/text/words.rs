@@ -81,14 +81,16 @@ catalogue! {
     none_found: "Nothing fits these filters.", "没有符合条件的陀螺。";
     nothing_yet: "Nothing is stored yet. Post a calibration record to /v1/records, or send files with gyrowatch import.", "尚无数据。请向 /v1/records 提交标定记录，或用 gyrowatch import 发送文件。";
     clear_filters: "Clear filters", "清除筛选";
-    worst_first: "worst first", "最差优先";
     days_ago: "days ago", "天前";
+    yesterday: "1 day ago", "1天前";
     today: "today", "今天";
     violates: "Violates", "违反";
     page_of: "page", "第";
     previous: "Previous", "上一页";
     next: "Next", "下一页";
     gyros: "gyros", "陀螺数";
+    gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
+    alerts_count: "alerts", "项警报";
     last_seen: "Last heard of", "最近上报";
     band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Exceeded: a budget or requirement is broken; warning: only a statistical limit is.", "折线：最近各次标定；灰带：基线上下的允许范围。超限：超出允许范围或指标；预警：仅超出统计控制限。";
 
@@ -128,6 +130,7 @@ catalogue! {
     verdicts_of_record: "Verdicts", "判定";
     not_judged: "Nothing is judged.", "无判定。";
     separated: "Separated coefficients", "分离结果";
+    published_by: "published", "论文公式";
     as_printed: "as printed", "按原文印刷";
     as_printed_note: "As printed: equations (8) to (13) letter by letter, misprints included, for comparison only. The number in brackets is the equation that applies.", "按原文印刷：公式(8)-(13)逐字照用，含印刷错误，仅供比较。括号内为所用公式编号。";
     closure_rms: "closure rms", "闭合差均方根";
@@ -200,7 +203,7 @@ catalogue! {
 
     // A diagnosis.
     diagnosis: "Diagnosis", "诊断";
-    diagnosis_waiting: "Other diagnoses are being computed; load the page again in a few seconds.", "正在计算其他诊断，请几秒后刷新。";
+    diagnosis_waiting: "Other diagnoses are being computed. This page loads itself again every few seconds.", "正在计算其他诊断，本页每隔几秒自动刷新。";
     verdict_no_gap: "The model predicts this campaign to within its noise: there is no gap to explain.", "模型与试验数据在噪声范围内一致：没有需要解释的差异。";
     verdict_explained: "There is a gap; what is named below explains it, and nothing significant remains.", "存在差异；下列效应已解释，没有显著剩余。";
     verdict_partly_explained: "There is a gap; what is named below explains part of it, and something significant remains.", "存在差异；下列效应解释了一部分，仍有显著剩余。";

@@ -618,6 +618,8 @@ async fn pages_offer_to_everybody_what_they_may_do_and_nothing_else() {
                 open.extend(links.into_iter().filter(|at| !at.starts_with("/preference")));
             }
         }
+        let orders = server.call("GET", "/diagnoses", &headers, "").await.text();
+        assert_eq!(orders.contains("action=\"/diagnoses\" method=\"post\""), role != "station");
         let any = |part: &str| offers.iter().any(|at| at.split('?').next().unwrap().contains(part));
         assert!(any("/gyros/LFG-0101") && any("/import/preview"), "{offers:?}");
         let engineers = ["/void", "/acknowledge", "/silence", "/events/new", "/hooks", "/test"];

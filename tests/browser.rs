@@ -486,6 +486,7 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
         browser.goto(&format!("/preference?language={language}")).await;
         for (name, path) in pages {
             browser.goto(path).await;
+            browser.wait("!document.querySelector('#waiting')").await;
             let plots = browser.eval("document.querySelectorAll('[data-plot]').length").await;
             browser.wait(&format!("document.querySelectorAll('[data-drawn]').length == {plots}")).await;
             let mut faults = vec![browser.eval(FAULTS).await];

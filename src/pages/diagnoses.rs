@@ -14,6 +14,7 @@ use super::layout::{Page, Section, encoded, instant, symbol};
 use super::residuals::closure_bar;
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::access::Role;
 use crate::core::effects::{CATALOGUE, Effect};
 use crate::core::fault::Faults;
 use crate::wire::diagnoses::{
@@ -99,7 +100,7 @@ async fn build(
         @if let Some(faults) = &unusable { (orders::faults(t, faults)) }
         @else { (shown(t, &summary, filters)) }
         (orders)
-        (orders::form(viewer, wanted, wrong))
+        @if viewer.may(Role::Engineer) { (orders::form(viewer, wanted, wrong)) }
     };
     let status = if wrong.is_some() {
         StatusCode::UNPROCESSABLE_ENTITY

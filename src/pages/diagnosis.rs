@@ -39,7 +39,7 @@ pub(super) async fn page(
 /// Others are being made: the browser asks again by itself.
 fn waiting(viewer: &Viewer) -> Response {
     let t = viewer.text();
-    let body = html! { h1 { (t.diagnosis) } p.lead { (t.diagnosis_waiting) } };
+    let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
     let page = Page { title: t.diagnosis.into(), section: Section::Fleet, plots: false, body };
     let mut response = viewer.respond(StatusCode::ACCEPTED, &page);
     response.headers_mut().insert(REFRESH, HeaderValue::from_static("3"));

@@ -8,6 +8,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{Filters, at, beginning, build, end, said};
+use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::pages::Pages;
 use crate::pages::form::{answered, own_form, see_other};
@@ -117,7 +118,7 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
                         th { (t.ordered) } th { (t.which_campaigns) } th { (t.state) } th { (t.progress) } th.n { (t.failed_word) }
                         th { (t.ended) } th { (t.actions_word) }
                     } }
-                    tbody { @for order in &orders { (line(t, order)) } }
+                    tbody { @for order in &orders { (line(viewer, order)) } }
                 } }
             }
             @for order in &failed {
@@ -131,7 +132,8 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
     })
 }
 
-fn line(t: &Text, order: &JobBody) -> Markup {
+fn line(viewer: &Viewer, order: &JobBody) -> Markup {
+    let t = viewer.text();
     let counts = &order.counts;
     let settled = counts.campaigns - counts.waiting;
     let (state, badge) = match order.state.as_str() {
@@ -152,7 +154,7 @@ fn line(t: &Text, order: &JobBody) -> Markup {
             }
             td.n { (counts.failed) }
             td { @if let Some(ended) = &order.ended_at { (at(ended)) } @else { "–" } }
-            td { @if open {
+            td { @if open && viewer.may(Role::Engineer) {
                 form action={ "/diagnoses/" (order.id) "/cancel" } method="post" { button { (t.cancel) } }
             } }
         }

@@ -147,8 +147,9 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
     let shown = page(&server, &format!("/campaigns/{id}"), &[]).await;
     // What is shown is what the interface answers: E of the first gyro to the place of its uncertainty.
     let e = answer["calibration"]["gyros"][0]["e_pulse_per_arcsec"][0].as_f64().unwrap();
-    let cell =
-        shown.split("<td class=\"n\" data-label=\"E X\"><div>").find(|cell| cell.starts_with(&format!("{e:.7}")[..8]));
+    let cell = shown
+        .split("<td class=\"n\" data-label=\"E X, pulse/arcsec\"><div>")
+        .find(|cell| cell.starts_with(&format!("{e:.7}")[..8]));
     assert!(cell.is_some_and(|cell| cell.contains(" ± ") && cell.contains("0.8425 … 0.8529")), "{cell:?}");
     assert_eq!(shown.matches("<svg class=\"dwells\"").count(), 3, "residuals of three gyros");
     let imu = page(&server, "/imus/IMU-9002", &[]).await;

@@ -110,9 +110,9 @@ fn table(
                     th scope="row" { (gyro.slot.name()) " " a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
                     @if let Some((three, bounds, norm)) = line {
                         @for (i, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-                            (cell(t, &format!("{symbol} {axis}"), three.values[i], three.sd[i], bounds[i]))
+                            (cell(t, &format!("{symbol} {axis}, {unit}"), three.values[i], three.sd[i], bounds[i]))
                         }
-                        @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|"), *length, None, *bounds)) }
+                        @if let Some((length, bounds)) = norm { (cell(t, &format!("|{symbol}|, {unit}"), *length, None, *bounds)) }
                     } @else {
                         td.quiet colspan="4" { (t.not_determined) }
                     }

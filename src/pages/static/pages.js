@@ -121,7 +121,7 @@
     const rows = plot.strips.length;
     const layout = {
       height: 60 + rows * (narrow ? 190 : 230),
-      margin: { l: narrow ? 58 : 80, r: 12, t: narrow ? 50 : 30, b: 40 },
+      margin: { l: narrow ? 72 : 80, r: 12, t: narrow ? 50 : 30, b: 40 },
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
       font: { color: palette.text, family: getComputedStyle(document.body).fontFamily, size: narrow ? 11 : 12 },
@@ -144,7 +144,7 @@
       layout[row ? `yaxis${row + 1}` : "yaxis"] = {
         domain: [Math.max(0, top - size), top],
         title: { text: `${title(strip.symbol)}, ${plot.unit}`, standoff: 6 },
-        gridcolor: palette.line, zeroline: false, linecolor: palette.line, tickformatstops: DECIMALS, nticks: 6,
+        gridcolor: palette.line, zeroline: false, linecolor: palette.line, tickformatstops: DECIMALS, nticks: 6, automargin: true,
       };
       layout.shapes.push(...shapesOf(strip, row, palette));
     });

@@ -1,8 +1,9 @@
 //! Style sheet, script and plot library, held compressed. Their names carry a hash of their content, so that a browser may
 //! keep them for ever and a new version is another name.
 
+use std::borrow::Cow;
 use std::io::{Read, Write};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use axum::extract::Path;
 use axum::http::header::{ACCEPT_ENCODING, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_TYPE, VARY};
@@ -13,23 +14,30 @@ use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 
+use super::off_the_loop;
+
 /// Something that pages load.
 pub(super) struct Asset {
     /// Path on this service.
     pub path: String,
     media_type: &'static str,
-    compressed: Bytes,
+    content: fn() -> Cow<'static, str>,
+    /// Made when it is first asked for: a page names it, and is not to wait for that.
+    compressed: OnceLock<Bytes>,
 }
 
 pub(super) static STYLE: LazyLock<Asset> =
-    LazyLock::new(|| Asset::new("style", "css", "text/css; charset=utf-8", include_str!("static/style.css")));
-pub(super) static SCRIPT: LazyLock<Asset> =
-    LazyLock::new(|| Asset::new("pages", "js", "text/javascript; charset=utf-8", include_str!("static/pages.js")));
-/// Plotly, the first of the scripts that its crate carries for pages without a network.
-pub(super) static PLOTLY: LazyLock<Asset> = LazyLock::new(|| {
-    let sources = plotly::Plot::offline_js_sources();
-    Asset::new("plotly", "js", "text/javascript; charset=utf-8", first_script(&sources))
+    LazyLock::new(|| Asset::new("style", "css", "text/css; charset=utf-8", || include_str!("static/style.css").into()));
+pub(super) static SCRIPT: LazyLock<Asset> = LazyLock::new(|| {
+    Asset::new("pages", "js", "text/javascript; charset=utf-8", || include_str!("static/pages.js").into())
 });
+pub(super) static PLOTLY: LazyLock<Asset> =
+    LazyLock::new(|| Asset::new("plotly", "js", "text/javascript; charset=utf-8", plot_library));
+
+/// Plotly, the first of the scripts that its crate carries for pages without a network.
+fn plot_library() -> Cow<'static, str> {
+    first_script(&plotly::Plot::offline_js_sources()).to_owned().into()
+}
 
 /// The content of the first of several script elements. Within it the end tag cannot occur: it would end there.
 fn first_script(elements: &str) -> &str {
@@ -38,21 +46,29 @@ fn first_script(elements: &str) -> &str {
 }
 
 impl Asset {
-    fn new(stem: &str, ending: &str, media_type: &'static str, content: &str) -> Self {
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-        let compressed = encoder.write_all(content.as_bytes()).and_then(|()| encoder.finish());
-        let compressed = compressed.expect("writing to memory cannot fail").into();
-        let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content.as_bytes()));
-        Self { path, media_type, compressed }
+    fn new(stem: &str, ending: &str, media_type: &'static str, content: fn() -> Cow<'static, str>) -> Self {
+        let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content().as_bytes()));
+        Self { path, media_type, content, compressed: OnceLock::new() }
+    }
+
+    /// Takes half a second for the plot library, the first time.
+    fn compressed(&self) -> Bytes {
+        let compress = || {
+            let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+            let compressed = encoder.write_all((self.content)().as_bytes()).and_then(|()| encoder.finish());
+            compressed.expect("writing to memory cannot fail").into()
+        };
+        self.compressed.get_or_init(compress).clone()
     }
 }
 
 /// Answers with the asset of that name.
 pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Response {
-    let all = [&STYLE, &SCRIPT, &PLOTLY];
+    let all: [&'static Asset; 3] = [&STYLE, &SCRIPT, &PLOTLY];
     let Some(asset) = all.into_iter().find(|asset| asset.path.strip_prefix("/assets/") == Some(&name)) else {
         return StatusCode::NOT_FOUND.into_response();
     };
+    let compressed = off_the_loop(move || asset.compressed()).await;
     let head = [
         (CONTENT_TYPE, asset.media_type),
         (CACHE_CONTROL, "public, max-age=31536000, immutable"),
@@ -61,10 +77,10 @@ pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Respo
     let takes_gzip =
         headers.get(ACCEPT_ENCODING).and_then(|taken| taken.to_str().ok()).is_some_and(|taken| taken.contains("gzip"));
     if takes_gzip {
-        return (head, [(CONTENT_ENCODING, "gzip")], asset.compressed.clone()).into_response();
+        return (head, [(CONTENT_ENCODING, "gzip")], compressed).into_response();
     }
     let mut plain = Vec::new();
-    GzDecoder::new(&*asset.compressed).read_to_end(&mut plain).expect("what was compressed here can be read again");
+    GzDecoder::new(&*compressed).read_to_end(&mut plain).expect("what was compressed here can be read again");
     (head, plain).into_response()
 }
 
@@ -82,8 +98,8 @@ mod tests {
 
     #[test]
     fn another_content_has_another_name() {
-        let path = |content| Asset::new("style", "css", "text/css", content).path;
-        assert_ne!(path("a{}"), path("b{}"));
-        assert_eq!(path("a{}"), path("a{}"));
+        let path = |content: fn() -> Cow<'static, str>| Asset::new("style", "css", "text/css", content).path;
+        assert_ne!(path(|| "a{}".into()), path(|| "b{}".into()));
+        assert_eq!(path(|| "a{}".into()), path(|| "a{}".into()));
     }
 }

@@ -13,6 +13,7 @@ use super::Pages;
 use super::figure;
 use super::form::own_form;
 use super::layout::{Page, Section, encoded, instant, symbol};
+use super::off_the_loop;
 use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -55,15 +56,6 @@ pub(super) async fn store(
     let read = off_the_loop(move || read_all(&pipeline, &caller, &text_of(&form))).await;
     let outcomes = submit(&pages.pipeline, read).await;
     viewer.show(Ok(outcome(&viewer, &outcomes)))
-}
-
-/// Fits of campaigns take their time: other requests are not to wait for it.
-async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    match tokio::task::spawn_blocking(work).await {
-        Ok(done) => done,
-        // It is never cancelled, so it has panicked: as if it had done so here.
-        Err(failed) => std::panic::resume_unwind(failed.into_panic()),
-    }
 }
 
 /// The field `text` of a form sent as text/plain, with line ends as files have them.

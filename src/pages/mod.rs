@@ -90,3 +90,12 @@ pub fn router(pages: Pages) -> Router {
         .route("/assets/{name}", get(assets::serve))
         .with_state(pages)
 }
+
+/// For what takes its time: other requests are not to wait for it.
+async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    match tokio::task::spawn_blocking(work).await {
+        Ok(done) => done,
+        // It is never cancelled, so it has panicked: as if it had done so here.
+        Err(failed) => std::panic::resume_unwind(failed.into_panic()),
+    }
+}

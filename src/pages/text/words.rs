@@ -82,7 +82,7 @@ catalogue! {
     nothing_yet: "Nothing is stored yet. Post a calibration record to /v1/records, or send files with gyrowatch import.", "尚无数据。请向 /v1/records 提交标定记录，或用 gyrowatch import 发送文件。";
     clear_filters: "Clear filters", "清除筛选";
     days_ago: "days ago", "天前";
-    yesterday: "1 day ago", "1天前";
+    yesterday: "1 day ago", "1 天前";
     today: "today", "今天";
     violates: "Violates", "违反";
     page_of: "page", "第";

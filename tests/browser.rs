@@ -490,6 +490,11 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
             let plots = browser.eval("document.querySelectorAll('[data-plot]').length").await;
             browser.wait(&format!("document.querySelectorAll('[data-drawn]').length == {plots}")).await;
             let mut faults = vec![browser.eval(FAULTS).await];
+            // A telephone shows a page that is too wide at a smaller scale: its own view is no measure.
+            let wide = browser.eval("document.documentElement.scrollWidth").await;
+            if wide.as_u64().is_none_or(|wide| wide > u64::from(width)) {
+                wrong.push(format!("{path} in {language} is {wide} wide, the view {width}"));
+            }
             if axe.is_some() {
                 faults.push(browser.grave_faults().await);
             }

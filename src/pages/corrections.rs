@@ -11,6 +11,7 @@ use super::Pages;
 use super::course::name;
 use super::figure;
 use super::form::{Deed, Word, answered, own_form, see_other};
+use super::gyro::DRIFTS;
 use super::layout::{Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -111,12 +112,14 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
             " · " (t.station) " " (name(tables.stations.name(row.station)))
             " · " (t.calibrated) " " (instant(row.calibrated_at))
         }
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.cards {
             thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
             tbody { @for one in &stored.answer.separations {
                 tr {
                     th scope="row" { (Slot::from(one.slot).name()) " " (one.serial) }
-                    @for value in [&one.d_i, &one.d_s, &one.d_o] { td.n { (figure::drift(value.value, value.sd)) } }
+                    @for (value, name) in [&one.d_i, &one.d_s, &one.d_o].into_iter().zip(DRIFTS) {
+                        td.n data-label=(name) { (figure::drift(value.value, value.sd)) }
+                    }
                 }
             } }
         } }

@@ -138,7 +138,11 @@ fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup
                 a href={ "/imus/" (encoded(course::name(tables.imus.name(figures.imu)))) } { (course::seat(figures, tables)) }
                 " · " (t.station) " " (course::name(tables.stations.name(figures.station)))
                 " · " (t.calibrated) " " (instant(figures.at))
-                @if !facts.alerts.is_empty() { " · " a href="#alerts" { (facts.alerts.len()) " " (t.alerts_count) } }
+                @match facts.alerts.len() {
+                    0 => {}
+                    1 => { " · " a href="#alerts" { (t.alert_one) } }
+                    several => { " · " a href="#alerts" { (several) " " (t.alerts_count) } }
+                }
             }
         } @else {
             p.lead { (t.never_calibrated) }

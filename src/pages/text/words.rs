@@ -90,6 +90,7 @@ catalogue! {
     next: "Next", "下一页";
     gyros: "gyros", "陀螺数";
     gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
+    alert_one: "1 alert", "1 项警报";
     alerts_count: "alerts", "项警报";
     last_seen: "Last heard of", "最近上报";
     band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Exceeded: a budget or requirement is broken; warning: only a statistical limit is.", "折线：最近各次标定；灰带：基线上下的允许范围。超限：超出允许范围或指标；预警：仅超出统计控制限。";

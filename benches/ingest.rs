@@ -3,7 +3,8 @@
 //! `cargo bench --bench ingest`
 //!
 //! Client and service share the machine. Each connection posts records of one IMU of its own, one after the other; a
-//! record counts when its 201 is read. After the records one connection posts raw campaigns (78 dwells, three gyros). The bare loop writes the same body and three rows of 120 bytes a record, one
+//! record counts when its 201 is read. Then one import brings many records of a fleet at once, as a move from another system does.
+//! After the records one connection posts raw campaigns (78 dwells, three gyros). The bare loop writes the same body and three rows of 120 bytes a record, one
 //! transaction a record, WAL and `synchronous = FULL` as the service has them.
 
 use std::net::SocketAddr;
@@ -22,10 +23,13 @@ use sqlx::{ConnectOptions, Connection};
 use tempfile::TempDir;
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::task::JoinSet;
+use tokio::task::{JoinHandle, JoinSet};
 
 const RECORDS: usize = 8_000;
 const CAMPAIGNS: usize = 1_000;
+/// Records of one import, and how many IMUs they are of.
+const IMPORTED: usize = 60_000;
+const IMPORTED_IMUS: usize = 200;
 const PAPER: &str = include_str!("../tests/data/paper.json");
 const CAMPAIGN: &str = include_str!("../tests/data/practice/campaign-00.json");
 
@@ -55,6 +59,8 @@ fn main() {
                 p99.as_secs_f64() * 1e3
             );
         }
+        let rate = imported().await;
+        println!("{:<34}{rate:>9.0} records/s  {:>5.2} of bare", "HTTP, one import of many", rate / bare);
         // Short runs by turns: what else the machine does falls on both.
         let (mut one_campaign, mut one_record) = (0.0, 0.0);
         for _ in 0..4 {
@@ -131,37 +137,73 @@ async fn bare_loop() -> f64 {
     RECORDS as f64 / begun.elapsed().as_secs_f64()
 }
 
+/// The service on a free port with a fresh database.
+struct Running {
+    address: SocketAddr,
+    stop: tokio::sync::oneshot::Sender<()>,
+    served: JoinHandle<()>,
+    written: JoinHandle<()>,
+    _dir: TempDir,
+}
+
+impl Running {
+    async fn start() -> Self {
+        let dir = TempDir::new().expect("a directory");
+        let mut config = Config::defaults();
+        config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+        let config = Arc::new(config);
+        let (store, writer) = store::open(&config.database.options()).await.expect("a database");
+        let (pipeline, written) =
+            Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.expect("a pipeline");
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+        let address = listener.local_addr().expect("an address");
+        let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+        let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
+        let router = http::router(app, axum::Router::new());
+        let served = tokio::spawn(async move {
+            let stop = async move { drop(stopped.await) };
+            http::server::serve(listener, None, router, &config.server, stop).await;
+        });
+        Self { address, stop, served, written, _dir: dir }
+    }
+
+    async fn stop(self) {
+        self.stop.send(()).expect("the service runs");
+        self.served.await.expect("the service stops");
+        self.written.await.expect("the writer stops");
+    }
+}
+
 /// Records a second, and the 99th percentile of the time to an answer.
 async fn over_http(connections: usize, load: Load) -> (f64, Duration) {
-    let dir = TempDir::new().expect("a directory");
-    let mut config = Config::defaults();
-    config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
-    let config = Arc::new(config);
-    let (store, writer) = store::open(&config.database.options()).await.expect("a database");
-    let (pipeline, written) =
-        Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.expect("a pipeline");
-    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
-    let address = listener.local_addr().expect("an address");
-    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
-    let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
-    let router = http::router(app, axum::Router::new());
-    let served = tokio::spawn(async move {
-        let stop = async move { drop(stopped.await) };
-        http::server::serve(listener, None, router, &config.server, stop).await;
-    });
+    let running = Running::start().await;
     let begun = Instant::now();
     let mut senders = JoinSet::new();
     for imu in 0..connections {
-        senders.spawn(post(address, imu, load, load.count / connections));
+        senders.spawn(post(running.address, imu, load, load.count / connections));
     }
     let mut times: Vec<Duration> = senders.join_all().await.into_iter().flatten().collect();
     let rate = times.len() as f64 / begun.elapsed().as_secs_f64();
     times.sort_unstable();
     let p99 = times[times.len() * 99 / 100];
-    stop.send(()).expect("the service runs");
-    served.await.expect("the service stops");
-    written.await.expect("the writer stops");
+    running.stop().await;
     (rate, p99)
+}
+
+/// Records a second of one import, until its last answer is read.
+async fn imported() -> f64 {
+    let running = Running::start().await;
+    let lines = (0..IMPORTED).map(|k| body(k % IMPORTED_IMUS, k / IMPORTED_IMUS).replace('\n', "") + "\n");
+    let text: String = lines.collect();
+    let client = system::http_client(Duration::from_secs(5), Duration::from_secs(600)).build().expect("a client");
+    let begun = Instant::now();
+    let request = client.post(format!("http://{}/v1/import", running.address)).body(text);
+    let answer = request.header("content-type", "application/x-ndjson").send().await.expect("an answer");
+    let answers = answer.text().await.expect("a whole answer");
+    let rate = IMPORTED as f64 / begun.elapsed().as_secs_f64();
+    assert_eq!(answers.matches("\"status\":201").count(), IMPORTED);
+    running.stop().await;
+    rate
 }
 
 async fn post(address: SocketAddr, imu: usize, load: Load, count: usize) -> Vec<Duration> {

@@ -2,6 +2,7 @@
 
 mod answer;
 mod csv;
+mod json;
 mod periods;
 
 use axum::extract::{Path, State};
@@ -23,10 +24,9 @@ use crate::core::bench::BenchMethod;
 use crate::core::judge::{Coefficient, State as Judgement};
 use crate::core::period::Period;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{BenchRow, Figures, Names, Span, Tables, sample_of};
+use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Tables, sample_of};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
-use crate::wire::time::Stamp;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_trend))
@@ -88,7 +88,7 @@ struct Trend<'a> {
 
 #[derive(Serialize, ToSchema)]
 struct Point<'a> {
-    #[serde(serialize_with = "stamp")]
+    #[serde(serialize_with = "json::stamp")]
     #[schema(value_type = String)]
     calibrated_at: UtcMicros,
     value: f64,
@@ -99,16 +99,14 @@ struct Point<'a> {
     slot: Option<&'static str>,
     station: &'a str,
     /// Identifier of the record, or of the bench result.
-    record: String,
+    #[serde(serialize_with = "json::shown")]
+    #[schema(value_type = String)]
+    record: Id,
     /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
     state: Option<&'static str>,
     /// True where it does not count any more; shown where voided points are asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     voided: Option<bool>,
-}
-
-fn stamp<S: serde::Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
-    Stamp::of(*at).serialize(serializer)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -320,7 +318,7 @@ impl Request {
             events,
             next: next.clone(),
         };
-        let text = if self.csv { csv::written(&trend, self.voided) } else { serde_json::to_vec(&trend).ok() };
+        let text = if self.csv { csv::written(&trend, self.voided) } else { json::written(&trend) };
         let text = text.ok_or_else(|| Problem::new(500, "Internal error", "the points could not be written"))?;
         Ok(Written { text, csv: self.csv, next })
     }
@@ -359,7 +357,7 @@ fn separated_point<'t>(
         imu: tables.imus.name(figures.imu).map(|name| &**name),
         slot: Some(figures.slot.name()),
         station: tables.stations.name(figures.station).map_or("", |name| &**name),
-        record: figures.record.to_string(),
+        record: figures.record,
         state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
         voided: *voided,
     }
@@ -380,7 +378,7 @@ fn bench_point<'t>(
         imu: None,
         slot: None,
         station: tables.stations.name(row.station).map_or("", |name| &**name),
-        record: row.id.to_string(),
+        record: row.id,
         state: None,
         voided,
     })

@@ -26,10 +26,10 @@ pub(super) fn written(trend: &Trend<'_>, with_voided: bool) -> Option<Vec<u8>> {
         let (at, value) = (Stamp::of(point.calibrated_at), point.value.to_string());
         let sd = point.sd.map(|sd| sd.to_string()).unwrap_or_default();
         let (imu, slot) = (point.imu.unwrap_or_default(), point.slot.unwrap_or_default());
-        let state = point.state.unwrap_or_default();
+        let (record, state) = (point.record.to_string(), point.state.unwrap_or_default());
         let head = [trend.serial, trend.coefficient, trend.unit, at.as_str(), &value, &sd, point.method];
         let voided = point.voided.map(|voided| if voided { "true" } else { "false" });
-        let tail = [imu, slot, point.station, &point.record, state];
+        let tail = [imu, slot, point.station, &record, state];
         writer.write_record(head.into_iter().chain(tail).chain(voided)).ok()?;
     }
     writer.into_inner().ok()

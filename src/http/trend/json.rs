@@ -1,0 +1,135 @@
+//! A trend as JSON: what serde writes, byte for byte, in a fraction of the time. There may be a hundred thousand points, and serde
+//! looks through every word of each for what has to be escaped.
+
+use std::io::Write;
+
+use serde::{Serialize, Serializer};
+
+use super::{Point, Trend};
+use crate::core::time::UtcMicros;
+use crate::pipeline::Id;
+use crate::wire::time::Stamp;
+
+/// A point takes about 200 bytes; growing would copy hundreds of kilobytes again and again.
+const POINT: usize = 224;
+
+pub(super) fn stamp<S: Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
+    Stamp::of(*at).serialize(serializer)
+}
+
+pub(super) fn shown<S: Serializer>(id: &Id, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(id)
+}
+
+pub(super) fn written(trend: &Trend<'_>) -> Option<Vec<u8>> {
+    let mut text = Vec::with_capacity(POINT * (trend.points.len() + 2));
+    write(trend, &mut text).ok()?;
+    Some(text)
+}
+
+fn write(trend: &Trend<'_>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    text.write_all(b"{\"serial\":")?;
+    serde_json::to_writer(&mut *text, trend.serial)?;
+    write!(text, ",\"coefficient\":\"{}\",\"unit\":\"{}\",\"points\":[", trend.coefficient, trend.unit)?;
+    let (mut imu, mut station) = (Quoted::default(), Quoted::default());
+    for (i, point) in trend.points.iter().enumerate() {
+        if i > 0 {
+            text.push(b',');
+        }
+        write_point(point, &mut imu, &mut station, text)?;
+    }
+    text.write_all(b"],\"events\":")?;
+    serde_json::to_writer(&mut *text, trend.events)?;
+    text.write_all(b",\"next\":")?;
+    serde_json::to_writer(&mut *text, &trend.next)?;
+    text.write_all(b"}")
+}
+
+fn write_point<'t>(
+    point: &Point<'t>,
+    imu: &mut Quoted<'t>,
+    station: &mut Quoted<'t>,
+    text: &mut Vec<u8>,
+) -> std::io::Result<()> {
+    text.write_all(b"{\"calibrated_at\":\"")?;
+    text.write_all(Stamp::of(point.calibrated_at).as_str().as_bytes())?;
+    text.write_all(b"\",\"value\":")?;
+    serde_json::to_writer(&mut *text, &point.value)?;
+    text.write_all(b",\"sd\":")?;
+    serde_json::to_writer(&mut *text, &point.sd)?;
+    text.write_all(b",\"method\":")?;
+    word(Some(point.method), text)?;
+    text.write_all(b",\"imu\":")?;
+    match point.imu {
+        Some(name) => imu.write(name, text)?,
+        None => text.write_all(b"null")?,
+    }
+    text.write_all(b",\"slot\":")?;
+    word(point.slot, text)?;
+    text.write_all(b",\"station\":")?;
+    station.write(point.station, text)?;
+    write!(text, ",\"record\":\"{}\",\"state\":", point.record)?;
+    word(point.state, text)?;
+    if let Some(voided) = point.voided {
+        write!(text, ",\"voided\":{voided}")?;
+    }
+    text.write_all(b"}")
+}
+
+/// One of the program's own words, in which nothing has to be escaped.
+fn word(word: Option<&'static str>, text: &mut Vec<u8>) -> std::io::Result<()> {
+    let Some(word) = word else { return text.write_all(b"null") };
+    text.write_all(b"\"")?;
+    text.write_all(word.as_bytes())?;
+    text.write_all(b"\"")
+}
+
+/// A name as JSON, escaped once for the points that have it in a row.
+#[derive(Default)]
+struct Quoted<'t> {
+    name: Option<&'t str>,
+    text: Vec<u8>,
+}
+
+impl<'t> Quoted<'t> {
+    fn write(&mut self, name: &'t str, text: &mut Vec<u8>) -> std::io::Result<()> {
+        if self.name != Some(name) {
+            self.name = Some(name);
+            self.text.clear();
+            serde_json::to_writer(&mut self.text, name)?;
+        }
+        text.write_all(&self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_byte_for_byte_what_serde_writes() {
+        let values = [2.957642758199023, -0.0, 1e-300, -1.5e21, 0.1, 7.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE];
+        let names = ["IMU-07", "IMU-07", "a \"quoted\" \\ one", "\u{1}\t\n", "陀螺 é", "", "IMU-07"];
+        let words = [Some("within"), None, Some("exceeded")];
+        let point = |i: usize| Point {
+            calibrated_at: UtcMicros(1_700_000_000_123_456 * i as i64 / 7),
+            value: values[i % values.len()],
+            sd: (!i.is_multiple_of(3)).then_some(values[i * i % values.len()]),
+            method: "rigid",
+            imu: (!i.is_multiple_of(5)).then_some(names[i % names.len()]),
+            slot: (!i.is_multiple_of(4)).then_some("G2"),
+            station: names[i * 3 % names.len()],
+            record: Id(i as i64 * 123_456_789_012),
+            state: words[i % words.len()],
+            voided: [None, Some(true), Some(false)][i % 3],
+        };
+        for count in [0, 1, 200] {
+            for next in [None, Some("b3".to_owned())] {
+                let (points, coefficient, unit) = ((0..count).map(point).collect(), "D_I", "deg/(h*g0)");
+                let trend = Trend { serial: "LFG-\"1\"", coefficient, unit, points, events: &[], next };
+                let expected = serde_json::to_string(&trend).unwrap();
+                assert_eq!(String::from_utf8(written(&trend).unwrap()).unwrap(), expected);
+            }
+        }
+    }
+}

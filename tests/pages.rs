@@ -379,6 +379,18 @@ async fn what_is_done_on_a_page_is_audited_under_the_name_that_signed_in() {
 }
 
 #[tokio::test]
+async fn a_form_of_another_site_voids_nothing() {
+    let server = a_small_fleet().await;
+    let gyro = page(&server, "/gyros/JUMP%2F1", &[]).await;
+    let void = link(&gyro, "/records/", "/void");
+    let path = void.split('?').next().unwrap();
+    let fields = [("by", "somebody"), ("reason", "to see"), ("confirm", "yes")];
+    let foreign = sends_form_from(&server, "http://elsewhere.example", path, &fields).await;
+    assert_eq!(foreign.status, 403, "{}", foreign.text());
+    assert_eq!(sends_form(&server, path, &fields).await.status, 303);
+}
+
+#[tokio::test]
 async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     let (server, target) = (Server::start().await, Receiver::start().await);
     let (url, meant) = (target.url(), ("confirm", "yes"));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use maud::{Markup, html};
 
 use super::corrections;
-use super::layout::instant;
+use super::layout::{DRIFTS, instant};
 use super::plot::{Band, Mark, Plot, Point, Series, Strip, millis};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -102,7 +102,7 @@ pub(super) fn plot(
                 series.push(benched(t.method(method.name()), &of_method, column, tables));
             }
         }
-        Strip { symbol: ["D_I", "D_S", "D_O"][column], series, bands: bands.clone() }
+        Strip { symbol: DRIFTS[column], series, bands: bands.clone() }
     });
     let since = course.baselines.last().filter(|_| course.baselines.len() > 1).map(|baseline| millis(baseline.from));
     Plot {

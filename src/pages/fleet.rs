@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::figure;
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::spark;
 use super::standing::Grade;
 use super::viewer::Viewer;
@@ -193,7 +193,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
                 }
             }
             @for column in 0..2 {
-                td.trend data-label=(["D_I", "D_S"][column]) {
+                td.trend data-label=(DRIFTS[column]) {
                     @if let Some(sample) = &newest { (trend(glimpse, column, sample.d[column])) }
                 }
             }

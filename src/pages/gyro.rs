@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::course::{self, Bands, Shown};
 use super::figure;
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::standing::Grade;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
@@ -20,8 +20,6 @@ use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
 
-/// What is separated, in the order of the figures.
-pub(super) const DRIFTS: [&str; 3] = ["D_I", "D_S", "D_O"];
 /// Calibrations in one table.
 const ROWS: usize = 30;
 
@@ -178,7 +176,7 @@ fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &
                 (t.plot_note) " "
                 @if let Some(of) = left_out { (of) " " (t.thinned) ". " }
                 (t.csv) ": "
-                @for coefficient in ["D_I", "D_S", "D_O"] {
+                @for coefficient in DRIFTS {
                     a href={ "/v1/gyros/" (encoded(serial)) "/trend?coefficient=" (coefficient) "&method="
                              (shown.separation_name()) "&format=csv" }
                       download={ (serial) "-" (coefficient) ".csv" } { (symbol(coefficient)) } " "

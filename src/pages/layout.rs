@@ -152,6 +152,9 @@ fn clock(utc: &str) -> String {
     format!("{} UTC", utc.get(start..start + 5).unwrap_or_default())
 }
 
+/// What is separated, in the order of the figures.
+pub(super) const DRIFTS: [&str; 3] = ["D_I", "D_S", "D_O"];
+
 /// `D_I` with its index set low; nothing for `all`, the gyro as a whole.
 pub(super) fn symbol(name: &str) -> Markup {
     if name == Coefficient::All.name() {

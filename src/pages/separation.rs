@@ -3,8 +3,7 @@
 use maud::{Markup, html};
 
 use super::figure;
-use super::gyro::DRIFTS;
-use super::layout::{encoded, symbol};
+use super::layout::{DRIFTS, encoded, symbol};
 use super::text::Text;
 use crate::core::mounting::Slot;
 use crate::wire::answer::{FigureBody, SeparationBody};

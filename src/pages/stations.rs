@@ -6,8 +6,7 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
-use super::gyro::DRIFTS;
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::pipeline::StationEffect;

@@ -1,8 +1,12 @@
 //! Running the service: is it ready, what does it count, and what does it refuse to be started on.
 
+mod receiver;
 mod support;
 
-use serde_json::Value;
+use std::path::Path;
+
+use receiver::Receiver;
+use serde_json::{Value, json};
 use sqlx::ConnectOptions;
 use support::{Server, data, gyrowatch, required};
 
@@ -122,9 +126,80 @@ async fn prometheus_finds_no_fault_with_the_metrics_nor_with_its_configuration()
     assert!(well && said.is_empty(), "{said}");
     let (well, said) = judged_by("promtool", &["check", "metrics"], "gyrowatch_x_total{ 1\n");
     assert!(!well && !said.is_empty(), "promtool takes anything");
-    let config = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus.yml");
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/prometheus.yml");
     let (well, said) = judged_by("promtool", &["check", "config", "--syntax-only", config.to_str().unwrap()], "");
     assert!(well, "{said}");
+}
+
+/// Every member of a document with that name.
+fn members<'a>(value: &'a Value, name: &str, found: &mut Vec<&'a Value>) {
+    match value {
+        Value::Object(object) => {
+            found.extend(object.get(name));
+            object.values().for_each(|member| members(member, name, found));
+        }
+        Value::Array(items) => items.iter().for_each(|item| members(item, name, found)),
+        _ => {}
+    }
+}
+
+/// The labels that a query of the dashboard names: in `by (…)` and in `{…}`.
+fn labels(query: &str) -> impl Iterator<Item = &str> {
+    let within = |open: &'static str, close: char| {
+        query.split(open).skip(1).flat_map(move |rest| rest.split(close).next().unwrap().split(','))
+    };
+    let compared = within("{", '}').map(|matcher| matcher.split(['=', '!']).next().unwrap());
+    within("by (", ')').chain(compared).map(str::trim)
+}
+
+#[tokio::test]
+async fn the_dashboard_asks_for_what_the_metrics_hold() {
+    let server = Server::start().await;
+    let target = Receiver::start().await;
+    let hook = server.post_json("/v1/hooks", &json!({ "kind": "standard-webhooks", "url": target.url() })).await;
+    assert_eq!(hook.status, 201, "{}", hook.text());
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let test = format!("/v1/hooks/{}/test", hook.json()["id"].as_str().unwrap());
+    assert!(server.post_json(&test, &json!({})).await.status < 300);
+    let campaign = server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await;
+    assert_eq!(campaign.status, 201, "{}", campaign.text());
+    let diagnosis = format!("/v1/campaigns/{}/diagnosis", campaign.json()["id"].as_str().unwrap());
+    assert_eq!(server.get(&diagnosis).await.status, 200);
+    let metrics = server.get("/metrics").await.text();
+
+    let dashboard = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/grafana/dashboard.json");
+    let dashboard: Value = serde_json::from_str(&std::fs::read_to_string(dashboard).unwrap()).unwrap();
+    let mut queries = Vec::new();
+    members(&dashboard, "expr", &mut queries);
+    let queries = queries.iter().map(|query| query.as_str().unwrap()).collect::<Vec<_>>();
+    assert!(queries.len() >= 15, "{queries:?}");
+    for query in &queries {
+        let names = query.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+        // `up` is Prometheus's own, with the name of its job.
+        for name in names.filter(|name| name.starts_with("gyrowatch_")) {
+            let series = metrics
+                .lines()
+                .find(|line| line.starts_with(&format!("{name}{{")) || line.starts_with(&format!("{name} ")));
+            let series = series.unwrap_or_else(|| panic!("{query}: there is no {name} in\n{metrics}"));
+            for label in labels(query) {
+                assert!(series.contains(&format!("{label}=\"")), "{query}: {series} has no {label}");
+            }
+        }
+    }
+    let mut sources = Vec::new();
+    members(&dashboard, "datasource", &mut sources);
+    assert!(sources.iter().all(|source| source["uid"] == "gyrowatch"), "{sources:?}");
+    if required("promtool") {
+        // The group's file is what promtool takes queries in.
+        let numbered = queries.iter().enumerate();
+        let rules: Vec<_> =
+            numbered.map(|(number, query)| json!({ "record": format!("query:{number}"), "expr": query })).collect();
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), json!({ "groups": [{ "name": "dashboard", "rules": rules }] }).to_string())
+            .unwrap();
+        let (well, said) = judged_by("promtool", &["check", "rules", file.path().to_str().unwrap()], "");
+        assert!(well, "{said}");
+    }
 }
 
 #[test]
@@ -133,8 +208,7 @@ fn systemd_finds_no_fault_with_the_unit_and_calls_it_well_hardened() {
         return;
     }
     let dir = tempfile::tempdir().unwrap();
-    let unit =
-        std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/gyrowatch.service"));
+    let unit = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("config/gyrowatch.service"));
     // The program is where this build has put it; all else as it ships.
     let unit = unit.unwrap().replace("/usr/local/bin/gyrowatch", env!("CARGO_BIN_EXE_gyrowatch"));
     let file = dir.path().join("gyrowatch.service");

@@ -5,7 +5,9 @@
 
 use std::cell::RefCell;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use axum::body::Body;
 use axum::extract::ConnectInfo;
@@ -33,11 +35,12 @@ use nalgebra::Vector3;
 use tower::ServiceExt;
 
 /// Every target by its name.
-pub const TARGETS: [(&str, fn(&[u8])); 10] = [
+pub const TARGETS: [(&str, fn(&[u8])); 11] = [
     ("record", record),
     ("bench_result", bench_result),
     ("campaign_json", campaign_json),
     ("campaign_csv", campaign_csv),
+    ("ndjson", ndjson),
     ("model", model_file),
     ("cursor", cursors),
     ("configuration", configuration),
@@ -102,7 +105,7 @@ pub fn cursors(bytes: &[u8]) {
 /// A configuration file: what is accepted is accepted again as it is printed.
 pub fn configuration(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let file = std::env::temp_dir().join(format!("gyrowatch-fuzz-{}.toml", std::process::id()));
+    let file = scratch("toml");
     let files = [file.clone()];
     std::fs::write(&file, text).unwrap();
     if let Ok(printed) = Config::in_force(&files, []) {
@@ -111,6 +114,13 @@ pub fn configuration(bytes: &[u8]) {
         assert_eq!(again, printed);
     }
     std::fs::remove_file(&file).unwrap();
+}
+
+/// A path that nobody else uses.
+fn scratch(kind: &str) -> PathBuf {
+    static NUMBER: AtomicUsize = AtomicUsize::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    std::env::temp_dir().join(format!("gyrowatch-fuzz-{}-{number}.{kind}", std::process::id()))
 }
 
 /// Both methods on numbers of any size.
@@ -266,32 +276,68 @@ impl Bytes<'_> {
 /// The whole service: a request of any path and body is answered, and never with the service's own failure.
 pub fn service(bytes: &[u8]) {
     thread_local!(static SERVICE: RefCell<Option<Service>> = const { RefCell::new(None) });
-    SERVICE.with_borrow_mut(|service| {
-        // Begun anew before what was stored slows it down.
-        if service.as_ref().is_none_or(|service| service.asked >= 5000) {
-            *service = None;
-            *service = Some(Service::start());
+    SERVICE.with_borrow_mut(|service| Service::kept(service, &[]).ask(bytes));
+}
+
+const LONGEST_LINE: usize = 1500;
+const LONGEST_IMPORT: usize = 15_000;
+
+/// An import, its body cut into parts anywhere: each line that is not blank is answered once, in order and by its number.
+pub fn ndjson(bytes: &[u8]) {
+    thread_local!(static SERVICE: RefCell<Option<Service>> = const { RefCell::new(None) });
+    let (Some(part), body) = (bytes.first(), bytes.get(1..).unwrap_or_default()) else { return };
+    let (line, import) = (LONGEST_LINE.to_string(), LONGEST_IMPORT.to_string());
+    let limits =
+        [("GYROWATCH_SERVER__MAX_IMPORT_LINE_BYTES", &*line), ("GYROWATCH_SERVER__MAX_IMPORT_BYTES", &*import)];
+    let answers =
+        SERVICE.with_borrow_mut(|service| Service::kept(service, &limits).import(body, 1 + 8 * usize::from(*part)));
+    let text = String::from_utf8_lossy(body);
+    let answered = answers.iter().map(|answer| answer["line"].as_u64().unwrap() as usize).collect::<Vec<_>>();
+    assert!(answered.is_sorted_by(|before, after| before < after), "{answered:?} of {text}");
+    let lines: Vec<&[u8]> = body.split(|byte| *byte == b'\n').collect();
+    let blank = |line: &[u8]| line.iter().all(u8::is_ascii_whitespace);
+    if body.len() <= LONGEST_IMPORT {
+        // Of those that are too long, it has not seen whether they are blank.
+        let unanswered =
+            |(number, line): (usize, &&[u8])| (!blank(line) && !answered.contains(&(number + 1))).then_some(number + 1);
+        assert_eq!(lines.iter().enumerate().find_map(unanswered), None, "{answered:?} of {text}");
+        for answer in &answers {
+            let line = lines[answer["line"].as_u64().unwrap() as usize - 1];
+            let status = answer["status"].as_u64().unwrap();
+            assert!(status < 500 && (status == 413) == (line.len() > LONGEST_LINE), "{answer} of {text}");
+            assert_eq!(status < 300, answer["id"].is_string(), "{answer} of {text}");
+            assert!(!blank(line) || status == 413, "{answer} of {text}");
         }
-        let Some(service) = service else { return };
-        service.asked += 1;
-        service.ask(bytes);
-    });
+    } else {
+        assert_eq!(answers.last().unwrap()["status"], 413, "{text}");
+    }
 }
 
 struct Service {
     runtime: tokio::runtime::Runtime,
     router: axum::Router,
-    dir: std::path::PathBuf,
+    dir: PathBuf,
     asked: usize,
 }
 
 impl Service {
-    fn start() -> Self {
-        let dir = std::env::temp_dir().join(format!("gyrowatch-fuzz-{}", std::process::id()));
+    /// Begun anew before what was stored slows it down.
+    fn kept<'a>(service: &'a mut Option<Self>, settings: &[(&str, &str)]) -> &'a mut Self {
+        if service.as_ref().is_some_and(|service| service.asked >= 5000) {
+            *service = None;
+        }
+        let service = service.get_or_insert_with(|| Self::start(settings));
+        service.asked += 1;
+        service
+    }
+
+    fn start(settings: &[(&str, &str)]) -> Self {
+        let dir = scratch("dir");
         std::fs::create_dir_all(&dir).unwrap();
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         let address = format!("sqlite://{}", dir.join("gyrowatch.db").display());
-        let environment = [("GYROWATCH_DATABASE_URL".to_owned(), address)];
+        let database = [("GYROWATCH_DATABASE_URL", &*address)];
+        let environment = database.iter().chain(settings).map(|&(name, value)| (name.to_owned(), value.to_owned()));
         let none = dir.join("none.toml");
         std::fs::write(&none, "").unwrap();
         let config = Arc::new(Config::load(&[none], environment).unwrap());
@@ -303,6 +349,24 @@ impl Service {
             http::router(App { config, clock, pipeline }, pages::router(pages))
         });
         Self { runtime, router, dir, asked: 0 }
+    }
+
+    /// The answers to the lines of `body`, which comes in parts of `part` bytes.
+    fn import(&self, body: &[u8], part: usize) -> Vec<serde_json::Value> {
+        let parts: Vec<_> = body.chunks(part).map(|part| Ok::<_, std::io::Error>(part.to_vec())).collect();
+        let request = Request::post("/v1/import").header("host", "localhost");
+        let request = request.header("content-type", "application/x-ndjson");
+        let mut request = request.body(Body::from_stream(futures::stream::iter(parts))).unwrap();
+        request.extensions_mut().insert(ConnectInfo(SocketAddr::from(([127, 0, 0, 1], 9))));
+        self.runtime.block_on(async {
+            let answer = self.router.clone().oneshot(request).await.unwrap();
+            assert_eq!(answer.status(), 200);
+            let text = axum::body::to_bytes(answer.into_body(), usize::MAX).await.unwrap();
+            text.split(|byte| *byte == b'\n')
+                .filter(|line| !line.is_empty())
+                .map(|line| serde_json::from_slice(line).unwrap())
+                .collect()
+        })
     }
 
     /// The first line is method, path and media type; the rest is the body.

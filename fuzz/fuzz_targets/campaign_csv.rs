@@ -1,6 +1,3 @@
 #![no_main]
 
-#[path = "../targets.rs"]
-mod targets;
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::campaign_csv(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| gyrowatch_fuzz::campaign_csv(bytes));

@@ -25,6 +25,11 @@ pub fn data_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
+/// The service of this build, or the one that `scripts/soak` is told to put to the test (an absolute path), such as a release build.
+fn program() -> String {
+    std::env::var("GYROWATCH_SOAK_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_gyrowatch").to_owned())
+}
+
 /// The command line program, free of the tester's own GYROWATCH_ variables.
 pub fn gyrowatch() -> Command {
     gyrowatch_under(&[])
@@ -32,7 +37,8 @@ pub fn gyrowatch() -> Command {
 
 /// The program, by one that turns into it.
 pub fn gyrowatch_under(under: &[&str]) -> Command {
-    let words = [under, &[env!("CARGO_BIN_EXE_gyrowatch")]].concat();
+    let program = program();
+    let words = [under, &[program.as_str()]].concat();
     let mut command = Command::new(words[0]);
     command.args(&words[1..]);
     for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("GYROWATCH_")) {

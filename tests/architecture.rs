@@ -206,6 +206,40 @@ fn no_machine_paths(text: &str) -> Vec<String> {
     complaints
 }
 
+/// The names that the types of a file have in the description of the API.
+fn schema_names(text: &str) -> Vec<String> {
+    let name = |item: &str| item.chars().take_while(|&c| is_ident(c)).collect::<String>();
+    let described = production(text)
+        .split("#[derive(")
+        .skip(1)
+        .filter(|item| item.split(')').next().unwrap().split(',').any(|derived| derived.trim().ends_with("ToSchema")));
+    described
+        .filter_map(|item| {
+            let (attributes, rest) = item.split_once("struct ").or_else(|| item.split_once("enum "))?;
+            Some(attributes.split_once("schema(as = ").map_or(name(rest), |(_, given)| name(given)))
+        })
+        .collect()
+}
+
+/// Of two with one name the description keeps the last, and then tells clients of what they do not get.
+fn schemas_of_one_name(names: &[String]) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    names.iter().filter(|name| !seen.insert(*name)).cloned().collect()
+}
+
+#[test]
+fn no_two_types_of_the_api_have_the_same_name_in_its_description() {
+    let named = schema_names(
+        "#[derive(ToSchema)]\nstruct A {\n}\n#[derive(Debug, utoipa::ToSchema)]\n#[schema(as = A)]\npub enum B {}",
+    );
+    assert_eq!(schemas_of_one_name(&named), ["A"], "{named:?}");
+    let files = files_below(&root().join("src"));
+    let files = files.iter().filter(|path| path.extension().is_some_and(|e| e == "rs") && !is_test(path));
+    let names: Vec<String> = files.flat_map(|path| schema_names(&fs::read_to_string(path).unwrap())).collect();
+    assert!(names.len() > 100, "{names:?}");
+    assert_eq!(schemas_of_one_name(&names), [""; 0]);
+}
+
 #[test]
 fn core_uses_only_std_nalgebra_thiserror_and_statrs() {
     assert_eq!(core_is_pure("use serde::Serialize;").len(), 1);

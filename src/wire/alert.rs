@@ -29,6 +29,7 @@ pub struct AlertBody {
 
 /// What an alert says of the verdict that it follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = AlertFindingBody)]
 pub struct FindingBody {
     /// The magnitude that was compared with the limit.
     pub value: Option<f64>,

@@ -45,6 +45,7 @@ pub struct CauseBody {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = HistoryEstimateBody)]
 pub struct EstimateBody {
     pub name: String,
     pub value: f64,

@@ -15,6 +15,7 @@ mod diagnose_all;
 mod diagnose_record;
 mod document;
 mod experiment;
+mod export;
 mod import;
 mod model;
 mod notify;
@@ -48,6 +49,7 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
+    Export(export::Export),
     Simulate(simulate::Simulate),
     Blindcheck(blindcheck::Blindcheck),
     Backup(backup::Backup),
@@ -66,6 +68,7 @@ impl Command {
             Self::Calibrate(calibrate) => calibrate.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
+            Self::Export(export) => export.run(),
             Self::Simulate(simulate) => simulate.run(),
             Self::Blindcheck(blindcheck) => blindcheck.run(),
             Self::Backup(backup) => backup.run(),

@@ -1,0 +1,178 @@
+//! `export`: the history of every gyro as one file, for those who analyse elsewhere.
+
+mod columns;
+mod csv;
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow, bail};
+use clap::{Args, ValueEnum};
+
+use self::columns::Row;
+use self::csv::Csv;
+#[cfg(feature = "parquet")]
+use self::parquet::Parquet;
+use super::block_on;
+use crate::config::Config;
+use crate::core::time::UtcMicros;
+use crate::store::{self, Figures, Span, Store};
+use crate::wire::time;
+
+/// Write the history of every gyro into one file, CSV or Parquet: a row a gyro and calibration, all methods, all verdicts
+#[derive(Debug, Args)]
+pub struct Export {
+    /// The file to write; it must not exist. What follows its last dot says the form, unless --format does
+    file: PathBuf,
+    #[arg(long)]
+    format: Option<Form>,
+    /// Only this gyro; repeat for several
+    #[arg(long = "serial", value_name = "SERIAL")]
+    serials: Vec<String>,
+    /// Oldest instant, RFC 3339, itself included
+    #[arg(long, value_name = "TIME", value_parser = time::parse)]
+    from: Option<UtcMicros>,
+    /// Newest instant, itself included
+    #[arg(long, value_name = "TIME", value_parser = time::parse)]
+    to: Option<UtcMicros>,
+    /// Also what was voided or revised, flagged in the column `voided`
+    #[arg(long)]
+    voided: bool,
+    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
+    #[arg(long = "config", value_name = "FILE")]
+    config: Vec<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Form {
+    Csv,
+    Parquet,
+}
+
+/// Rows of one read: a gyro may have a hundred thousand.
+const BLOCK: usize = 8192;
+
+impl Export {
+    pub fn run(self) -> anyhow::Result<()> {
+        let form = self.form()?;
+        let database = Config::load(&self.config, std::env::vars())?.database;
+        let file = File::create_new(&self.file).with_context(|| self.file.display().to_string())?;
+        let written = block_on(async {
+            let store = store::open_to_read(&database.options())
+                .await
+                .with_context(|| format!("the database {}", database.url))?;
+            let written = self.write(&store, Sink::new(form, file)?).await;
+            store.close().await;
+            written
+        });
+        if written.is_err() {
+            let _may_be_gone = std::fs::remove_file(&self.file);
+        }
+        let (rows, gyros) = written?;
+        eprintln!("{}: {rows} rows of {gyros} gyros", self.file.display());
+        Ok(())
+    }
+
+    fn form(&self) -> anyhow::Result<Form> {
+        let named = || {
+            let ending = self.file.extension().and_then(|ending| ending.to_str());
+            ending.and_then(|ending| Form::from_str(ending, true).ok())
+        };
+        let name = self.file.display();
+        let form = self.format.or_else(named);
+        form.ok_or_else(|| anyhow!("{name}: neither .csv nor .parquet; say --format"))
+    }
+
+    /// Rows and gyros that were written.
+    async fn write(&self, store: &Store, mut sink: Sink) -> anyhow::Result<(usize, usize)> {
+        let (mut rows, mut gyros) = (0, 0);
+        for (gyro, serial) in self.gyros(store)? {
+            let before = rows;
+            let mut span = Span { from: self.from.unwrap_or(Span::EVER.from), to: self.to.unwrap_or(Span::EVER.to) };
+            if self.voided {
+                let voided = store.voided_history(gyro, span).await?;
+                rows += sink.write(named(store, &serial, &voided, true)?)?;
+            }
+            loop {
+                let block = store.history(gyro, span, BLOCK).await?;
+                rows += sink.write(named(store, &serial, &block, false)?)?;
+                match block.last() {
+                    Some(last) if block.len() == BLOCK => span.from = UtcMicros(last.at.0 + 1),
+                    _ => break,
+                }
+            }
+            gyros += usize::from(rows > before);
+        }
+        sink.finish()?;
+        Ok((rows, gyros))
+    }
+
+    /// By number and serial, in the order of serials.
+    fn gyros(&self, store: &Store) -> anyhow::Result<Vec<(u32, Arc<str>)>> {
+        let tables = store.names().read();
+        if let Some(unknown) = self.serials.iter().find(|serial| tables.gyros.number(serial).is_none()) {
+            bail!("no gyro {unknown} is known");
+        }
+        let wanted = |serial: &str| self.serials.is_empty() || self.serials.iter().any(|known| known == serial);
+        let mut gyros: Vec<_> = tables.gyros.iter().filter(|(_, serial)| wanted(serial)).collect();
+        gyros.sort_by_key(|(_, serial)| *serial);
+        Ok(gyros.into_iter().map(|(number, serial)| (number, serial.clone())).collect())
+    }
+}
+
+/// The rows of a gyro with the names that their numbers stand for.
+fn named(store: &Store, serial: &Arc<str>, block: &[Figures], voided: bool) -> anyhow::Result<Vec<Row>> {
+    let tables = store.names().read();
+    let rows = block.iter().map(|figures| {
+        let missing = |what| anyhow!("record {}: its {what} has no name", figures.record);
+        Ok(Row {
+            serial: serial.clone(),
+            imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("IMU"))?,
+            station: tables.stations.name(figures.station).cloned().ok_or_else(|| missing("station"))?,
+            figures: *figures,
+            voided,
+        })
+    });
+    rows.collect()
+}
+
+/// Where rows go.
+enum Sink {
+    Csv(Csv<BufWriter<File>>),
+    #[cfg(feature = "parquet")]
+    Parquet(Parquet),
+}
+
+impl Sink {
+    fn new(form: Form, file: File) -> anyhow::Result<Self> {
+        match form {
+            Form::Csv => Ok(Self::Csv(Csv::new(BufWriter::new(file))?)),
+            #[cfg(feature = "parquet")]
+            Form::Parquet => Ok(Self::Parquet(Parquet::new(file)?)),
+            #[cfg(not(feature = "parquet"))]
+            Form::Parquet => bail!("this program was built without Parquet: cargo build --release --features parquet"),
+        }
+    }
+
+    fn write(&mut self, rows: Vec<Row>) -> anyhow::Result<usize> {
+        let count = rows.len();
+        match self {
+            Self::Csv(csv) => csv.write(&rows)?,
+            #[cfg(feature = "parquet")]
+            Self::Parquet(parquet) => parquet.write(rows)?,
+        }
+        Ok(count)
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        match self {
+            Self::Csv(csv) => csv.finish(),
+            #[cfg(feature = "parquet")]
+            Self::Parquet(parquet) => parquet.finish(),
+        }
+    }
+}

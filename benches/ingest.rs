@@ -7,10 +7,13 @@
 //! After the records one connection posts raw campaigns (78 dwells, three gyros). The bare loop writes the same body and three rows of 120 bytes a record, one
 //! transaction a record, WAL and `synchronous = FULL` as the service has them.
 
+mod client;
+
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use client::{Client, Times};
 use gyrowatch::config::Config;
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::http::{self, App};
@@ -21,8 +24,7 @@ use gyrowatch::wire::time;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous};
 use sqlx::{ConnectOptions, Connection};
 use tempfile::TempDir;
-use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpListener;
 use tokio::task::{JoinHandle, JoinSet};
 
 const RECORDS: usize = 8_000;
@@ -51,7 +53,8 @@ fn main() {
         let bare = bare_loop().await;
         println!("{:<34}{bare:>9.0} records/s", "bare sqlx, one commit a record");
         for connections in connections() {
-            let (rate, p99) = over_http(connections, OF_RECORDS).await;
+            let times = over_http(connections, OF_RECORDS).await;
+            let (rate, p99) = (times.rate(), times.quantile(0.99));
             println!(
                 "{:<34}{rate:>9.0} records/s  {:>5.2} of bare  p99 {:.1} ms",
                 format!("HTTP, {connections} connections"),
@@ -64,8 +67,8 @@ fn main() {
         // Short runs by turns: what else the machine does falls on both.
         let (mut one_campaign, mut one_record) = (0.0, 0.0);
         for _ in 0..4 {
-            one_campaign += 1.0 / over_http(1, OF_CAMPAIGNS).await.0;
-            one_record += 1.0 / over_http(1, Load { count: CAMPAIGNS, ..OF_RECORDS }).await.0;
+            one_campaign += 1.0 / over_http(1, OF_CAMPAIGNS).await.rate();
+            one_record += 1.0 / over_http(1, Load { count: CAMPAIGNS, ..OF_RECORDS }).await.rate();
         }
         println!(
             "{:<34}{:>9.0} campaigns/s, a campaign takes {:.2} of a record",
@@ -174,20 +177,16 @@ impl Running {
     }
 }
 
-/// Records a second, and the 99th percentile of the time to an answer.
-async fn over_http(connections: usize, load: Load) -> (f64, Duration) {
+async fn over_http(connections: usize, load: Load) -> Times {
     let running = Running::start().await;
     let begun = Instant::now();
     let mut senders = JoinSet::new();
     for imu in 0..connections {
         senders.spawn(post(running.address, imu, load, load.count / connections));
     }
-    let mut times: Vec<Duration> = senders.join_all().await.into_iter().flatten().collect();
-    let rate = times.len() as f64 / begun.elapsed().as_secs_f64();
-    times.sort_unstable();
-    let p99 = times[times.len() * 99 / 100];
+    let times = Times::of(senders.join_all().await.into_iter().flatten().collect(), begun);
     running.stop().await;
-    (rate, p99)
+    times
 }
 
 /// Records a second of one import, until its last answer is read.
@@ -207,36 +206,13 @@ async fn imported() -> f64 {
 }
 
 async fn post(address: SocketAddr, imu: usize, load: Load, count: usize) -> Vec<Duration> {
-    let stream = TcpStream::connect(address).await.expect("a connection");
-    stream.set_nodelay(true).expect("an option");
-    let mut stream = BufReader::new(stream);
+    let mut client = Client::connect(&address.to_string()).await;
     let mut times = Vec::with_capacity(count);
     for k in 0..count {
-        let (path, body) = (load.path, (load.body)(imu, k));
-        let head = format!("POST {path} HTTP/1.1\r\nhost: bench\r\ncontent-type: application/json\r\n");
-        let request = format!("{head}content-length: {}\r\n\r\n{body}", body.len());
+        let body = (load.body)(imu, k);
         let begun = Instant::now();
-        stream.write_all(request.as_bytes()).await.expect("a request");
-        assert_eq!(answer(&mut stream).await, 201);
+        assert_eq!(client.post(load.path, "application/json", &body).await.status, 201);
         times.push(begun.elapsed());
     }
     times
-}
-
-/// The status of the answer; its body is read and dropped.
-async fn answer(stream: &mut BufReader<TcpStream>) -> u16 {
-    let (mut line, mut status, mut length) = (String::new(), 0, 0);
-    loop {
-        line.clear();
-        stream.read_line(&mut line).await.expect("a line");
-        match line.trim_end().split_once(' ') {
-            None => break,
-            Some(("HTTP/1.1", rest)) => status = rest[..3].parse().expect("a status"),
-            Some(("content-length:", bytes)) => length = bytes.parse().expect("a length"),
-            Some(_) => {}
-        }
-    }
-    let mut body = vec![0; length];
-    stream.read_exact(&mut body).await.expect("a body");
-    status
 }

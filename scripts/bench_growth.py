@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+"""How cost grows: with the history, the gyros, the connections, the dwells and the processors.
+
+    scripts/bench_growth.py [--program target/release/gyrowatch] [--values 1000000]
+
+Every figure is a ratio to the first of its row as well. `--values` is the largest history, in coefficient values (two a gyro
+and calibration): 10^7 take some minutes to import. Standard library only; the client shares the machine.
+"""
+import argparse, http.client, json, multiprocessing, os, socket, subprocess, sys, tempfile, time
+from datetime import datetime, timedelta, timezone
+
+START = datetime(2000, 1, 1, 8, tzinfo=timezone.utc)
+PAPER = json.load(open("tests/data/paper.json"))
+SECONDS = 3
+
+
+class Service:
+    def __init__(self, program, processors=None):
+        self.dir = tempfile.TemporaryDirectory(prefix="gyrowatch-growth-")
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        environment = dict(os.environ, GYROWATCH_LISTEN=f"127.0.0.1:{self.port}",
+                           GYROWATCH_DATABASE_URL=f"sqlite://{self.dir.name}/g.db")
+        command = [program, "serve"] if processors is None else ["taskset", "-c", f"0-{processors - 1}", program, "serve"]
+        self.log = open(f"{self.dir.name}/log", "w")
+        self.process = subprocess.Popen(command, env=environment, stdout=self.log, stderr=self.log)
+        for _ in range(200):
+            try:
+                self.connect().close()
+                return
+            except OSError:
+                time.sleep(0.05)
+        sys.exit("the service does not answer")
+
+    def connect(self):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=600)
+        connection.connect()
+        connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return connection
+
+    def stop(self):
+        self.process.terminate()
+        self.process.wait()
+        self.log.close()
+        self.dir.cleanup()
+
+
+def record(imu, number):
+    one = json.loads(json.dumps(PAPER))
+    one["imu"] = f"IMU-{imu:05}"
+    one["calibrated_at"] = (START + timedelta(hours=6 * number, seconds=imu)).isoformat()
+    for gyro in one["gyros"]:
+        gyro["serial"] = f"L{imu:05}-{gyro['slot']}"
+        gyro["g_pulse_per_s_g0"][0] += 1e-5 * (number % 13)
+    return json.dumps(one)
+
+
+def send_lines(service, imus, first, last):
+    """Every IMU's calibrations from number `first` to before `last`; seconds that it took."""
+    connection, begun = service.connect(), time.perf_counter()
+    lines, stored = [], 0
+
+    def flush():
+        nonlocal lines, stored
+        connection.request("POST", "/v1/import", "\n".join(lines), {"content-type": "application/x-ndjson"})
+        text = connection.getresponse().read().decode()
+        assert text.count('"status":201') == len(lines), text[:300]
+        stored, lines = stored + len(lines), []
+
+    for number in range(first, last):
+        for imu in range(imus):
+            lines.append(record(imu, number))
+            if len(lines) == 5000:
+                flush()
+    if lines:
+        flush()
+    connection.close()
+    return stored / (time.perf_counter() - begun)
+
+
+def closed_loop(port, method, path, bodies, seconds):
+    """Requests that one connection gets answered; None as a body where there is none."""
+    connection = http.client.HTTPConnection("127.0.0.1", port)
+    connection.connect()
+    connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    times, until, number = [], time.perf_counter() + seconds, 0
+    while time.perf_counter() < until:
+        body = bodies(number) if callable(bodies) else bodies
+        begun = time.perf_counter()
+        connection.request(method, path, body, {"content-type": "application/json"})
+        answer = connection.getresponse()
+        answer.read()
+        assert answer.status in (200, 201), answer.status
+        times.append(time.perf_counter() - begun)
+        number += 1
+    return sorted(times)
+
+
+def row(title, unit, figures):
+    base = figures[0][1]
+    print(f"{title}\n  " + "   ".join(f"{name}: {value:.4g} {unit} ({value / base:.2f})" for name, value in figures), flush=True)
+
+
+def median(times):
+    return times[len(times) // 2]
+
+
+def with_history(program, most):
+    """One fleet of 100 IMUs whose history grows: import, then a trend, the fleet's page and a record."""
+    service, imus, done = Service(program), 100, 0
+    rates, trends, pages, records = [], [], [], []
+    values = 10_000
+    while values <= most:
+        calibrations = max(values // (6 * imus), 1)
+        rates.append((f"10^{len(str(values)) - 1} values", send_lines(service, imus, done, calibrations)))
+        done = calibrations
+        name = rates[-1][0]
+        trend = f"/v1/gyros/L00001-G1/trend?coefficient=D_I&last={min(1000, calibrations)}"
+        trends.append((name, 1e6 * median(closed_loop(service.port, "GET", trend, None, SECONDS))))
+        pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
+        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(50_000, len(records) * 100_000 + k), SECONDS)
+        records.append((name, len(posted) / SECONDS))
+        values *= 10
+    service.stop()
+    row("history: import", "records/s", rates)
+    row("history: up to the last 1,000 points of a gyro", "us", trends)
+    row("history: the fleet's page", "ms", pages)
+    row("history: records over one connection", "/s", records)
+
+
+def with_gyros(program):
+    rates, pages, records = [], [], []
+    for imus in (1, 34, 334, 3334):
+        service = Service(program)
+        name = f"{3 * imus} gyros"
+        rates.append((name, send_lines(service, imus, 0, max(20_000 // imus, 3))))
+        pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
+        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(k % imus, 50_000 + k // imus), SECONDS)
+        records.append((name, len(posted) / SECONDS))
+        service.stop()
+    row("gyros: import of 20,000 records or three a gyro", "records/s", rates)
+    row("gyros: the fleet's page", "ms", pages)
+    row("gyros: records over one connection", "/s", records)
+
+
+def sender(port, imu, seconds):
+    return closed_loop(port, "POST", "/v1/records", lambda k: record(imu, k), seconds)
+
+
+def with_connections(program):
+    rates, tails = [], []
+    for connections in (1, 4, 16, 64, 256):
+        service = Service(program)
+        with multiprocessing.Pool(connections) as pool:
+            times = sorted(sum(pool.starmap(sender, [(service.port, imu, SECONDS) for imu in range(connections)]), []))
+        rates.append((str(connections), len(times) / SECONDS))
+        tails.append((str(connections), 1e3 * times[int(0.99 * len(times))]))
+        service.stop()
+    row("connections: records", "/s", rates)
+    row("connections: p99", "ms", tails)
+
+
+def with_processors(program):
+    rates = []
+    for processors in (1, 2):
+        service = Service(program, processors)
+        with multiprocessing.Pool(16) as pool:
+            times = sum(pool.starmap(sender, [(service.port, imu, SECONDS) for imu in range(16)]), [])
+        rates.append((str(processors), len(times) / SECONDS))
+        service.stop()
+    row("processors of the service (the client has both): records over 16 connections", "/s", rates)
+
+
+def with_dwells(program):
+    """Campaigns of a design that is repeated: the command line's time less that of doing nothing."""
+    campaign = json.load(open("tests/data/practice/campaign-00.json"))
+    empty = seconds_of([program, "--version"])
+    fits, diagnoses = [], []
+    for count in (24, 78, 250, 1000):
+        dwells, at = [], 0.0
+        for k in range(count):
+            dwell = dict(campaign["dwells"][k % len(campaign["dwells"])])
+            dwell["start_s"], at = at, at + dwell["duration_s"] + 60
+            dwells.append(dwell)
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump(dict(campaign, dwells=dwells), file)
+            file.flush()
+            fits.append((f"{count} dwells", 1e3 * (seconds_of([program, "calibrate", file.name]) - empty)))
+            if count > 24:  # 24 positions alone leave too little to hold the model against
+                diagnoses.append((f"{count} dwells", 1e3 * (seconds_of([program, "diagnose", file.name]) - empty)))
+    row("dwells: calibrate", "ms", fits)
+    row("dwells: diagnose", "ms", diagnoses)
+
+
+def seconds_of(command):
+    times = []
+    for _ in range(5):
+        begun = time.perf_counter()
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        times.append(time.perf_counter() - begun)
+    return median(sorted(times))
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    options.add_argument("--program", default="target/release/gyrowatch")
+    options.add_argument("--values", type=int, default=1_000_000)
+    asked = options.parse_args()
+    with_dwells(asked.program)
+    with_connections(asked.program)
+    with_processors(asked.program)
+    with_gyros(asked.program)
+    with_history(asked.program, asked.values)
+
+
+if __name__ == "__main__":
+    main()

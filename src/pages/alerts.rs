@@ -2,13 +2,12 @@
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
-use axum::http::HeaderMap;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, own_form, see_other};
+use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -238,21 +237,13 @@ pub(super) async fn ask(
 pub(super) async fn act(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path((id, deed)): Path<(String, String)>,
     Form(said): Form<Said>,
 ) -> Response {
-    answered(&viewer, done(&pages, &viewer, &headers, (&id, &deed), &said).await)
+    answered(&viewer, done(&pages, &viewer, (&id, &deed), &said).await)
 }
 
-async fn done(
-    pages: &Pages,
-    viewer: &Viewer,
-    headers: &HeaderMap,
-    (id, deed): (&str, &str),
-    said: &Said,
-) -> Result<Response, Problem> {
-    own_form(headers)?;
+async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &Said) -> Result<Response, Problem> {
     let silence = is_silence(deed)?;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();

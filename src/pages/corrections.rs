@@ -3,14 +3,13 @@
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
-use axum::http::HeaderMap;
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
 use super::course::name;
 use super::figure;
-use super::form::{Deed, Word, answered, own_form, see_other};
+use super::form::{Deed, Word, answered, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -51,37 +50,28 @@ pub(super) async fn ask_bench(
 pub(super) async fn void_record(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Response {
     let item = calibration(&pages, &viewer, &id).await;
-    answered(&viewer, void(&pages, &viewer, &headers, item, word).await)
+    answered(&viewer, void(&pages, &viewer, item, word).await)
 }
 
 pub(super) async fn void_bench(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Response {
     let item = bench(&pages, &viewer, &id).await;
-    answered(&viewer, void(&pages, &viewer, &headers, item, word).await)
+    answered(&viewer, void(&pages, &viewer, item, word).await)
 }
 
 fn asked(viewer: &Viewer, item: Result<Item, Problem>, word: &Word) -> Response {
     viewer.show(item.map(|item| with_form(viewer, &item, word, |deed| deed.page(viewer, word, &Faults::default()))))
 }
 
-async fn void(
-    pages: &Pages,
-    viewer: &Viewer,
-    headers: &HeaderMap,
-    item: Result<Item, Problem>,
-    word: Word,
-) -> Result<Response, Problem> {
-    own_form(headers)?;
+async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word: Word) -> Result<Response, Problem> {
     let item = item?;
     let mut faults = Faults::default();
     word.check(viewer, &mut faults);

@@ -2,13 +2,12 @@
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
-use axum::http::HeaderMap;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::form::{Deed, Word, answered, own_form, see_other};
+use super::form::{Deed, Word, answered, see_other};
 use super::gyro;
 use super::layout::{Section, encoded};
 use super::viewer::Viewer;
@@ -44,11 +43,10 @@ pub(super) async fn ask(
 pub(super) async fn act(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path(serial): Path<String>,
     Form(said): Form<Said>,
 ) -> Response {
-    answered(&viewer, done(&pages, &viewer, &headers, &serial, &said).await)
+    answered(&viewer, done(&pages, &viewer, &serial, &said).await)
 }
 
 fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
@@ -56,14 +54,7 @@ fn known(pages: &Pages, serial: &str) -> Result<Name, Problem> {
     Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))
 }
 
-async fn done(
-    pages: &Pages,
-    viewer: &Viewer,
-    headers: &HeaderMap,
-    serial: &str,
-    said: &Said,
-) -> Result<Response, Problem> {
-    own_form(headers)?;
+async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Result<Response, Problem> {
     let name = known(pages, serial)?;
     let mut faults = Faults::default();
     said.word.check(viewer, &mut faults);

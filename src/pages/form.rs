@@ -1,7 +1,8 @@
-//! Forms: taken from this site's own pages alone, and for whatever changes something, with who, why, and that it is meant.
+//! Forms for whatever changes something: with who, why, and that it is meant. That they come from this site's own pages is seen to
+//! where every request is admitted.
 
-use axum::http::header::{HOST, LOCATION, ORIGIN};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
+use axum::http::header::LOCATION;
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -12,25 +13,6 @@ use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
 use crate::wire::problem::Problem;
 use crate::wire::text;
-
-/// What browsers say of where a request comes from (W3C Fetch Metadata).
-const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
-
-/// Refuses forms that another site's page sends with this viewer's hands.
-pub(super) fn own_form(headers: &HeaderMap) -> Result<(), Problem> {
-    let text = |name: HeaderName| headers.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
-    let same_origin = match (text(ORIGIN), text(HOST)) {
-        (None, _) => true,
-        (Some(origin), host) => origin.split_once("://").map(|(_, host)| host) == host,
-    };
-    // `none`: the viewer's own doing, as loading a page again.
-    let same_site = text(FETCH_SITE).is_none_or(|site| site == "same-origin" || site == "none");
-    if same_origin && same_site {
-        Ok(())
-    } else {
-        Err(Problem::new(403, "Foreign form", "the form was sent from another site"))
-    }
-}
 
 /// What has come of a form: where its sender is to go on, or the page that says why not.
 pub(super) fn answered(viewer: &Viewer, done: Result<Response, Problem>) -> Response {
@@ -142,24 +124,6 @@ fn field(t: &Text, pointer: &str) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn status(origin: &str, site: &str) -> Result<(), u16> {
-        let mut headers = HeaderMap::new();
-        headers.insert(HOST, "gyros.example:8080".parse().unwrap());
-        for (name, value) in [(ORIGIN, origin), (FETCH_SITE, site)] {
-            if !value.is_empty() {
-                headers.insert(name, value.parse().unwrap());
-            }
-        }
-        own_form(&headers).map_err(|problem| problem.status)
-    }
-
-    #[test]
-    fn a_form_is_taken_from_this_site_alone() {
-        assert_eq!((status("", ""), status("https://gyros.example:8080", "same-origin")), (Ok(()), Ok(())));
-        assert_eq!((status("https://evil.example", ""), status("null", "")), (Err(403), Err(403)));
-        assert_eq!((status("", "cross-site"), status("", "same-site")), (Err(403), Err(403)));
-    }
 
     #[test]
     fn nobody_is_sent_elsewhere_afterwards() {

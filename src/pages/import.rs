@@ -5,13 +5,11 @@
 
 use axum::Extension;
 use axum::extract::State as Held;
-use axum::http::HeaderMap;
 use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
-use super::form::own_form;
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::off_the_loop;
 use super::pieces::{Piece, pieces};
@@ -33,12 +31,8 @@ pub(super) async fn preview(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Extension(caller): Extension<Caller>,
-    headers: HeaderMap,
     form: String,
 ) -> Response {
-    if let Err(foreign) = own_form(&headers) {
-        return viewer.show(Err(foreign));
-    }
     off_the_loop(move || viewer.show(Ok(previewed(&pages.pipeline, &viewer, &caller, &text_of(&form))))).await
 }
 
@@ -46,12 +40,8 @@ pub(super) async fn store(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Extension(caller): Extension<Caller>,
-    headers: HeaderMap,
     form: String,
 ) -> Response {
-    if let Err(foreign) = own_form(&headers) {
-        return viewer.show(Err(foreign));
-    }
     let pipeline = pages.pipeline.clone();
     let read = off_the_loop(move || read_all(&pipeline, &caller, &text_of(&form))).await;
     let outcomes = submit(&pages.pipeline, read).await;

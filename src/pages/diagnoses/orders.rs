@@ -2,7 +2,6 @@
 
 use axum::Form;
 use axum::extract::{Path, State as Held};
-use axum::http::HeaderMap;
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
@@ -11,7 +10,7 @@ use super::{Filters, at, beginning, build, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::pages::Pages;
-use crate::pages::form::{answered, own_form, see_other};
+use crate::pages::form::{answered, see_other};
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{DiagnosisOrder, Id};
@@ -45,14 +44,8 @@ impl Wanted {
     }
 }
 
-pub(in crate::pages) async fn start(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    headers: HeaderMap,
-    Form(wanted): Form<Wanted>,
-) -> Response {
+pub(in crate::pages) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Form(wanted): Form<Wanted>) -> Response {
     let started = async {
-        own_form(&headers)?;
         match pages.pipeline.check_wanted_diagnoses(wanted.which()) {
             Ok(order) => {
                 pages.pipeline.order_diagnoses(DiagnosisOrder::Start(order)).await?;
@@ -67,14 +60,8 @@ pub(in crate::pages) async fn start(
     answered(&viewer, started.await)
 }
 
-pub(in crate::pages) async fn cancel(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    headers: HeaderMap,
-    Path(id): Path<String>,
-) -> Response {
+pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let canceled = async {
-        own_form(&headers)?;
         let unknown = || Problem::new(404, "No such diagnoses", format!("there is no order of diagnoses {id}"));
         let number: Id = id.parse().map_err(|_| unknown())?;
         pages.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number)).await?;

@@ -2,7 +2,7 @@
 
 use axum::Form;
 use axum::extract::{Path, State as Held};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
 use axum::response::Response;
 use maud::html;
 use serde::Deserialize;
@@ -12,7 +12,7 @@ use super::known;
 use crate::core::fault::Faults;
 use crate::core::judge::Severity;
 use crate::pages::Pages;
-use crate::pages::form::{Deed, Word, answered, own_form, see_other};
+use crate::pages::form::{Deed, Word, answered, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
 use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
@@ -63,17 +63,11 @@ pub(in crate::pages) async fn ask_add(viewer: Viewer) -> Response {
     viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
 }
 
-pub(in crate::pages) async fn add(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    headers: HeaderMap,
-    Form(new): Form<NewHook>,
-) -> Response {
-    answered(&viewer, added(&pages, &viewer, &headers, &new).await)
+pub(in crate::pages) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewHook>) -> Response {
+    answered(&viewer, added(&pages, &viewer, &new).await)
 }
 
-async fn added(pages: &Pages, viewer: &Viewer, headers: &HeaderMap, new: &NewHook) -> Result<Response, Problem> {
-    own_form(headers)?;
+async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     new.word.check_meant(viewer, &mut faults);
     let read = pages.pipeline.read_hook(new.document().to_string().as_bytes());
@@ -143,12 +137,10 @@ pub(in crate::pages) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewe
 pub(in crate::pages) async fn delete(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path(id): Path<String>,
     Form(word): Form<Word>,
 ) -> Response {
     let deleted = async {
-        own_form(&headers)?;
         let (id, hook) = known(&pages, &id).await?;
         let mut faults = Faults::default();
         word.check_meant(&viewer, &mut faults);
@@ -175,14 +167,8 @@ fn delete_form<T>(viewer: &Viewer, id: Id, url: &str, show: impl FnOnce(&Deed<'_
     })
 }
 
-pub(in crate::pages) async fn test(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    headers: HeaderMap,
-    Path(id): Path<String>,
-) -> Response {
+pub(in crate::pages) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let tested = async {
-        own_form(&headers)?;
         let (number, _) = known(&pages, &id).await?;
         pages.pipeline.order(Order::Test(number)).await?;
         Ok(see_other(&format!("/hooks/{id}")))
@@ -198,12 +184,10 @@ pub(in crate::pages) struct Switch {
 pub(in crate::pages) async fn switch(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path(id): Path<String>,
     Form(switch): Form<Switch>,
 ) -> Response {
     let switched = async {
-        own_form(&headers)?;
         let (number, _) = known(&pages, &id).await?;
         let document = json!({"enabled": switch.enabled == "true"}).to_string();
         let patch = pages.pipeline.read_hook_patch(document.as_bytes());
@@ -217,11 +201,9 @@ pub(in crate::pages) async fn switch(
 pub(in crate::pages) async fn redeliver(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path((id, delivery)): Path<(String, String)>,
 ) -> Response {
     let sent = async {
-        own_form(&headers)?;
         let unknown = || Problem::new(404, "No such delivery", format!("there is no delivery {delivery}"));
         pages.pipeline.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
         known(&pages, &id).await?;
@@ -234,11 +216,9 @@ pub(in crate::pages) async fn redeliver(
 pub(in crate::pages) async fn redeliver_dead(
     Held(pages): Held<Pages>,
     viewer: Viewer,
-    headers: HeaderMap,
     Path(id): Path<String>,
 ) -> Response {
     let sent = async {
-        own_form(&headers)?;
         let (number, _) = known(&pages, &id).await?;
         let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };
         for delivery in pages.pipeline.deliveries(number, dead).await?.iter().rev() {

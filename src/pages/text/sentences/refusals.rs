@@ -30,7 +30,6 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ),
     ("there are {} hooks already, and no more can be", "已有{0}个通知目标，不能再多"),
     ("a standard-webhooks hook always signs: name a new secret instead", "standard-webhooks必须签名：请给出新的密钥"),
-    ("the form was sent from another site", "该表单由其他网站发出"),
     ("the same kind of event is stored at that very time with other words", "同一时刻已有同类事件，但说明不同"),
     (
         "an item with the same key is stored with other content (id {}); they differ at {}",

@@ -23,7 +23,7 @@ impl Backup {
     pub fn run(self) -> anyhow::Result<()> {
         let database = Config::load(&self.config, std::env::vars())?.database;
         let copied = block_on(async { Ok(store::backup(&database.options(), &self.file).await?) });
-        let holdings = copied.with_context(|| format!("no backup of {} was made", database.url))?;
+        let holdings = copied.with_context(|| format!("no backup of {} was made", database.options().shown()))?;
         println!("{}: {}", self.file.display(), in_words(&holdings));
         Ok(())
     }

@@ -33,8 +33,9 @@ impl Restore {
         }
         let database = Config::load(&self.config, std::env::vars())?.database;
         let restored = block_on(async { Ok(store::restore(&self.file, &database.options()).await?) });
-        let holdings = restored.with_context(|| format!("{file} was not restored to {}", database.url))?;
-        println!("{}: {}", database.url, in_words(&holdings));
+        let holdings =
+            restored.with_context(|| format!("{file} was not restored to {}", database.options().shown()))?;
+        println!("{}: {}", database.options().shown(), in_words(&holdings));
         Ok(())
     }
 }

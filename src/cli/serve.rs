@@ -52,7 +52,7 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
         .await
         .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
     let address = listener.local_addr().context("cannot tell the address listened on")?;
-    let database = || format!("cannot use the database {} (database.url)", config.database.url);
+    let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
     let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
@@ -65,7 +65,7 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: pipeline.clone() };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::router(pages));
-    tracing::info!(%address, database = %config.database.url, "listening");
+    tracing::info!(%address, database = %config.database.options().shown(), "listening");
     let scheme = if tls.is_some() { "https" } else { "http" };
     println!("gyrowatch listens on {scheme}://{address}");
     notify::tell(notify::READY);

@@ -65,7 +65,7 @@ impl Token {
             let mut beside = Beside::open(&options).await?;
             order.carry_out(&mut beside, Clock::System.now()).await
         };
-        block_on(work).with_context(|| format!("the database {}", database.url))
+        block_on(work).with_context(|| format!("the database {}", database.options().shown()))
     }
 }
 

@@ -26,11 +26,10 @@ const MOST_SHOWN: usize = 100;
 impl Verify {
     pub fn run(self) -> anyhow::Result<()> {
         let config = Config::load(&self.config, std::env::vars())?;
-        let url = config.database.url.clone();
+        let url = config.database.options().shown();
         let work = async {
-            // First what is read from the file at all: structure, hashes, checksums. The records follow one by one.
-            let file = config.database.options().file()?;
-            store::check_all_but_records(&file).await?;
+            // First what is read from the database at all: structure, hashes, checksums. The records follow one by one.
+            store::check_all_but_records(&config.database.options()).await?;
             let store = store::open_to_read(&config.database.options()).await?;
             let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
             Ok(reading.verify().await?)

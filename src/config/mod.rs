@@ -67,6 +67,7 @@ pub struct Database {
     pub busy_timeout_s: f64,
     pub cache_kib: u32,
     pub checkpoint_pages: u32,
+    pub lease_s: f64,
     pub max_waiting_writes: usize,
     pub max_group: usize,
 }
@@ -120,6 +121,7 @@ impl Database {
             busy_timeout: Duration::from_secs_f64(self.busy_timeout_s),
             cache_kib: self.cache_kib,
             checkpoint_pages: self.checkpoint_pages,
+            lease: Duration::from_secs_f64(self.lease_s),
         }
     }
 }
@@ -186,12 +188,14 @@ impl Config {
     ) -> Result<String, ConfigError> {
         let mut merged = merged(&files_or_found(files), environment)?;
         Self::read(merged.clone())?;
-        if let Some(Value::String(address)) = merged.pointer_mut("/hooks/external_url")
-            && let Ok(mut url) = url::Url::parse(address)
-            && url.password().is_some()
-            && url.set_password(Some("hidden")).is_ok()
-        {
-            *address = url.into();
+        for key in ["/hooks/external_url", "/database/url"] {
+            if let Some(Value::String(address)) = merged.pointer_mut(key)
+                && let Ok(mut url) = url::Url::parse(address)
+                && url.password().is_some()
+                && url.set_password(Some("hidden")).is_ok()
+            {
+                *address = url.into();
+            }
         }
         toml::to_string(&merged).map_err(|error| ConfigError::Key { key: String::new(), detail: error.to_string() })
     }
@@ -221,6 +225,7 @@ impl Config {
             ("server.max_import_line_bytes", self.server.max_import_line_bytes as f64),
             ("server.max_connections", self.server.max_connections as f64),
             ("database.busy_timeout_s", self.database.busy_timeout_s),
+            ("database.lease_s", self.database.lease_s),
             ("database.checkpoint_pages", f64::from(self.database.checkpoint_pages)),
             ("database.readers", f64::from(self.database.readers)),
             ("database.max_waiting_writes", self.database.max_waiting_writes as f64),

@@ -62,7 +62,7 @@ impl From<&StoreError> for Problem {
     fn from(error: &StoreError) -> Self {
         match error {
             StoreError::Full => Self::new(507, "No room left", "the service's disk is full; nothing was stored"),
-            StoreError::ReadOnly(_) | StoreError::Busy => {
+            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) => {
                 Self::new(503, "Cannot store", "the service's database cannot be written now; nothing was stored")
             }
             StoreError::NotDurable(_) => Self::new(

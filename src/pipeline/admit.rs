@@ -64,6 +64,16 @@ impl Newest {
         }
     }
 
+    /// Takes note of a record that another server has committed.
+    pub fn learn_of(&mut self, imu: u32, at: UtcMicros, gyros: &[u32]) {
+        let newest = self.imus.entry(imu).or_insert(at);
+        *newest = at.max(*newest);
+        for gyro in gyros {
+            let newest = self.gyros.entry(*gyro).or_insert((at, imu));
+            *newest = (at, imu).max(*newest);
+        }
+    }
+
     /// Each gyro with its newest record's instant and IMU.
     pub fn gyros(&self) -> impl Iterator<Item = (u32, UtcMicros, u32)> {
         self.gyros.iter().map(|(&gyro, &(at, imu))| (gyro, at, imu))

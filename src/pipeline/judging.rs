@@ -100,6 +100,11 @@ impl Judge {
         self.lines.clear();
     }
 
+    /// Forgets some gyros: others have written to their histories.
+    pub fn forget_of(&mut self, gyros: &[u32]) {
+        gyros.iter().for_each(|gyro| drop(self.lines.remove(gyro)));
+    }
+
     /// Keeps the memory within its bounds.
     pub fn tidy(&mut self) {
         if self.lines.values().map(Line::len).sum::<usize>() > MAX_SAMPLES {

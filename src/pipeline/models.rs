@@ -36,10 +36,13 @@ pub(super) struct ModelBook(Arc<RwLock<HashMap<u32, InForce>>>);
 impl ModelBook {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
         let book = Self::default();
-        for row in store.models_in_force().await? {
-            book.note(&row)?;
-        }
+        book.read_again(store).await?;
         Ok(book)
+    }
+
+    /// Takes over what others have adopted.
+    pub async fn read_again(&self, store: &Store) -> Result<(), StoreError> {
+        store.models_in_force().await?.iter().try_for_each(|row| self.note(row))
     }
 
     pub fn of(&self, imu: Option<u32>) -> InForce {

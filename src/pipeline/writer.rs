@@ -1,6 +1,7 @@
 //! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
 
 mod following;
+mod turns;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use crate::core::judge::{Rule, State, Verdict};
 use crate::store::{Id, Kind, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
+use turns::in_turn;
 
 /// Most items of one transaction: more would hold up others for longer than it saves.
 const MAX_ITEMS: usize = 8192;
@@ -38,6 +40,8 @@ pub(super) struct Task {
     benched: HashSet<u32>,
     hooks: HookBook,
     after: After,
+    /// What others have written could not be read: everything is read again before the next turn is used.
+    behind: bool,
 }
 
 /// Who is told of what has been written.
@@ -67,7 +71,7 @@ impl Task {
         let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
         let alerts = AlertBook::load(&store, config.alerts.policy()).await?;
         let benched = store.gyros_on_benches().await?.into_iter().collect();
-        Ok(Self { store, writer, clock, config, newest, judge, alerts, benched, hooks, after })
+        Ok(Self { store, writer, clock, config, newest, judge, alerts, benched, hooks, after, behind: false })
     }
 
     /// Works until every sender is gone and the queue is empty, then closes the database.
@@ -75,10 +79,12 @@ impl Task {
         let max_group = self.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
+        let mut moves = self.store.moves();
         loop {
             tokio::select! {
                 received = queue.recv_many(&mut jobs, max_group) => if received == 0 { break },
                 _ = ticks.tick() => self.tick().await,
+                Some(missed) = turns::next_of(&mut moves) => self.hear_of(&missed).await,
             }
             let (mut group, mut items) = (Vec::new(), 0);
             let (mut orders, mut attempts) = (Orders::new(), Attempts::new());
@@ -94,26 +100,32 @@ impl Task {
                         continue;
                     }
                     Job::Model { adoption, by, reply } => {
-                        let (store, models) = (&self.store, &self.after.models);
-                        let _gone =
-                            reply.send(adopt(store, &mut self.writer, &self.clock, models, &adoption, &by).await);
+                        let adopted = in_turn!(self, {
+                            let (store, models) = (&self.store, &self.after.models);
+                            adopt(store, &mut self.writer, &self.clock, models, &adoption, &by)
+                        });
+                        let _gone = reply.send(adopted);
                         self.after.due.send_modify(|moved| *moved += 1);
                         continue;
                     }
                     Job::Diagnoses { order, by, reply } => {
-                        let _gone = reply.send(self.order_diagnoses(&order, &by).await);
+                        let done = in_turn!(self, self.order_diagnoses(&order, &by));
+                        let _gone = reply.send(done);
                         continue;
                     }
                     Job::Diagnosed { made, reply } => {
-                        let _gone = reply.send(made.keep(&mut self.writer, &self.after.models).await);
+                        let kept = in_turn!(self, made.keep(&mut self.writer, &self.after.models));
+                        let _gone = reply.send(kept);
                         continue;
                     }
                     Job::Alert { order, by, reply } => {
-                        let _gone = reply.send(self.obey(&order, &by).await);
+                        let done = in_turn!(self, self.obey(&order, &by));
+                        let _gone = reply.send(done);
                         continue;
                     }
                     Job::Access { order, by, reply } => {
-                        let _gone = reply.send(self.register(&order, &by).await);
+                        let done = in_turn!(self, self.register(&order, &by));
+                        let _gone = reply.send(done);
                         continue;
                     }
                     Job::Probe(reply) => {
@@ -152,22 +164,26 @@ impl Task {
 
     /// What people order has one transaction each, attempts share one.
     async fn carry_out(&mut self, orders: Orders, attempts: Attempts) {
-        let now = self.clock.now();
-        let old_secret_until = self.config.hooks.old_secret_until(now);
-        let mut desk = HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until };
         let changed = !orders.is_empty() || attempts.iter().any(|(attempted, _)| attempted.gone.is_some());
         for (order, by, reply) in orders {
-            let _gone = reply.send(desk.carry_out(&order, &by).await);
+            let done = in_turn!(self, self.hook_desk().carry_out(&order, &by));
+            let _gone = reply.send(done);
         }
         if !attempts.is_empty() {
-            let written = desk.write_down(attempts.iter().map(|(attempted, _)| attempted)).await.map_err(Arc::new);
+            let written = in_turn!(self, self.hook_desk().write_down(attempts.iter().map(|(attempted, _)| attempted)));
             for (_, reply) in attempts {
-                let _gone = reply.send(written.clone().map_err(Refused::Store));
+                let _gone = reply.send(written.clone());
             }
         }
         if changed {
             self.look_at_hooks().await;
         }
+    }
+
+    fn hook_desk(&mut self) -> HookDesk<'_> {
+        let now = self.clock.now();
+        let old_secret_until = self.config.hooks.old_secret_until(now);
+        HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until }
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
@@ -216,16 +232,28 @@ impl Task {
     }
 
     async fn store_group(&mut self, items: &[&Submission]) -> Result<Vec<Reply>, StoreError> {
-        let stored = self.try_group(items).await;
-        match &stored {
-            Ok(_) => self.judge.tidy(),
-            // What was remembered of the gyros is ahead of what is stored.
-            Err(_) => {
-                self.judge.forget();
-                self.alerts.forget();
+        let mut tries = 0;
+        loop {
+            let stored = match self.begin().await {
+                Ok(()) => self.try_group(items).await,
+                Err(error) => Err(error),
+            };
+            self.writer.give_back().await;
+            match stored {
+                Ok(replies) => {
+                    self.judge.tidy();
+                    return Ok(replies);
+                }
+                // What was remembered of the gyros is ahead of what is stored.
+                Err(error) => {
+                    self.judge.forget();
+                    self.alerts.forget();
+                    if !turns::another_try(&error, &mut tries).await {
+                        return Err(error);
+                    }
+                }
             }
         }
-        stored
     }
 
     async fn try_group(&mut self, items: &[&Submission]) -> Result<Vec<Reply>, StoreError> {

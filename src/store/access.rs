@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use sqlx::sqlite::SqliteRow;
-use sqlx::{ConnectOptions, Row as _, SqliteConnection};
+use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::batch::{Batch, Rows};
-use super::commit::{Changes, batch_of};
+use super::commit::{Changes, Writer, batch_of};
+use super::db::{Cells, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::{Id, IdSource};
 use super::lock;
 use super::open::{Options, Store, connect_options, last_id, migrate};
+use super::postgres;
 use crate::core::access::Role;
 use crate::core::time::UtcMicros;
 
@@ -98,11 +99,11 @@ pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
             .optional_integer(token.revoked_at.map(|at| at.0));
     }
     batch.add(
-        "INSERT INTO token (id, name, role, station, secret_sha256, created_at, expires_at, revoked_at)
-         SELECT value->>0, value->>1, value->>2, value->>3, substr($BYTES, value->>4, value->>5), value->>6, value->>7,
-             value->>8
-         FROM json_each($ROWS) WHERE true
-         ON CONFLICT (id) DO UPDATE SET revoked_at = excluded.revoked_at",
+        insert!(
+            "token (id, name, role, station, secret_sha256, created_at, expires_at, revoked_at)",
+            [int 0, text 1, text 2, text 3, blob 4 5, int 6, int 7, int 8],
+            "ON CONFLICT (id) DO UPDATE SET revoked_at = excluded.revoked_at"
+        ),
         rows,
     );
     let mut rows = Rows::default();
@@ -115,15 +116,24 @@ pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
             .integer(session.expires_at.0);
     }
     batch.add(
-        "INSERT INTO session (id, token, secret_sha256, began_at, expires_at)
-         SELECT value->>0, value->>1, substr($BYTES, value->>2, value->>3), value->>4, value->>5 FROM json_each($ROWS)",
+        insert!(
+            "session (id, token, secret_sha256, began_at, expires_at)",
+            [int 0, int 1, blob 2 3, int 4, int 5]
+        ),
         rows,
     );
     let mut rows = Rows::default();
     for id in &changes.ended {
         rows.row().integer(id.0);
     }
-    batch.add("DELETE FROM session WHERE id IN (SELECT value->>0 FROM json_each($ROWS))", rows);
+    batch.add(
+        Sql {
+            sqlite: "DELETE FROM session WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+            postgres: "DELETE FROM session WHERE id IN (SELECT CAST(j.value->>0 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+        },
+        rows,
+    );
     let mut rows = Rows::default();
     for line in &changes.audit {
         rows.row()
@@ -138,31 +148,32 @@ pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
             .optional_text(line.after.as_deref());
     }
     batch.add(
-        "INSERT INTO audit (id, at, who, token, source, action, subject, before, after)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7, value->>8
-         FROM json_each($ROWS)",
+        insert!(
+            "audit (id, at, who, token, source, action, subject, before, after)",
+            [int 0, int 1, text 2, int 3, text 4, text 5, text 6, text 7, text 8]
+        ),
         rows,
     );
 }
 
-fn hash(row: &SqliteRow) -> Result<[u8; 32], StoreError> {
-    let bytes: Vec<u8> = row.try_get("secret_sha256")?;
+fn hash(row: &impl Cells) -> Result<[u8; 32], StoreError> {
+    let bytes: Vec<u8> = row.cell("secret_sha256")?;
     bytes.try_into().map_err(|_| StoreError::Damaged("the hash of a token has another length".to_owned()))
 }
 
-fn token(row: &SqliteRow) -> Result<TokenRow, StoreError> {
-    let id = Id(row.try_get("id")?);
-    let role: String = row.try_get("role")?;
+fn token(row: &impl Cells) -> Result<TokenRow, StoreError> {
+    let id = Id(row.cell("id")?);
+    let role: String = row.cell("role")?;
     let damaged = || StoreError::Damaged(format!("token {id} has the role {role:?}, which is none"));
     Ok(TokenRow {
         id,
-        name: row.try_get("name")?,
+        name: row.cell("name")?,
         role: Role::from_name(&role).ok_or_else(damaged)?,
-        station: row.try_get("station")?,
+        station: row.cell("station")?,
         secret_sha256: hash(row)?,
-        created_at: UtcMicros(row.try_get("created_at")?),
-        expires_at: row.try_get::<Option<i64>, _>("expires_at")?.map(UtcMicros),
-        revoked_at: row.try_get::<Option<i64>, _>("revoked_at")?.map(UtcMicros),
+        created_at: UtcMicros(row.cell("created_at")?),
+        expires_at: row.cell::<Option<i64>>("expires_at")?.map(UtcMicros),
+        revoked_at: row.cell::<Option<i64>>("revoked_at")?.map(UtcMicros),
     })
 }
 
@@ -172,22 +183,12 @@ const TOKENS: &str =
 impl Store {
     /// Every token there ever was, oldest first.
     pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
-        sqlx::query(TOKENS).fetch_all(&self.readers).await?.iter().map(token).collect()
+        on!(self.readers, db => sqlx::query(TOKENS).fetch_all(db).await?.iter().map(token).collect())
     }
 
     pub async fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
         let sql = "SELECT id, token, secret_sha256, began_at, expires_at FROM session ORDER BY id";
-        let rows = sqlx::query(sql).fetch_all(&self.readers).await?;
-        let session = |row: &SqliteRow| {
-            Ok(SessionRow {
-                id: Id(row.try_get("id")?),
-                token: Id(row.try_get("token")?),
-                secret_sha256: hash(row)?,
-                began_at: UtcMicros(row.try_get("began_at")?),
-                expires_at: UtcMicros(row.try_get("expires_at")?),
-            })
-        };
-        rows.iter().map(session).collect()
+        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(session).collect())
     }
 
     /// Lines of the audit trail, newest first, those before `before`.
@@ -201,38 +202,52 @@ impl Store {
                    WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
                        AND ($6 IS NULL OR subject = $6)
                    ORDER BY id DESC LIMIT $7";
-        let rows = sqlx::query(sql)
-            .bind(before.map_or(i64::MAX, |id| id.0))
-            .bind(filter.from.map_or(i64::MIN, |at| at.0))
-            .bind(filter.to.map_or(i64::MAX, |at| at.0))
-            .bind(&filter.who)
-            .bind(&filter.action)
-            .bind(&filter.subject)
-            .bind(limit)
-            .fetch_all(&self.readers)
-            .await?;
-        let line = |row: &SqliteRow| {
-            Ok(AuditRow {
-                id: Id(row.try_get("id")?),
-                at: UtcMicros(row.try_get("at")?),
-                who: row.try_get("who")?,
-                token: row.try_get::<Option<i64>, _>("token")?.map(Id),
-                source: row.try_get("source")?,
-                action: row.try_get("action")?,
-                subject: row.try_get("subject")?,
-                before: row.try_get("before")?,
-                after: row.try_get("after")?,
-            })
-        };
-        rows.iter().map(line).collect()
+        on!(self.readers, db => {
+            let query = sqlx::query(sql)
+                .bind(before.map_or(i64::MAX, |id| id.0))
+                .bind(filter.from.map_or(i64::MIN, |at| at.0))
+                .bind(filter.to.map_or(i64::MAX, |at| at.0))
+                .bind(&filter.who)
+                .bind(&filter.action)
+                .bind(&filter.subject)
+                .bind(Whole(limit));
+            query.fetch_all(db).await?.iter().map(line).collect()
+        })
     }
+}
+
+fn session(row: &impl Cells) -> Result<SessionRow, StoreError> {
+    Ok(SessionRow {
+        id: Id(row.cell("id")?),
+        token: Id(row.cell("token")?),
+        secret_sha256: hash(row)?,
+        began_at: UtcMicros(row.cell("began_at")?),
+        expires_at: UtcMicros(row.cell("expires_at")?),
+    })
+}
+
+fn line(row: &impl Cells) -> Result<AuditRow, StoreError> {
+    Ok(AuditRow {
+        id: Id(row.cell("id")?),
+        at: UtcMicros(row.cell("at")?),
+        who: row.cell("who")?,
+        token: row.cell::<Option<i64>>("token")?.map(Id),
+        source: row.cell("source")?,
+        action: row.cell("action")?,
+        subject: row.cell("subject")?,
+        before: row.cell("before")?,
+        after: row.cell("after")?,
+    })
 }
 
 /// A database beside the service that may be serving it: for commands that read tokens or write one row.
 #[derive(Debug)]
-pub struct Beside {
-    connection: SqliteConnection,
-    ids: IdSource,
+pub struct Beside(Aside);
+
+#[derive(Debug)]
+enum Aside {
+    File { connection: Box<SqliteConnection>, ids: IdSource },
+    Server { store: Store, writer: Box<Writer> },
 }
 
 impl Beside {
@@ -241,6 +256,11 @@ impl Beside {
     /// # Errors
     /// [`StoreError`].
     pub async fn open(options: &Options) -> Result<Self, StoreError> {
+        if options.is_server() {
+            let (store, mut writer) = postgres::open_beside(options).await?;
+            writer.take_turn().await?;
+            return Ok(Self(Aside::Server { store, writer: Box::new(writer) }));
+        }
         let connect = connect_options(options)?;
         let file: &Path = connect.get_filename();
         let lock = match lock::take(file) {
@@ -252,15 +272,23 @@ impl Beside {
             migrate(&mut connection).await?;
         }
         let ids = IdSource::after(last_id(&mut connection).await?);
-        Ok(Self { connection, ids })
+        Ok(Self(Aside::File { connection: Box::new(connection), ids }))
     }
 
     pub async fn tokens(&mut self) -> Result<Vec<TokenRow>, StoreError> {
-        sqlx::query(TOKENS).fetch_all(&mut self.connection).await?.iter().map(token).collect()
+        match &mut self.0 {
+            Aside::File { connection, .. } => {
+                sqlx::query(TOKENS).fetch_all(&mut **connection).await?.iter().map(token).collect()
+            }
+            Aside::Server { store, .. } => store.tokens().await,
+        }
     }
 
     pub fn next_id(&mut self, now: UtcMicros) -> Id {
-        self.ids.next(now)
+        match &mut self.0 {
+            Aside::File { ids, .. } => ids.next(now),
+            Aside::Server { writer, .. } => writer.next_id(now),
+        }
     }
 
     /// Writes in one transaction; on disk when this returns.
@@ -268,6 +296,10 @@ impl Beside {
     /// # Errors
     /// [`StoreError`]; then nothing is written.
     pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
-        batch_of(&Changes { access, ..Changes::default() }).commit(&mut self.connection).await
+        let changes = Changes { access, ..Changes::default() };
+        match &mut self.0 {
+            Aside::File { connection, .. } => batch_of(&changes).commit(connection).await,
+            Aside::Server { writer, .. } => writer.commit(&changes).await,
+        }
     }
 }

@@ -1,8 +1,7 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use sqlx::{Row as _, sqlite::SqliteRow};
-
 use super::batch::{Batch, Rows};
+use super::db::{Cells, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -73,20 +72,20 @@ pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
         row.optional_integer(alert.silenced_until.map(|until| until.0)).text(finding);
     }
     batch.add(
-        "INSERT INTO alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
+        insert!(
+            "alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
              told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
-             silenced_by, silenced_reason, silenced_at, silenced_until, finding)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7, value->>8,
-             value->>9, value->>10, value->>11, value->>12, value->>13, value->>14, value->>15, value->>16, value->>17,
-             value->>18, value->>19
-         FROM json_each($ROWS) WHERE true
-         ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
+             silenced_by, silenced_reason, silenced_at, silenced_until, finding)",
+            [int 0, int 1, text 2, text 3, text 4, text 5, int 6, int 7, int 8, int 9, int 10, text 11, text 12, text 13,
+             int 14, text 15, text 16, int 17, int 18, text 19],
+            "ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
              told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
              silenced_at, silenced_until, finding) =
             (excluded.status, excluded.severity, excluded.fired_at, excluded.resolved_at, excluded.record_at,
              excluded.within, excluded.told_at, excluded.told_severity, excluded.acknowledged_by,
              excluded.acknowledged_reason, excluded.acknowledged_at, excluded.silenced_by, excluded.silenced_reason,
-             excluded.silenced_at, excluded.silenced_until, excluded.finding)",
+             excluded.silenced_at, excluded.silenced_until, excluded.finding)"
+        ),
         rows,
     );
 }
@@ -105,9 +104,10 @@ pub(super) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
             .text(&step.body);
     }
     batch.add(
-        "INSERT INTO alert_step (id, alert, at, action, told, author, reason, body)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7
-         FROM json_each($ROWS)",
+        insert!(
+            "alert_step (id, alert, at, action, told, author, reason, body)",
+            [int 0, int 1, int 2, text 3, int 4, text 5, text 6, text 7]
+        ),
         rows,
     );
 }
@@ -116,17 +116,17 @@ const COLUMNS: &str = "SELECT id, gyro, coefficient, rule, status, severity, fir
                        told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
                        silenced_by, silenced_reason, silenced_at, silenced_until, finding FROM alert";
 
-fn alert(row: &SqliteRow) -> Result<AlertRow, StoreError> {
-    let id = Id(row.try_get("id")?);
+fn alert(row: &impl Cells) -> Result<AlertRow, StoreError> {
+    let id = Id(row.cell("id")?);
     let damaged = |what: &str| StoreError::Damaged(format!("alert {id}: unknown {what}"));
-    let text = |column: &str| row.try_get::<String, _>(column);
-    let instant = |column: &str| Ok::<_, sqlx::Error>(row.try_get::<Option<i64>, _>(column)?.map(UtcMicros));
+    let text = |column: &str| row.cell::<String>(column);
+    let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
     let severity = |column: &str| {
-        let name: Option<String> = row.try_get(column)?;
+        let name: Option<String> = row.cell(column)?;
         name.map(|name| Severity::from_name(&name).ok_or_else(|| damaged("severity"))).transpose()
     };
     let remark = |by: &str, reason: &str, at: &str| {
-        let (by, reason): (Option<String>, Option<String>) = (row.try_get(by)?, row.try_get(reason)?);
+        let (by, reason): (Option<String>, Option<String>) = (row.cell(by)?, row.cell(reason)?);
         let known = by.zip(reason).zip(instant(at)?);
         Ok::<_, sqlx::Error>(known.map(|((by, reason), at)| Remark { by, reason, at }))
     };
@@ -134,16 +134,16 @@ fn alert(row: &SqliteRow) -> Result<AlertRow, StoreError> {
     let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
     Ok(AlertRow {
         id,
-        gyro: row.try_get("gyro")?,
+        gyro: row.cell::<Whole<u32>>("gyro")?.0,
         coefficient: Coefficient::from_name(&text("coefficient")?).ok_or_else(|| damaged("coefficient"))?,
         rule: Rule::from_name(&text("rule")?).ok_or_else(|| damaged("rule"))?,
         alert: Alert {
             status: Status::from_name(&text("status")?).ok_or_else(|| damaged("status"))?,
             severity: severity("severity")?.ok_or_else(|| damaged("severity"))?,
-            fired_at: UtcMicros(row.try_get("fired_at")?),
+            fired_at: UtcMicros(row.cell("fired_at")?),
             resolved_at: instant("resolved_at")?,
-            record_at: UtcMicros(row.try_get("record_at")?),
-            within: row.try_get("within")?,
+            record_at: UtcMicros(row.cell("record_at")?),
+            within: row.cell::<Whole<u32>>("within")?.0,
             acknowledged: acknowledged.is_some(),
             silenced_until: instant("silenced_until")?,
             told: told_at.zip(severity("told_severity")?).map(|(at, severity)| Told { at, severity }),
@@ -175,49 +175,47 @@ impl Store {
         before: Option<Id>,
         limit: u32,
     ) -> Result<Vec<AlertRow>, StoreError> {
+        let imu = self.readers.words(Sql { sqlite: "finding->>'imu'", postgres: "CAST(finding AS JSONB)->>'imu'" });
         let sql = sqlx::AssertSqlSafe(format!(
             "{COLUMNS} WHERE id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
                  AND ($4 IS NULL OR rule = $4) AND ($5 IS NULL OR severity = $5)
-                 AND ($6 IS NULL OR finding->>'imu' = $6)
+                 AND ($6 IS NULL OR {imu} = $6)
                  AND ($7 IS NULL OR $7 = CASE WHEN status = 'resolved' THEN 'resolved'
                                               WHEN silenced_until > $8 THEN 'silenced'
                                               WHEN acknowledged_at IS NOT NULL THEN 'acknowledged'
                                               ELSE 'firing' END)
              ORDER BY id DESC LIMIT $9"
         ));
-        let rows = sqlx::query(sql)
+        on!(self.readers, db => sqlx::query(sql)
             .bind(before.map_or(i64::MAX, |id| id.0))
-            .bind(filter.gyro)
+            .bind(filter.gyro.map(Whole))
             .bind(filter.coefficient.map(Coefficient::name))
             .bind(filter.rule.map(Rule::name))
             .bind(filter.severity.map(Severity::name))
             .bind(filter.imu.as_deref())
             .bind(filter.standing.map(Standing::name))
             .bind(now.0)
-            .bind(limit)
-            .fetch_all(&self.readers)
-            .await?;
-        rows.iter().map(alert).collect()
+            .bind(Whole(limit))
+            .fetch_all(db)
+            .await?.iter().map(alert).collect())
     }
 
     /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
     pub async fn alerts(&self) -> Result<Vec<AlertRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
-        let rows = sqlx::query(sql).fetch_all(&self.readers).await?;
-        rows.iter().map(alert).collect()
+        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
     }
 
     pub async fn alert(&self, id: Id) -> Result<Option<AlertRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1"));
-        let row = sqlx::query(sql).bind(id.0).fetch_optional(&self.readers).await?;
-        row.as_ref().map(alert).transpose()
+        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())
     }
 
     /// The newest `limit` steps of an alert, oldest first.
     pub async fn alert_steps(&self, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
-        let sql = "SELECT id, alert, at, action, told, author, reason, body FROM alert_step
+        let sql = "SELECT id, alert, at, action, told <> 0, author, reason, body FROM alert_step
                    WHERE alert = $1 ORDER BY id DESC LIMIT $2";
-        let rows = sqlx::query_as(sql).bind(alert.0).bind(limit).fetch_all(&self.readers).await?;
+        let rows = on!(self.readers, db => sqlx::query_as(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?);
         Ok(rows.into_iter().rev().map(step).collect())
     }
 }
@@ -228,7 +226,7 @@ impl Store {
         let sql = "SELECT step.body FROM alert JOIN alert_step AS step
                    ON step.id = (SELECT max(id) FROM alert_step WHERE alert_step.alert = alert.id AND told = 1)
                    WHERE alert.told_at IS NOT NULL ORDER BY alert.id";
-        Ok(sqlx::query_scalar(sql).fetch_all(&self.readers).await?)
+        Ok(on!(self.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?))
     }
 }
 

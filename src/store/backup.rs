@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqliteConnection};
 
+use super::db::Readers;
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
 use super::lock::beside;
 use super::names::Names;
-use super::open::{MIGRATIONS, Options, Store, connect_options, load_names, migrate};
+use super::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
+use super::postgres;
 use super::tail::{SharedTail, Tail};
 use crate::system::sha256;
 
@@ -21,6 +23,11 @@ impl Options {
     /// # Errors
     /// [`StoreError`] where it names none.
     pub fn file(&self) -> Result<PathBuf, StoreError> {
+        if self.is_server() {
+            let why =
+                "is no file: a server's database is copied and put back with its own tools, pg_dump and pg_restore";
+            return Err(StoreError::File(format!("{} {why}", self.shown())));
+        }
         Ok(connect_options(self)?.get_filename().to_owned())
     }
 }
@@ -41,7 +48,7 @@ pub struct Holdings {
 /// [`StoreError`] where `target` exists, a file cannot be read or written, or the copy does not pass [`check`]; then
 /// there is no `target`.
 pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreError> {
-    let source = connect_options(options)?.get_filename().to_owned();
+    let source = options.file()?;
     let mut source = reading(&source).busy_timeout(options.busy_timeout).connect().await?;
     placed(target, async |part: &Path| {
         let into = part.to_str().ok_or_else(|| failed(part, &"its name is not UTF-8"))?;
@@ -56,7 +63,7 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreE
 /// # Errors
 /// As [`backup`]: a database that is there is never overwritten.
 pub async fn restore(file: &Path, options: &Options) -> Result<Holdings, StoreError> {
-    let target = connect_options(options)?.get_filename().to_owned();
+    let target = options.file()?;
     placed(&target, async |part: &Path| {
         fs::copy(file, part).map_err(|error| failed(file, &error))?;
         Ok(())
@@ -104,8 +111,14 @@ pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
 ///
 /// # Errors
 /// As [`check`].
-pub async fn check_all_but_records(file: &Path) -> Result<(), StoreError> {
-    read_through(file, false).await.map(|_| ())
+pub async fn check_all_but_records(options: &Options) -> Result<(), StoreError> {
+    if options.is_server() {
+        let store = postgres::open_to_read(options).await?;
+        contents(&store, false).await?;
+        store.close().await;
+        return Ok(());
+    }
+    read_through(&options.file()?, false).await.map(|_| ())
 }
 
 async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError> {
@@ -139,7 +152,7 @@ async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError>
         let mut connection = readers.acquire().await?;
         (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
     };
-    let store = Store { readers, names, tail, file: file.to_owned() };
+    let store = Store { readers: Readers::Sqlite(readers), names, tail, place: Place::File(file.to_owned()) };
     let holdings = contents(&store, records).await;
     store.close().await;
     holdings
@@ -150,6 +163,9 @@ async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError>
 /// # Errors
 /// [`StoreError::File`] where its schema is not of this version of the program.
 pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
+    if options.is_server() {
+        return postgres::open_to_read(options).await;
+    }
     let file = options.file()?;
     let connect = reading(&file).busy_timeout(options.busy_timeout);
     // One connection, inside one transaction for as long as it lives.
@@ -158,13 +174,10 @@ pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
     let (names, tail) = {
         let mut connection = readers.acquire().await?;
         sqlx::query("BEGIN").execute(&mut *connection).await?;
-        let version = schema(&mut connection, &file).await?;
-        if version < newest_version() {
-            return Err(failed(&file, &"written by an older version of gyrowatch: start the service on it once"));
-        }
+        check_schema(&mut connection, &file).await?;
         (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
     };
-    Ok(Store { readers, names, tail, file })
+    Ok(Store { readers: Readers::Sqlite(readers), names, tail, place: Place::File(file) })
 }
 
 async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {
@@ -178,6 +191,17 @@ async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> 
         None => Ok(()),
         Some(table) => Err(StoreError::Damaged(format!("a row of the table {table} refers to one that is missing"))),
     }
+}
+
+/// Refuses a file whose schema is not of this version of the program.
+///
+/// # Errors
+/// [`StoreError::File`].
+pub(super) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), StoreError> {
+    if schema(connection, file).await? < newest_version() {
+        return Err(failed(file, &"written by an older version of gyrowatch: start the service on it once"));
+    }
+    Ok(())
 }
 
 /// The newest migration that was made.
@@ -207,8 +231,8 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> 
         unchanged("record", id, &row.body, row.body_sha256)?;
         holdings.records += 1;
     }
-    let gyros: Vec<u32> = sqlx::query_scalar("SELECT id FROM gyro ORDER BY id").fetch_all(&store.readers).await?;
-    for gyro in gyros {
+    let gyros = store.names().read().gyros.len() as u32;
+    for gyro in 1..=gyros {
         holdings.gyros += 1;
         holdings.figures += store.history(gyro, Span::EVER, usize::MAX).await?.len();
         store.voided_history(gyro, Span::EVER).await?;

@@ -1,62 +1,65 @@
-//! Several statements in one round trip: many rows a statement, all statements in one transaction.
+//! What one transaction writes: many rows a statement.
 //!
-//! A driver's call costs more than SQLite's work for a row, so the rows of a statement travel as one JSON array of
+//! A driver's call costs more than a database's work for a row, so the rows of a statement travel as one JSON array of
 //! arrays (numbers) and one run of bytes (everything else) that the numbers point into.
 
 use std::fmt::Write as _;
 
 use sqlx::sqlite::SqliteArguments;
-use sqlx::{Arguments, AssertSqlSafe, SqliteConnection};
+use sqlx::{Arguments, AssertSqlSafe, PgConnection, SqliteConnection};
 
+use super::db::Sql;
 use super::error::StoreError;
 
 /// A transaction under construction.
-#[derive(Debug)]
-pub(super) struct Batch {
-    sql: String,
-    arguments: SqliteArguments,
-    /// Roughly how many pages of the log it takes.
-    pages: u32,
-}
+#[derive(Debug, Default)]
+pub(super) struct Batch(Vec<(Sql, Rows)>);
 
 /// SQLite's page size.
 const PAGE: usize = 4096;
 
 impl Batch {
-    pub fn new() -> Self {
-        Self { sql: "BEGIN IMMEDIATE".to_owned(), arguments: SqliteArguments::default(), pages: 0 }
-    }
-
-    /// Appends `sql` unless there are no rows. In it `$ROWS` stands for the JSON array, `$BYTES` for the bytes.
-    pub fn add(&mut self, sql: &'static str, rows: Rows) {
-        if rows.json.is_empty() {
-            return;
+    /// Appends `sql` unless there are no rows. For SQLite `$ROWS` stands in it for the JSON array and `$BYTES` for the bytes, for
+    /// PostgreSQL `$1` and `$2`.
+    pub fn add(&mut self, sql: Sql, rows: Rows) {
+        if !rows.json.is_empty() {
+            self.0.push((sql, rows));
         }
-        self.pages += rows.count + (rows.bytes.len() / PAGE) as u32;
-        let (first, second) = (self.arguments.len() + 1, self.arguments.len() + 2);
-        let sql = sql.replace("$ROWS", &format!("${first}")).replace("$BYTES", &format!("${second}"));
-        self.sql.push_str("; ");
-        self.sql.push_str(&sql);
-        self.bind(rows.json + "]");
-        self.bind(rows.bytes);
     }
 
-    fn bind<'t>(&mut self, value: impl sqlx::Encode<'t, sqlx::Sqlite> + sqlx::Type<sqlx::Sqlite> + 't) {
-        self.arguments.add(value).expect("text and bytes can always be encoded");
-    }
-
+    /// Roughly how many pages of SQLite's log it takes.
     pub fn pages(&self) -> u32 {
-        self.pages
+        self.0.iter().map(|(_, rows)| rows.count + (rows.bytes.len() / PAGE) as u32).sum()
     }
 
-    /// Runs everything and commits; after an error nothing of it remains.
-    pub async fn commit(mut self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
-        self.sql.push_str("; COMMIT");
-        let run = sqlx::query_with(AssertSqlSafe(self.sql), self.arguments).execute(&mut *connection).await;
+    /// Runs everything in one round trip and commits; after an error nothing of it remains.
+    pub async fn commit(self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
+        let (mut all, mut arguments) = ("BEGIN IMMEDIATE".to_owned(), SqliteArguments::default());
+        let cannot_fail = "text and bytes can always be encoded";
+        for (sql, rows) in self.0 {
+            let (first, second) = (arguments.len() + 1, arguments.len() + 2);
+            let sql = sql.sqlite.replace("$ROWS", &format!("${first}")).replace("$BYTES", &format!("${second}"));
+            all.push_str("; ");
+            all.push_str(&sql);
+            arguments.add(rows.json + "]").expect(cannot_fail);
+            arguments.add(rows.bytes).expect(cannot_fail);
+        }
+        all.push_str("; COMMIT");
+        let run = sqlx::query_with(AssertSqlSafe(all), arguments).execute(&mut *connection).await;
         if let Err(error) = run {
             // Some errors have rolled back by themselves; then this one has nothing to do and says so.
             let _nothing_left = sqlx::query("ROLLBACK").execute(connection).await;
             return Err(error.into());
+        }
+        Ok(())
+    }
+
+    /// Runs everything within the transaction that is open.
+    pub async fn run(self, connection: &mut PgConnection) -> Result<(), StoreError> {
+        for (sql, rows) in self.0 {
+            let query = sqlx::query(sql.postgres).bind(rows.json + "]");
+            let query = if sql.postgres.contains("$2") { query.bind(rows.bytes) } else { query };
+            query.execute(&mut *connection).await?;
         }
         Ok(())
     }

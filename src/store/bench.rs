@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::batch::{Batch, Rows};
+use super::db::{Whole, cell, insert, on};
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
@@ -46,20 +47,33 @@ pub(super) fn insert(benches: &[BenchRow], batch: &mut Batch) {
             .bytes(&bench.body_sha256);
     }
     batch.add(
-        "INSERT INTO bench_result
-             (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256)
-         SELECT value->>0, value->>1, value->>2, value->>3, CAST(substr($BYTES, value->>4, value->>5) AS TEXT),
-                value->>6, value->>7, value->>8, value->>9, value->>10,
-                CAST(substr($BYTES, value->>11, value->>12) AS TEXT), substr($BYTES, value->>13, value->>14)
-         FROM json_each($ROWS)",
+        insert!(
+            "bench_result
+             (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256)",
+            [int 0, int 1, int 2, int 3, words 4 5, real 6, real 7, real 8, real 9, int 10, words 11 12, blob 13 14]
+        ),
         rows,
     );
 }
 
-type Row = (i64, u32, u32, i64, String, f64, f64, Option<f64>, Option<f64>, bool, i64, String, Vec<u8>);
+type Row = (i64, Whole<u32>, Whole<u32>, i64, String, f64, f64, Option<f64>, Option<f64>, bool, i64, String, Vec<u8>);
 
 fn row(row: Row) -> Result<BenchRow, StoreError> {
-    let (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided, received_at, body, hash) = row;
+    let (
+        id,
+        Whole(gyro),
+        Whole(station),
+        measured_at,
+        method,
+        d_i,
+        d_s,
+        d_i_sd,
+        d_s_sd,
+        voided,
+        received_at,
+        body,
+        hash,
+    ) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("bench result {id}: {what}"));
     Ok(BenchRow {
@@ -83,13 +97,15 @@ impl Store {
             "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
                           body_sha256
                    FROM bench_result WHERE id = $1";
-        let found: Option<Row> = sqlx::query_as(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
         found.map(row).transpose()
     }
 
     /// Gyros that a bench has measured.
     pub async fn gyros_on_benches(&self) -> Result<Vec<u32>, StoreError> {
-        Ok(sqlx::query_scalar("SELECT DISTINCT gyro FROM bench_result").fetch_all(&self.readers).await?)
+        let sql = "SELECT DISTINCT gyro FROM bench_result";
+        let gyros: Vec<Whole<u32>> = on!(self.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?);
+        Ok(gyros.into_iter().map(|gyro| gyro.0).collect())
     }
 
     /// Bench results of a gyro within `span` that count, oldest first.
@@ -104,8 +120,7 @@ impl Store {
         let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
                           body_sha256
                    FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
-        let rows: Vec<Row> =
-            sqlx::query_as(sql).bind(gyro).bind(span.from.0).bind(span.to.0).fetch_all(&self.readers).await?;
+        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?);
         rows.into_iter().map(row).collect()
     }
 
@@ -118,8 +133,7 @@ impl Store {
     ) -> Result<Vec<RecordAt>, StoreError> {
         let sql = "SELECT id, body_sha256, voided <> 0 FROM bench_result
                    WHERE gyro = $1 AND measured_at = $2 AND method = $3 ORDER BY voided";
-        let found: Vec<(i64, Vec<u8>, bool)> =
-            sqlx::query_as(sql).bind(gyro).bind(at.0).bind(method.name()).fetch_all(&self.readers).await?;
+        let found: Vec<(i64, Vec<u8>, bool)> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(at.0).bind(method.name()).fetch_all(db).await?);
         Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
     }
 }

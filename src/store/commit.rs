@@ -1,29 +1,25 @@
-//! The writing side: one connection, one transaction a group, and checkpoints from a second connection.
-
-use sqlx::{Connection, SqliteConnection};
+//! The writing side: one connection, one transaction a group.
 
 use super::access::{self, AccessChanges};
 use super::alerts::{self, AlertRow, StepRow};
 use super::batch::{Batch, Rows};
 use super::bench::{self, BenchRow};
-use super::checkpoint::{self, Checkpoints};
 use super::correction::{self, CorrectionRow, Withdrawn};
+use super::db::{cell, insert};
 use super::delivery::{self, OutboxChanges};
 use super::diagnosis::{self, NewDiagnosis};
 use super::diagnosis_job::{self, JobChanges};
 use super::error::StoreError;
 use super::event::{self, EventRow};
+use super::file_writer::FileWriter;
 use super::gist;
-use super::halt::Halt;
 use super::history::HistoryRow;
 use super::hook::{self, HookRow};
 use super::id::{Id, IdSource};
 use super::keys::{self, KeyRow};
-use super::lock::Lock;
 use super::model::{self, ModelRow};
-use super::names::Names;
+use super::postgres::{Missed, ServerWriter};
 use super::record::{self, RecordRow};
-use super::tail::SharedTail;
 use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
 
@@ -65,7 +61,7 @@ pub struct Rejudged {
 
 impl Changes {
     /// Rows of the history in the order in which they hold: the last of a gyro and instant.
-    fn history_rows(&self) -> impl Iterator<Item = &HistoryRow> {
+    pub(super) fn history_rows(&self) -> impl Iterator<Item = &HistoryRow> {
         self.history.iter().chain(&self.rejudged.history)
     }
 
@@ -87,122 +83,99 @@ impl Changes {
     }
 }
 
-/// The only one who writes.
+/// The only one of this process who writes.
 #[derive(Debug)]
 pub struct Writer {
-    connection: SqliteConnection,
-    names: Names,
-    tail: SharedTail,
     ids: IdSource,
-    checkpoints: Checkpoints,
-    halt: Halt,
-    /// The last write failed: whether writing works again, only writing can tell.
-    in_doubt: bool,
-    _lock: Lock,
+    engine: Engine,
+}
+
+#[derive(Debug)]
+enum Engine {
+    File(Box<FileWriter>),
+    Server(Box<ServerWriter>),
 }
 
 impl Writer {
-    pub(super) fn new(
-        connection: SqliteConnection,
-        names: Names,
-        tail: SharedTail,
-        ids: IdSource,
-        checkpoints: Checkpoints,
-        halt: Halt,
-        lock: Lock,
-    ) -> Self {
-        Self { connection, names, tail, ids, checkpoints, halt, in_doubt: false, _lock: lock }
+    /// Of a database in a file, which no other process writes.
+    pub(super) fn of_file(ids: IdSource, writer: FileWriter) -> Self {
+        Self { ids, engine: Engine::File(Box::new(writer)) }
     }
 
-    pub fn names(&self) -> &Names {
-        &self.names
+    /// Of a database that other processes may write as well.
+    pub(super) fn of_server(writer: ServerWriter) -> Self {
+        Self { ids: IdSource::after(0), engine: Engine::Server(Box::new(writer)) }
     }
 
+    /// An identifier greater than every one before. To be asked during a turn.
     pub fn next_id(&mut self, now: UtcMicros) -> Id {
         self.ids.next(now)
     }
 
-    /// Writes all changes in one transaction; they are on disk when this returns. After an error nothing is stored.
+    /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes: what is read is what holds when this is
+    /// committed. Says what others have written since the last turn; names are known already.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn take_turn(&mut self) -> Result<Missed, StoreError> {
+        match &mut self.engine {
+            Engine::File(_) => Ok(Missed::default()),
+            Engine::Server(writer) => {
+                let missed = writer.take_turn().await?;
+                self.ids.go_on_after(writer.last_id());
+                Ok(missed)
+            }
+        }
+    }
+
+    /// Ends a turn in which nothing was committed; otherwise does nothing.
+    pub async fn give_back(&mut self) {
+        if let Engine::Server(writer) = &mut self.engine {
+            writer.give_back().await;
+        }
+    }
+
+    /// Writes all changes in one transaction, and ends the turn; they are on disk when this returns. After an error nothing is
+    /// stored.
     ///
     /// # Errors
     /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
     pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
-        self.halt.check()?;
-        let finished = self.checkpoints.finish(&mut self.connection).await;
-        self.in_doubt |= finished.is_err();
-        self.halt.heed(finished)?;
-        let mut batch = batch_of(changes);
-        let fold = {
-            let tail = self.tail.read();
-            let fold = tail.due(changes.history_rows().count());
-            tail.write(changes.history_rows(), &fold, &mut batch);
-            fold
-        };
-        let pages = batch.pages();
-        let committed = batch.commit(&mut self.connection).await;
-        self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
-        self.halt.heed(committed)?;
-        self.names.change(|tables| {
-            tables.imus.extend(&changes.imus);
-            tables.stations.extend(&changes.stations);
-            tables.gyros.extend(&changes.gyros);
-        });
-        self.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
-        self.checkpoints.written(pages);
-        Ok(())
+        match &mut self.engine {
+            Engine::File(writer) => writer.commit(changes).await,
+            Engine::Server(writer) => writer.commit(changes, self.ids.last()).await,
+        }
     }
 
-    /// Whether writing works: the database can be locked for it, and after a failure it takes a write.
+    /// Whether writing works.
     ///
     /// # Errors
     /// As [`Writer::commit`].
     pub async fn probe(&mut self) -> Result<(), StoreError> {
-        self.halt.check()?;
-        self.halt.heed(self.checkpoints.begin(&mut self.connection).await)?;
-        // The number is of no use to anyone else; setting it writes the first page.
-        let sql = if self.in_doubt {
-            "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
-        } else {
-            "BEGIN IMMEDIATE; ROLLBACK"
-        };
-        if let Err(error) = sqlx::query(sql).execute(&mut self.connection).await {
-            let _nothing_left = sqlx::query("ROLLBACK").execute(&mut self.connection).await;
-            return self.halt.heed(Err(error.into()));
+        match &mut self.engine {
+            Engine::File(writer) => writer.probe().await,
+            Engine::Server(writer) => writer.probe().await,
         }
-        self.in_doubt = false;
-        Ok(())
     }
 
-    /// Copies the whole log into the database and closes it.
-    pub async fn close(mut self) -> Result<(), StoreError> {
-        let copied = match self.halt.check() {
-            Ok(()) => self.halt.heed(checkpoint::copy_all(&mut self.connection).await),
-            halted => halted,
-        };
-        if matches!(copied, Err(StoreError::NotDurable(_))) {
-            std::mem::forget(self.connection);
-            return copied;
+    /// Ends writing in order.
+    ///
+    /// # Errors
+    /// [`StoreError`], where the end is not in order; what was committed is stored all the same.
+    pub async fn close(self) -> Result<(), StoreError> {
+        match self.engine {
+            Engine::File(writer) => writer.close().await,
+            Engine::Server(writer) => writer.close().await,
         }
-        self.connection.close().await?;
-        copied
     }
 }
 
 pub(super) fn batch_of(changes: &Changes) -> Batch {
-    let mut batch = Batch::new();
+    let mut batch = Batch::default();
     for (sql, names) in [
-        (
-            "INSERT INTO imu SELECT value->>0, CAST(substr($BYTES, value->>1, value->>2) AS TEXT) FROM json_each($ROWS)",
-            &changes.imus,
-        ),
-        (
-            "INSERT INTO station SELECT value->>0, CAST(substr($BYTES, value->>1, value->>2) AS TEXT) FROM json_each($ROWS)",
-            &changes.stations,
-        ),
-        (
-            "INSERT INTO gyro SELECT value->>0, CAST(substr($BYTES, value->>1, value->>2) AS TEXT) FROM json_each($ROWS)",
-            &changes.gyros,
-        ),
+        (insert!("imu (id, name)", [int 0, words 1 2]), &changes.imus),
+        (insert!("station (id, name)", [int 0, words 1 2]), &changes.stations),
+        (insert!("gyro (id, serial)", [int 0, words 1 2]), &changes.gyros),
     ] {
         let mut rows = Rows::default();
         for (number, name) in names {

@@ -1,6 +1,7 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::history::{self, HistoryRow};
 use super::id::Id;
@@ -54,16 +55,23 @@ pub(super) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
         rows
     };
     batch.add(
-        "UPDATE record SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+        Sql {
+            sqlite: "UPDATE record SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+            postgres: "UPDATE record SET voided = id WHERE id IN (SELECT CAST(j.value->>0 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+        },
         ids(&mut withdrawn.records.iter().copied()),
     );
     batch.add(
-        "UPDATE bench_result SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+        Sql {
+            sqlite: "UPDATE bench_result SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
+            postgres: "UPDATE bench_result SET voided = id WHERE id IN (SELECT CAST(j.value->>0 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+        },
         ids(&mut withdrawn.benches.iter().map(|(id, _)| *id)),
     );
     batch.add(
-        "INSERT INTO voided_history (gyro, calibrated_at, record, figures)
-         SELECT value->>0, value->>1, value->>2, substr($BYTES, value->>3, value->>4) FROM json_each($ROWS)",
+        insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
         history::rows(withdrawn.history.iter()),
     );
 }
@@ -79,8 +87,7 @@ pub(super) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
             .text(&correction.reason);
     }
     batch.add(
-        "INSERT INTO correction (item, replaced_by, at, author, reason)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4 FROM json_each($ROWS)",
+        insert!("correction (item, replaced_by, at, author, reason)", [int 0, int 1, int 2, text 3, text 4]),
         rows,
     );
 }
@@ -96,20 +103,20 @@ impl Store {
     /// another's place.
     pub async fn corrections(&self, item: Id) -> Result<Vec<CorrectionRow>, StoreError> {
         let sql = "SELECT item, replaced_by, at, author, reason FROM correction
-                   WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by";
-        let rows: Vec<Row> = sqlx::query_as(sql).bind(item.0).fetch_all(&self.readers).await?;
+                   WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST";
+        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(item.0).fetch_all(db).await?);
         Ok(rows.into_iter().map(row).collect())
     }
 
     /// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
     pub async fn corrections_of_gyro(&self, gyro: u32) -> Result<Vec<GyroCorrection>, StoreError> {
-        let sql = "SELECT item, replaced_by, at, author, reason, withdrawn.measured_at, withdrawn.bench
+        let sql = "SELECT item, replaced_by, at, author, reason, withdrawn.measured_at, withdrawn.bench <> 0
                    FROM (SELECT record AS id, calibrated_at AS measured_at, 0 AS bench FROM voided_history WHERE gyro = $1
                          UNION ALL
                          SELECT id, measured_at, 1 FROM bench_result WHERE gyro = $1 AND voided <> 0) AS withdrawn
-                   JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by";
+                   JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by NULLS FIRST";
         let rows: Vec<(i64, Option<i64>, i64, String, String, i64, bool)> =
-            sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
+            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
         let of_gyro = |(item, replaced_by, at, author, reason, measured_at, is_bench)| GyroCorrection {
             said: row((item, replaced_by, at, author, reason)),
             measured_at: UtcMicros(measured_at),

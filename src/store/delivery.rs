@@ -4,6 +4,7 @@
 //! Whatever ends one moves the next up, in the same transaction.
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, cell, insert};
 use super::id::Id;
 use crate::core::time::UtcMicros;
 
@@ -148,21 +149,39 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     insert(&changes.queued, batch);
     attempted(&changes.attempts, batch);
     instants(
-        "UPDATE delivery SET state = 'waiting', due_at = j.value->>1, attempts = 0,
-             first_attempt_at = NULL, finished_at = NULL
-         FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND state IN ('waiting', 'delivered', 'dead')",
+        Sql {
+            sqlite: "UPDATE delivery SET state = 'waiting', due_at = j.value->>1, attempts = 0,
+                         first_attempt_at = NULL, finished_at = NULL
+                     FROM json_each($ROWS) AS j
+                     WHERE delivery.id = j.value->>0 AND state IN ('waiting', 'delivered', 'dead')",
+            postgres: "UPDATE delivery SET state = 'waiting', due_at = CAST(j.value->>1 AS BIGINT), attempts = 0,
+                           first_attempt_at = NULL, finished_at = NULL
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE delivery.id = CAST(j.value->>0 AS BIGINT) AND state IN ('waiting', 'delivered', 'dead')",
+        },
         &changes.replayed,
         batch,
     );
     instants(
-        "UPDATE delivery SET state = 'dropped', finished_at = j.value->>1
-         FROM json_each($ROWS) AS j WHERE delivery.hook = j.value->>0 AND state IN ('behind', 'waiting')",
+        Sql {
+            sqlite: "UPDATE delivery SET state = 'dropped', finished_at = j.value->>1
+                     FROM json_each($ROWS) AS j WHERE delivery.hook = j.value->>0 AND state IN ('behind', 'waiting')",
+            postgres: "UPDATE delivery SET state = 'dropped', finished_at = CAST(j.value->>1 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state IN ('behind', 'waiting')",
+        },
         &changes.dropped,
         batch,
     );
     instants(
-        "UPDATE delivery SET due_at = j.value->>1
-         FROM json_each($ROWS) AS j WHERE delivery.hook = j.value->>0 AND state = 'waiting' AND due_at > j.value->>1",
+        Sql {
+            sqlite: "UPDATE delivery SET due_at = j.value->>1 FROM json_each($ROWS) AS j
+                     WHERE delivery.hook = j.value->>0 AND state = 'waiting' AND due_at > j.value->>1",
+            postgres: "UPDATE delivery SET due_at = CAST(j.value->>1 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state = 'waiting'
+                           AND due_at > CAST(j.value->>1 AS BIGINT)",
+        },
         &changes.hastened,
         batch,
     );
@@ -180,12 +199,15 @@ fn insert(queued: &[NewDelivery], batch: &mut Batch) {
             .optional_integer(step)
             .optional_integer(alert)
             .integer(queued_at.0)
-            .text(state.name());
+            .text(state.name())
+            .integer(if alert.is_some() { queued_at.0 } else { 0 })
+            .integer(0);
     }
     batch.add(
-        "INSERT INTO delivery (id, hook, step, alert, queued_at, state, due_at, attempts)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, iif(value->>3 IS NULL, 0, value->>4), 0
-         FROM json_each($ROWS)",
+        insert!(
+            "delivery (id, hook, step, alert, queued_at, state, due_at, attempts)",
+            [int 0, int 1, int 2, int 3, int 4, text 5, int 6, int 7]
+        ),
         rows,
     );
     let lines = queued.iter().map(|new| (new.id, new.queued_at));
@@ -215,15 +237,26 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
             .integer(attempt.at.0);
     }
     batch.add(
-        "INSERT INTO delivery_attempt (delivery, id, at, status, detail, took_us)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5 FROM json_each($ROWS)",
+        insert!(
+            "delivery_attempt (delivery, id, at, status, detail, took_us)",
+            [int 0, int 1, int 2, int 3, text 4, int 5]
+        ),
         history,
     );
     // A delivery that was dropped meanwhile stays dropped.
     batch.add(
-        "UPDATE delivery SET state = j.value->>1, due_at = coalesce(j.value->>2, due_at), finished_at = j.value->>3,
-             attempts = attempts + 1, first_attempt_at = coalesce(first_attempt_at, j.value->>4)
-         FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND delivery.state = 'waiting'",
+        Sql {
+            sqlite: "UPDATE delivery SET state = j.value->>1, due_at = coalesce(j.value->>2, due_at),
+                         finished_at = j.value->>3, attempts = attempts + 1,
+                         first_attempt_at = coalesce(first_attempt_at, j.value->>4)
+                     FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND delivery.state = 'waiting'",
+            postgres: "UPDATE delivery SET state = j.value->>1,
+                           due_at = coalesce(CAST(j.value->>2 AS BIGINT), due_at),
+                           finished_at = CAST(j.value->>3 AS BIGINT), attempts = attempts + 1,
+                           first_attempt_at = coalesce(first_attempt_at, CAST(j.value->>4 AS BIGINT))
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE delivery.id = CAST(j.value->>0 AS BIGINT) AND delivery.state = 'waiting'",
+        },
         rows,
     );
     let done = attempts.iter().filter(|(_, progress)| matches!(progress, Progress::Done(_)));
@@ -234,19 +267,29 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
 fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
     let lines: Vec<_> = lines.collect();
     instants(
-        "UPDATE delivery SET state = 'waiting', due_at = head.at
-         FROM (SELECT j.value->>1 AS at,
-                      (SELECT min(open.id) FROM delivery AS open
-                       WHERE open.hook = line.hook AND open.alert = line.alert AND open.state IN ('behind', 'waiting'))
-                          AS id
-               FROM json_each($ROWS) AS j JOIN delivery AS line ON line.id = j.value->>0) AS head
-         WHERE delivery.id = head.id AND delivery.state = 'behind'",
+        Sql {
+            sqlite: "UPDATE delivery SET state = 'waiting', due_at = head.at
+                     FROM (SELECT j.value->>1 AS at,
+                                  (SELECT min(open.id) FROM delivery AS open
+                                   WHERE open.hook = line.hook AND open.alert = line.alert
+                                       AND open.state IN ('behind', 'waiting')) AS id
+                           FROM json_each($ROWS) AS j JOIN delivery AS line ON line.id = j.value->>0) AS head
+                     WHERE delivery.id = head.id AND delivery.state = 'behind'",
+            postgres: "UPDATE delivery SET state = 'waiting', due_at = head.at
+                       FROM (SELECT CAST(j.value->>1 AS BIGINT) AS at,
+                                    (SELECT min(open.id) FROM delivery AS open
+                                     WHERE open.hook = line.hook AND open.alert = line.alert
+                                         AND open.state IN ('behind', 'waiting')) AS id
+                             FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                             JOIN delivery AS line ON line.id = CAST(j.value->>0 AS BIGINT)) AS head
+                       WHERE delivery.id = head.id AND delivery.state = 'behind'",
+        },
         &lines,
         batch,
     );
 }
 
-fn instants(sql: &'static str, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
+fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, at) in pairs {
         rows.row().integer(id.0).integer(at.0);

@@ -1,6 +1,7 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::model::ModelRow;
@@ -34,7 +35,7 @@ pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
     for record in records.iter().filter(|record| record.kind == Kind::Campaign) {
         rows.row().integer(record.id.0);
     }
-    batch.add("INSERT INTO diagnosis (record) SELECT value->>0 FROM json_each($ROWS)", rows);
+    batch.add(insert!("diagnosis (record)", [int 0]), rows);
 }
 
 /// A newly adopted model makes the diagnoses of its IMU due again.
@@ -44,10 +45,22 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
         rows.row().integer(i64::from(model.imu));
         imus.row().integer(i64::from(model.imu));
     }
-    batch.add("DELETE FROM diagnosis_gist WHERE imu IN (SELECT value->>0 FROM json_each($ROWS))", imus);
     batch.add(
-        "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
-         WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT value->>0 FROM json_each($ROWS)))",
+        Sql {
+            sqlite: "DELETE FROM diagnosis_gist WHERE imu IN (SELECT value->>0 FROM json_each($ROWS))",
+            postgres: "DELETE FROM diagnosis_gist WHERE imu IN (SELECT CAST(j.value->>0 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+        },
+        imus,
+    );
+    batch.add(
+        Sql {
+            sqlite: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
+                     WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT value->>0 FROM json_each($ROWS)))",
+            postgres: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
+                       WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT CAST(j.value->>0 AS BIGINT)
+                           FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",
+        },
         rows,
     );
 }
@@ -63,9 +76,16 @@ pub(super) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
             .bytes(row.body.as_bytes());
     }
     batch.add(
-        "UPDATE diagnosis SET model = made.value->>1, program = made.value->>2, refused = made.value->>3,
-                              body = CAST(substr($BYTES, made.value->>4, made.value->>5) AS TEXT)
-         FROM json_each($ROWS) AS made WHERE record = made.value->>0",
+        Sql {
+            sqlite: "UPDATE diagnosis SET model = made.value->>1, program = made.value->>2, refused = made.value->>3,
+                         body = CAST(substr($BYTES, made.value->>4, made.value->>5) AS TEXT)
+                     FROM json_each($ROWS) AS made WHERE record = made.value->>0",
+            postgres: "UPDATE diagnosis SET model = CAST(made.value->>1 AS BIGINT), program = made.value->>2,
+                           refused = CAST(made.value->>3 AS BIGINT),
+                           body = convert_from(substr($2, CAST(made.value->>4 AS INT), CAST(made.value->>5 AS INT)), 'UTF8')
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS made(value)
+                       WHERE record = CAST(made.value->>0 AS BIGINT)",
+        },
         rows,
     );
 }
@@ -73,9 +93,9 @@ pub(super) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
 impl Store {
     /// The diagnosis of a campaign as it was made last; none where it is due.
     pub async fn diagnosis(&self, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
-        let sql = "SELECT model, program, refused, body FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
+        let sql = "SELECT model, program, refused <> 0, body FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
         let found: Option<(Option<i64>, String, bool, String)> =
-            sqlx::query_as(sql).bind(record.0).fetch_optional(&self.readers).await?;
+            on!(self.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
         Ok(found.map(|(model, program, refused, body)| DiagnosisRow {
             record,
             model: model.map(Id),
@@ -88,7 +108,8 @@ impl Store {
     /// Campaigns whose diagnosis is due, newest first, from before `before` on.
     pub async fn diagnoses_due(&self, before: Id, limit: u32) -> Result<Vec<Id>, StoreError> {
         let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
-        let found: Vec<i64> = sqlx::query_scalar(sql).bind(before.0).bind(limit).fetch_all(&self.readers).await?;
+        let found: Vec<i64> =
+            on!(self.readers, db => sqlx::query_scalar(sql).bind(before.0).bind(Whole(limit)).fetch_all(db).await?);
         Ok(found.into_iter().map(Id).collect())
     }
 }

@@ -3,9 +3,8 @@
 //! The tasks of an order are its queue: one is waiting until it is done, has failed or is canceled, so that nothing is lost with
 //! whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the transaction that keeps it.
 
-use sqlx::{Row as _, sqlite::SqliteRow};
-
 use super::batch::{Batch, Rows};
+use super::db::{Cells, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
@@ -100,7 +99,7 @@ pub(super) fn apply(changes: &JobChanges, batch: &mut Batch) {
 fn start(jobs: &[NewJob], batch: &mut Batch) {
     let (mut orders, mut tasks, mut ends) = (Rows::default(), Rows::default(), Rows::default());
     for job in jobs {
-        orders.row().integer(job.id.0).integer(job.asked_at.0).text(&job.asked_by).text(&job.asked);
+        orders.row().integer(job.id.0).integer(job.asked_at.0).text(&job.asked_by).text(&job.asked).integer(0);
         tasks
             .row()
             .integer(job.id.0)
@@ -113,12 +112,11 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
         ends.row().integer(job.id.0).integer(job.asked_at.0);
     }
     batch.add(
-        "INSERT INTO diagnosis_job (id, asked_at, asked_by, asked, canceled)
-         SELECT value->>0, value->>1, value->>2, value->>3, 0 FROM json_each($ROWS)",
+        insert!("diagnosis_job (id, asked_at, asked_by, asked, canceled)", [int 0, int 1, text 2, text 3, int 4]),
         orders,
     );
     batch.add(
-        "INSERT INTO diagnosis_task (job, record, state, reason)
+        Sql { sqlite: "INSERT INTO diagnosis_task (job, record, state, reason)
          SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused THEN 'failed' ELSE 'done' END,
              CASE WHEN made AND refused THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
          FROM (SELECT asked.value->>0 AS job, record.id AS record, diagnosis.refused AS refused,
@@ -130,12 +128,34 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
                    AND (asked.value->>2 IS NULL OR record.station = asked.value->>2)
                JOIN diagnosis ON diagnosis.record = record.id
                WHERE record.id NOT IN (SELECT item FROM correction)) AS chosen",
+        postgres: "INSERT INTO diagnosis_task (job, record, state, reason)
+         SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused <> 0 THEN 'failed' ELSE 'done' END,
+             CASE WHEN made AND refused <> 0 THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
+         FROM (SELECT asked.job, record.id AS record, diagnosis.refused AS refused,
+                   asked.again = 0 AND diagnosis.program IS NOT DISTINCT FROM asked.program
+                   AND diagnosis.model IS NOT DISTINCT FROM (SELECT max(id) FROM imu_model WHERE imu_model.imu = record.imu)
+                       AS made
+               FROM (SELECT CAST(j.value->>0 AS BIGINT) AS job, CAST(j.value->>1 AS BIGINT) AS imu,
+                         CAST(j.value->>2 AS BIGINT) AS station, CAST(j.value->>3 AS BIGINT) AS since,
+                         CAST(j.value->>4 AS BIGINT) AS until, CAST(j.value->>5 AS BIGINT) AS again, j.value->>6 AS program
+                     FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)) AS asked
+               JOIN record ON record.kind = 1 AND record.calibrated_at BETWEEN asked.since AND asked.until
+                   AND (asked.imu IS NULL OR record.imu = asked.imu)
+                   AND (asked.station IS NULL OR record.station = asked.station)
+               JOIN diagnosis ON diagnosis.record = record.id
+               WHERE record.id NOT IN (SELECT item FROM correction)) AS chosen" },
         tasks,
     );
     batch.add(
-        "UPDATE diagnosis_job SET begun_at = value->>1, ended_at = value->>1 FROM json_each($ROWS)
-         WHERE diagnosis_job.id = value->>0
-             AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
+        Sql {
+            sqlite: "UPDATE diagnosis_job SET begun_at = value->>1, ended_at = value->>1 FROM json_each($ROWS)
+                     WHERE diagnosis_job.id = value->>0
+                         AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
+            postgres: "UPDATE diagnosis_job SET begun_at = CAST(value->>1 AS BIGINT), ended_at = CAST(value->>1 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE diagnosis_job.id = CAST(value->>0 AS BIGINT)
+                           AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
+        },
         ends,
     );
 }
@@ -147,18 +167,35 @@ fn settle(settled: &[SettledTask], batch: &mut Batch) {
         orders.row().integer(task.record.0).integer(task.begun_at.0).integer(task.ended_at.0);
     }
     batch.add(
-        "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
-             reason = settled.value->>1
-         FROM json_each($ROWS) AS settled WHERE record = settled.value->>0 AND state = 'waiting'",
+        Sql {
+            sqlite:
+                "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
+                         reason = settled.value->>1
+                     FROM json_each($ROWS) AS settled WHERE record = settled.value->>0 AND state = 'waiting'",
+            postgres:
+                "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
+                           reason = settled.value->>1
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS settled(value)
+                       WHERE record = CAST(settled.value->>0 AS BIGINT) AND state = 'waiting'",
+        },
         tasks,
     );
     batch.add(
-        "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, settled.value->>1),
-             ended_at = CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
-                 THEN settled.value->>2 END
-         FROM json_each($ROWS) AS settled
-         WHERE ended_at IS NULL
-             AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = settled.value->>0)",
+        Sql {
+            sqlite: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, settled.value->>1), ended_at =
+                         CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
+                         THEN settled.value->>2 END
+                     FROM json_each($ROWS) AS settled
+                     WHERE ended_at IS NULL
+                         AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = settled.value->>0)",
+            postgres: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, CAST(settled.value->>1 AS BIGINT)), ended_at =
+                           CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
+                           THEN CAST(settled.value->>2 AS BIGINT) END
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS settled(value)
+                       WHERE ended_at IS NULL
+                           AND EXISTS (SELECT 1 FROM diagnosis_task
+                                       WHERE job = diagnosis_job.id AND record = CAST(settled.value->>0 AS BIGINT))",
+        },
         orders,
     );
 }
@@ -170,26 +207,36 @@ fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
         orders.row().integer(job.0).integer(at.0);
     }
     batch.add(
-        "UPDATE diagnosis_task SET state = 'canceled'
-         WHERE state = 'waiting' AND job IN (SELECT value->>0 FROM json_each($ROWS))",
+        Sql {
+            sqlite: "UPDATE diagnosis_task SET state = 'canceled'
+                     WHERE state = 'waiting' AND job IN (SELECT value->>0 FROM json_each($ROWS))",
+            postgres: "UPDATE diagnosis_task SET state = 'canceled'
+                       WHERE state = 'waiting' AND job IN (SELECT CAST(j.value->>0 AS BIGINT)
+                           FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+        },
         tasks,
     );
     batch.add(
-        "UPDATE diagnosis_job SET canceled = 1, ended_at = value->>1 FROM json_each($ROWS)
-         WHERE diagnosis_job.id = value->>0 AND ended_at IS NULL",
+        Sql {
+            sqlite: "UPDATE diagnosis_job SET canceled = 1, ended_at = value->>1 FROM json_each($ROWS)
+                     WHERE diagnosis_job.id = value->>0 AND ended_at IS NULL",
+            postgres: "UPDATE diagnosis_job SET canceled = 1, ended_at = CAST(value->>1 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE diagnosis_job.id = CAST(value->>0 AS BIGINT) AND ended_at IS NULL",
+        },
         orders,
     );
 }
 
-fn job(row: &SqliteRow) -> Result<JobRow, StoreError> {
+fn job(row: &impl Cells) -> Result<JobRow, StoreError> {
     Ok(JobRow {
-        id: Id(row.try_get("id")?),
-        asked_at: UtcMicros(row.try_get("asked_at")?),
-        asked_by: row.try_get("asked_by")?,
-        asked: row.try_get("asked")?,
-        canceled: row.try_get("canceled")?,
-        begun_at: row.try_get::<Option<i64>, _>("begun_at")?.map(UtcMicros),
-        ended_at: row.try_get::<Option<i64>, _>("ended_at")?.map(UtcMicros),
+        id: Id(row.cell("id")?),
+        asked_at: UtcMicros(row.cell("asked_at")?),
+        asked_by: row.cell("asked_by")?,
+        asked: row.cell("asked")?,
+        canceled: row.cell::<i64>("canceled")? != 0,
+        begun_at: row.cell::<Option<i64>>("begun_at")?.map(UtcMicros),
+        ended_at: row.cell::<Option<i64>>("ended_at")?.map(UtcMicros),
     })
 }
 
@@ -198,25 +245,28 @@ impl Store {
     pub async fn diagnosis_jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>, StoreError> {
         let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job
                    WHERE id < $1 ORDER BY id DESC LIMIT $2";
-        let query = sqlx::query(sql).bind(before.map_or(i64::MAX, |id| id.0)).bind(limit);
-        query.fetch_all(&self.readers).await?.iter().map(job).collect()
+        let before = before.map_or(i64::MAX, |id| id.0);
+        on!(self.readers, db => {
+            let rows = sqlx::query(sql).bind(before).bind(Whole(limit)).fetch_all(db).await?;
+            rows.iter().map(job).collect()
+        })
     }
 
     pub async fn diagnosis_job(&self, id: Id) -> Result<Option<JobRow>, StoreError> {
         let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job WHERE id = $1";
-        sqlx::query(sql).bind(id.0).fetch_optional(&self.readers).await?.as_ref().map(job).transpose()
+        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(job).transpose())
     }
 
     /// The order in the same words that has not ended yet.
     pub async fn open_diagnosis_job(&self, asked: &str) -> Result<Option<Id>, StoreError> {
         let sql = "SELECT id FROM diagnosis_job WHERE ended_at IS NULL AND asked = $1";
-        let found: Option<i64> = sqlx::query_scalar(sql).bind(asked).fetch_optional(&self.readers).await?;
+        let found: Option<i64> = on!(self.readers, db => sqlx::query_scalar(sql).bind(asked).fetch_optional(db).await?);
         Ok(found.map(Id))
     }
 
     pub async fn task_counts(&self, job: Id) -> Result<TaskCounts, StoreError> {
         let sql = "SELECT state, count(*) FROM diagnosis_task WHERE job = $1 GROUP BY state";
-        let rows: Vec<(String, i64)> = sqlx::query_as(sql).bind(job.0).fetch_all(&self.readers).await?;
+        let rows: Vec<(String, i64)> = on!(self.readers, db => sqlx::query_as(sql).bind(job.0).fetch_all(db).await?);
         let mut counts = TaskCounts::default();
         for (state, count) in rows {
             let of_state = match state.as_str() {
@@ -236,16 +286,17 @@ impl Store {
                    JOIN record ON record.id = diagnosis_task.record
                    WHERE job = $1 AND record > $2 AND state = 'failed' ORDER BY record LIMIT $3";
         let after = after.map_or(i64::MIN, |id| id.0);
-        let rows: Vec<(i64, u32, i64, String)> =
-            sqlx::query_as(sql).bind(job.0).bind(after).bind(limit).fetch_all(&self.readers).await?;
-        let failed = |(id, imu, at, reason)| FailedTask { record: Id(id), imu, measured_at: UtcMicros(at), reason };
+        let rows: Vec<(i64, Whole<u32>, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).bind(job.0).bind(after).bind(Whole(limit)).fetch_all(db).await?);
+        let failed =
+            |(id, Whole(imu), at, reason)| FailedTask { record: Id(id), imu, measured_at: UtcMicros(at), reason };
         Ok(rows.into_iter().map(failed).collect())
     }
 
     /// Campaigns that orders wait for, of the oldest order first.
     pub async fn tasks_waiting(&self, limit: u32) -> Result<Vec<Id>, StoreError> {
         let sql = "SELECT record FROM diagnosis_task WHERE state = 'waiting' ORDER BY job, record LIMIT $1";
-        let mut found: Vec<i64> = sqlx::query_scalar(sql).bind(limit).fetch_all(&self.readers).await?;
+        let mut found: Vec<i64> =
+            on!(self.readers, db => sqlx::query_scalar(sql).bind(Whole(limit)).fetch_all(db).await?);
         let mut seen = std::collections::HashSet::new();
         found.retain(|record| seen.insert(*record));
         Ok(found.into_iter().map(Id).collect())
@@ -255,7 +306,7 @@ impl Store {
     pub async fn diagnoses_waiting(&self) -> Result<(u64, u64), StoreError> {
         let sql = "SELECT (SELECT count(*) FROM diagnosis WHERE body IS NULL),
                           (SELECT count(*) FROM diagnosis_task WHERE state = 'waiting')";
-        let (due, tasks): (i64, i64) = sqlx::query_as(sql).fetch_one(&self.readers).await?;
+        let (due, tasks): (i64, i64) = on!(self.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
         Ok((due.unsigned_abs(), tasks.unsigned_abs()))
     }
 }

@@ -1,6 +1,7 @@
 //! What was done to gyros.
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -36,19 +37,19 @@ pub(super) fn insert(events: &[EventRow], batch: &mut Batch) {
         }
     }
     batch.add(
-        "INSERT INTO event (id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd)
-         SELECT value->>0, value->>1, value->>2, CAST(substr($BYTES, value->>3, value->>4) AS TEXT),
-                CAST(substr($BYTES, value->>5, value->>6) AS TEXT), CAST(substr($BYTES, value->>7, value->>8) AS TEXT),
-                value->>9, value->>10, value->>11, value->>12, value->>13
-         FROM json_each($ROWS)",
+        insert!(
+            "event (id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd)",
+            [int 0, int 1, int 2, words 3 4, words 5 6, words 7 8, int 9, real 10, real 11, real 12, real 13]
+        ),
         rows,
     );
 }
 
-type Row = (i64, u32, i64, String, String, Option<String>, i64, Option<f64>, Option<f64>, Option<f64>, Option<f64>);
+type Row =
+    (i64, Whole<u32>, i64, String, String, Option<String>, i64, Option<f64>, Option<f64>, Option<f64>, Option<f64>);
 
 fn row(row: Row) -> Result<EventRow, StoreError> {
-    let (id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd) = row;
+    let (id, Whole(gyro), at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd) = row;
     let fixed = [(d_i, d_i_sd), (d_s, d_s_sd)].map(|(value, sd)| value.map(|value| Measured { value, sd }));
     let event =
         Event::from_name(&kind).ok_or_else(|| StoreError::Damaged(format!("event {}: unknown kind", Id(id))))?;
@@ -61,16 +62,22 @@ impl Store {
     pub async fn events(&self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
         let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd
                    FROM event WHERE gyro = $1 ORDER BY at, id";
-        let rows: Vec<Row> = sqlx::query_as(sql).bind(gyro).fetch_all(&self.readers).await?;
+        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
         rows.into_iter().map(row).collect()
     }
 
     /// Every event of several gyros, by gyro and oldest first.
     pub async fn events_of(&self, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
-        let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd
-                   FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id";
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd
+                     FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id",
+            postgres: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd FROM event
+                       WHERE gyro IN (SELECT CAST(j.value AS BIGINT)
+                                      FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))
+                       ORDER BY gyro, at, id",
+        });
         let gyros = serde_json::json!(gyros).to_string();
-        let rows: Vec<Row> = sqlx::query_as(sql).bind(gyros).fetch_all(&self.readers).await?;
+        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
         rows.into_iter().map(row).collect()
     }
 }

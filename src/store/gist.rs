@@ -3,6 +3,7 @@
 use futures::TryStreamExt;
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, Whole, on};
 use super::diagnosis::NewDiagnosis;
 use super::diagnosis_job::CampaignFilter;
 use super::error::StoreError;
@@ -29,11 +30,19 @@ pub(super) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
         rows.row().integer(row.record.0).text(&row.program).bytes(gist.as_bytes());
     }
     batch.add(
-        "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
-         SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,
-             CAST(substr($BYTES, made.value->>2, made.value->>3) AS TEXT)
-         FROM json_each($ROWS) AS made JOIN record ON record.id = made.value->>0 WHERE true
-         ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
+        Sql {
+            sqlite: "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
+                     SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,
+                         CAST(substr($BYTES, made.value->>2, made.value->>3) AS TEXT)
+                     FROM json_each($ROWS) AS made JOIN record ON record.id = made.value->>0 WHERE true
+                     ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
+            postgres: "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
+                       SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,
+                           convert_from(substr($2, CAST(made.value->>2 AS INT), CAST(made.value->>3 AS INT)), 'UTF8')
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS made(value)
+                       JOIN record ON record.id = CAST(made.value->>0 AS BIGINT)
+                       ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
+        },
         rows,
     );
 }
@@ -49,11 +58,14 @@ impl Store {
                    WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
                        AND record NOT IN (SELECT item FROM correction)
                    ORDER BY measured_at, record";
-        let query = sqlx::query_as(sql).bind(of.measured.from.0).bind(of.measured.to.0).bind(of.imu).bind(of.station);
-        let mut rows = query.fetch(&self.readers);
-        while let Some((record, imu, station, at, program, gist)) = rows.try_next().await? {
-            each(GistRow { record: Id(record), imu, station, measured_at: UtcMicros(at), program, gist })?;
-        }
+        let (from, to) = (of.measured.from.0, of.measured.to.0);
+        let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
+        on!(self.readers, db => {
+            let mut rows = sqlx::query_as(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
+            while let Some((record, Whole(imu), Whole(station), at, program, gist)) = rows.try_next().await? {
+                each(GistRow { record: Id(record), imu, station, measured_at: UtcMicros(at), program, gist })?;
+            }
+        });
         Ok(())
     }
 
@@ -63,7 +75,11 @@ impl Store {
                    WHERE diagnosis.body IS NULL AND record.calibrated_at BETWEEN $1 AND $2
                        AND ($3 IS NULL OR record.imu = $3) AND ($4 IS NULL OR record.station = $4)
                        AND record.id NOT IN (SELECT item FROM correction)";
-        let query = sqlx::query_scalar::<_, i64>(sql).bind(of.measured.from.0).bind(of.measured.to.0);
-        Ok(query.bind(of.imu).bind(of.station).fetch_one(&self.readers).await?.unsigned_abs())
+        let (from, to) = (of.measured.from.0, of.measured.to.0);
+        let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
+        let count: i64 = on!(self.readers, db => {
+            sqlx::query_scalar(sql).bind(from).bind(to).bind(imu).bind(station).fetch_one(db).await?
+        });
+        Ok(count.unsigned_abs())
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::db::{Whole, on};
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::history::Span;
@@ -16,10 +17,10 @@ impl Store {
         let sql =
             "SELECT id, (SELECT figures FROM history WHERE history.gyro = gyro.id ORDER BY calibrated_at DESC LIMIT 1)
                    FROM gyro WHERE id > $1 ORDER BY id LIMIT $2";
-        let rows: Vec<(u32, Option<Vec<u8>>)> =
-            sqlx::query_as(sql).bind(after).bind(limit).fetch_all(&self.readers).await?;
+        let rows: Vec<(Whole<u32>, Option<Vec<u8>>)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(after)).bind(Whole(limit)).fetch_all(db).await?);
         let mut newest = Vec::with_capacity(rows.len());
-        for (gyro, packed) in rows {
+        for (Whole(gyro), packed) in rows {
             let folded = packed.map(|bytes| one(gyro, &bytes)).transpose()?;
             let waiting = waiting.get(&gyro).copied();
             // Of two with one instant the last is taken: the one that waits.

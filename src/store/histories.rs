@@ -1,5 +1,6 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
+use super::db::{Sql, on};
 use super::error::StoreError;
 use super::figures::Figures;
 use super::history::{Span, merged, unpack};
@@ -57,22 +58,36 @@ impl Store {
             let tail = self.tail.read();
             of.iter().map(|&(gyro, span)| tail.first_of(gyro, span, limit, newest_first)).collect()
         };
-        let sql = if newest_first {
-            "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
+        let sql = self.readers.words(if newest_first {
+            Sql {
+                sqlite: "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
              WHERE gyro = j.value->>0 AND calibrated_at BETWEEN j.value->>1 AND j.value->>2
-             ORDER BY calibrated_at DESC LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key"
+             ORDER BY calibrated_at DESC LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key",
+                postgres: "SELECT (SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at DESC)
+                 FROM (SELECT figures, calibrated_at FROM history WHERE gyro = CAST(j.value->>0 AS BIGINT)
+                 AND calibrated_at BETWEEN CAST(j.value->>1 AS BIGINT) AND CAST(j.value->>2 AS BIGINT)
+                 ORDER BY calibrated_at DESC LIMIT $2) AS chosen)
+             FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) ORDER BY j.key",
+            }
         } else {
-            "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
+            Sql {
+                sqlite: "SELECT (SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
              WHERE gyro = j.value->>0 AND calibrated_at BETWEEN j.value->>1 AND j.value->>2
-             ORDER BY calibrated_at LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key"
-        };
+             ORDER BY calibrated_at LIMIT $2)) FROM json_each($1) AS j ORDER BY j.key",
+                postgres: "SELECT (SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at)
+                 FROM (SELECT figures, calibrated_at FROM history WHERE gyro = CAST(j.value->>0 AS BIGINT)
+                 AND calibrated_at BETWEEN CAST(j.value->>1 AS BIGINT) AND CAST(j.value->>2 AS BIGINT)
+                 ORDER BY calibrated_at LIMIT $2) AS chosen)
+             FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) ORDER BY j.key",
+            }
+        });
         let stretches: Vec<[i64; 3]> =
             of.iter().map(|(gyro, span)| [i64::from(*gyro), span.from.0, span.to.0]).collect();
-        let packed: Vec<Option<Vec<u8>>> = sqlx::query_scalar(sql)
+        let packed: Vec<Option<Vec<u8>>> = on!(self.readers, db => sqlx::query_scalar(sql)
             .bind(serde_json::json!(stretches).to_string())
             .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-            .fetch_all(&self.readers)
-            .await?;
+            .fetch_all(db)
+            .await?);
         let rows = of.iter().zip(packed).zip(waiting).map(|((&(gyro, _), packed), waiting)| {
             Ok(merged(unpack(gyro, &packed.unwrap_or_default())?, waiting, newest_first, limit))
         });

@@ -1,8 +1,7 @@
 //! The history of one gyro: a row a record, in order of time.
 
-use sqlx::SqlitePool;
-
 use super::batch::{Batch, Rows};
+use super::db::{Readers, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::id::Id;
@@ -27,12 +26,14 @@ impl Span {
 }
 
 /// Puts rows into their gyros' places; one that is there already is replaced.
-pub(super) fn upsert(history: &[HistoryRow], batch: &mut Batch) {
+pub(super) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
     batch.add(
-        "INSERT INTO history (gyro, calibrated_at, record, figures)
-         SELECT value->>0, value->>1, value->>2, substr($BYTES, value->>3, value->>4) FROM json_each($ROWS) WHERE true
-         ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures",
-        rows(history.iter()),
+        insert!(
+            "history (gyro, calibrated_at, record, figures)",
+            [int 0, int 1, int 2, blob 3 4],
+            "ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures"
+        ),
+        rows(history),
     );
 }
 
@@ -51,26 +52,33 @@ pub(super) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
 /// Folded rows of `gyro` within `span`, whether they count or not: the oldest `limit` of them, oldest first; or the newest,
 /// newest first.
 async fn read_folded(
-    readers: &SqlitePool,
+    readers: &Readers,
     gyro: u32,
     span: Span,
     limit: usize,
     newest_first: bool,
 ) -> Result<Vec<Figures>, StoreError> {
-    let sql = if newest_first {
-        "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
-         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at DESC LIMIT $4)"
+    let sql = readers.words(if newest_first {
+        Sql {
+            sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
+         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at DESC LIMIT $4)",
+            postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at DESC)
+         FROM (SELECT figures, calibrated_at FROM history
+         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at DESC LIMIT $4) AS chosen",
+        }
     } else {
-        "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
-         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at LIMIT $4)"
-    };
-    let packed: Option<Vec<u8>> = sqlx::query_scalar(sql)
-        .bind(gyro)
-        .bind(span.from.0)
-        .bind(span.to.0)
-        .bind(i64::try_from(limit).unwrap_or(i64::MAX))
-        .fetch_one(readers)
-        .await?;
+        Sql {
+            sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM history
+         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at LIMIT $4)",
+            postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at)
+         FROM (SELECT figures, calibrated_at FROM history
+         WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at LIMIT $4) AS chosen",
+        }
+    });
+    let limit = i64::try_from(limit).unwrap_or(i64::MAX);
+    let packed: Option<Vec<u8>> = on!(*readers, db => {
+        sqlx::query_scalar(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).bind(limit).fetch_one(db).await?
+    });
     unpack(gyro, &packed.unwrap_or_default())
 }
 
@@ -156,10 +164,13 @@ impl Store {
 
     /// The rows of a gyro within `span` that do not count any more, oldest first.
     pub async fn voided_history(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
-        let sql = "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM voided_history
-                   WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at, record)";
-        let packed: Option<Vec<u8>> =
-            sqlx::query_scalar(sql).bind(gyro).bind(span.from.0).bind(span.to.0).fetch_one(&self.readers).await?;
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM voided_history
+                     WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at, record)",
+            postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at, record) FROM voided_history
+                       WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3",
+        });
+        let packed: Option<Vec<u8>> = on!(self.readers, db => sqlx::query_scalar(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_one(db).await?);
         unpack(gyro, &packed.unwrap_or_default())
     }
 
@@ -172,11 +183,23 @@ impl Store {
     pub async fn temperatures(&self, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
         let rows = self.history(gyro, Span::EVER, usize::MAX).await?;
         let records: Vec<i64> = rows.iter().map(|row| row.record.0).collect();
-        let sql = "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
-                          (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
-                   FROM json_each($1) AS j JOIN record ON record.id = j.value WHERE json_valid(body)";
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
+                            (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
+                     FROM json_each($1) AS j JOIN record ON record.id = j.value WHERE json_valid(body)",
+            // What begins with a brace was read as JSON before it was stored; other campaigns came as CSV.
+            postgres: "SELECT sent.id, coalesce(CAST(sent.body->>'temperature_c' AS DOUBLE PRECISION),
+                           (SELECT avg(CAST(dwell.value->>'temperature_c' AS DOUBLE PRECISION))
+                            FROM jsonb_array_elements(CASE WHEN jsonb_typeof(sent.body->'dwells') = 'array'
+                                                      THEN sent.body->'dwells' ELSE '[]' END) AS dwell(value)))
+                       FROM (SELECT record.id, CAST(record.body AS JSONB) AS body
+                             FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)
+                             JOIN record ON record.id = CAST(j.value AS BIGINT)
+                             WHERE ltrim(record.body, E' \\t\\r\\n') LIKE '{%') AS sent",
+        });
         let records = serde_json::Value::from(records).to_string();
-        let rows: Vec<(i64, Option<f64>)> = sqlx::query_as(sql).bind(records).fetch_all(&self.readers).await?;
+        let rows: Vec<(i64, Option<f64>)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(records).fetch_all(db).await?);
         Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
     }
 }

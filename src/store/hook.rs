@@ -1,8 +1,7 @@
 //! Hooks: whom to tell.
 
-use sqlx::{Row as _, sqlite::SqliteRow};
-
 use super::batch::{Batch, Rows};
+use super::db::{Cells, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -56,39 +55,39 @@ pub(super) fn upsert(hooks: &[HookRow], batch: &mut Batch) {
             .optional_integer(hook.deleted_at.map(|at| at.0));
     }
     batch.add(
-        "INSERT INTO hook (id, name, kind, url, authorization, secret, old_secret, old_secret_until, filter, enabled,
-             disabled_because, created_at, changed_at, deleted_at)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5, value->>6, value->>7, value->>8,
-             value->>9, value->>10, value->>11, value->>12, value->>13
-         FROM json_each($ROWS) WHERE true
-         ON CONFLICT (id) DO UPDATE SET (name, kind, url, authorization, secret, old_secret, old_secret_until, filter,
+        insert!(
+            r#"hook (id, name, kind, url, "authorization", secret, old_secret, old_secret_until, filter, enabled,
+             disabled_because, created_at, changed_at, deleted_at)"#,
+            [int 0, text 1, text 2, text 3, text 4, text 5, text 6, int 7, text 8, int 9, text 10, int 11, int 12, int 13],
+            r#"ON CONFLICT (id) DO UPDATE SET (name, kind, url, "authorization", secret, old_secret, old_secret_until, filter,
              enabled, disabled_because, changed_at, deleted_at) =
-            (excluded.name, excluded.kind, excluded.url, excluded.authorization, excluded.secret, excluded.old_secret,
+            (excluded.name, excluded.kind, excluded.url, excluded."authorization", excluded.secret, excluded.old_secret,
              excluded.old_secret_until, excluded.filter, excluded.enabled, excluded.disabled_because,
-             excluded.changed_at, excluded.deleted_at)",
+             excluded.changed_at, excluded.deleted_at)"#
+        ),
         rows,
     );
 }
 
-const COLUMNS: &str = "SELECT id, name, kind, url, authorization, secret, old_secret, old_secret_until, filter, enabled, \
+const COLUMNS: &str = "SELECT id, name, kind, url, \"authorization\", secret, old_secret, old_secret_until, filter, enabled, \
                        disabled_because, created_at, changed_at, deleted_at FROM hook";
 
-fn hook(row: &SqliteRow) -> Result<HookRow, StoreError> {
-    let instant = |column: &str| Ok::<_, sqlx::Error>(row.try_get::<Option<i64>, _>(column)?.map(UtcMicros));
-    let old_secret: Option<String> = row.try_get("old_secret")?;
+fn hook(row: &impl Cells) -> Result<HookRow, StoreError> {
+    let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
+    let old_secret: Option<String> = row.cell("old_secret")?;
     Ok(HookRow {
-        id: Id(row.try_get("id")?),
-        name: row.try_get("name")?,
-        kind: row.try_get("kind")?,
-        url: row.try_get("url")?,
-        authorization: row.try_get("authorization")?,
-        secret: row.try_get("secret")?,
+        id: Id(row.cell("id")?),
+        name: row.cell("name")?,
+        kind: row.cell("kind")?,
+        url: row.cell("url")?,
+        authorization: row.cell("authorization")?,
+        secret: row.cell("secret")?,
         old_secret: old_secret.zip(instant("old_secret_until")?),
-        filter: row.try_get("filter")?,
-        enabled: row.try_get("enabled")?,
-        disabled_because: row.try_get("disabled_because")?,
-        created_at: UtcMicros(row.try_get("created_at")?),
-        changed_at: UtcMicros(row.try_get("changed_at")?),
+        filter: row.cell("filter")?,
+        enabled: row.cell::<i64>("enabled")? != 0,
+        disabled_because: row.cell("disabled_because")?,
+        created_at: UtcMicros(row.cell("created_at")?),
+        changed_at: UtcMicros(row.cell("changed_at")?),
         deleted_at: instant("deleted_at")?,
     })
 }
@@ -97,14 +96,12 @@ impl Store {
     /// Every hook that was not deleted, oldest first.
     pub async fn hooks(&self) -> Result<Vec<HookRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE deleted_at IS NULL ORDER BY id"));
-        let rows = sqlx::query(sql).fetch_all(&self.readers).await?;
-        rows.iter().map(hook).collect()
+        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect())
     }
 
     /// A hook, unless it was deleted.
     pub async fn hook(&self, id: Id) -> Result<Option<HookRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1 AND deleted_at IS NULL"));
-        let row = sqlx::query(sql).bind(id.0).fetch_optional(&self.readers).await?;
-        row.as_ref().map(hook).transpose()
+        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(hook).transpose())
     }
 }

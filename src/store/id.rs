@@ -57,6 +57,15 @@ impl IdSource {
         Self { last }
     }
 
+    /// Others have handed out up to `last`.
+    pub(super) fn go_on_after(&mut self, last: i64) {
+        self.last = self.last.max(last);
+    }
+
+    pub(super) fn last(&self) -> i64 {
+        self.last
+    }
+
     pub fn next(&mut self, now: UtcMicros) -> Id {
         let from_clock = (now.0.max(0) / 1000) << SEQUENCE_BITS;
         self.last = from_clock.max(self.last + 1);

@@ -1,4 +1,4 @@
-//! What is kept, on SQLite: opening and migrating, writing in groups, reading.
+//! What is kept, on SQLite or PostgreSQL: opening and migrating, writing in groups, reading.
 //!
 //! One connection writes ([`Writer`]), a pool reads ([`Store`]). Rows are plain types of this module; converting
 //! them to and from the core's types and the wire's is the pipeline's and the edge's work.
@@ -11,12 +11,14 @@ mod bench;
 mod checkpoint;
 mod commit;
 mod correction;
+mod db;
 mod delivery;
 mod diagnosis;
 mod diagnosis_job;
 mod error;
 mod event;
 mod figures;
+mod file_writer;
 mod gist;
 mod gyro;
 mod halt;
@@ -30,6 +32,7 @@ mod model;
 mod names;
 mod open;
 mod outbox;
+mod postgres;
 mod record;
 mod tail;
 mod verdicts;
@@ -57,6 +60,7 @@ pub use keys::KeyRow;
 pub use model::ModelRow;
 pub use names::{Names, Table, Tables};
 pub use open::{Options, Store, open};
+pub use postgres::{Duty, Missed, Moves};
 pub use record::{Kind, RecordAt, RecordHead, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
+use super::commit::Changes;
+
 /// Names of one kind. Numbers count from 1.
 #[derive(Debug, Default)]
 pub struct Table {
@@ -44,10 +46,15 @@ impl Table {
         is_next
     }
 
-    /// Adds names that were numbered on from [`Table::len`].
+    /// As [`Table::add`]; true also where the name has this number already.
+    pub(super) fn learn(&mut self, number: u32, name: &str) -> bool {
+        self.number(name) == Some(number) || self.add(number, name)
+    }
+
+    /// Adds names that were numbered on from [`Table::len`]; those that are there already may be among them.
     pub(super) fn extend(&mut self, names: &[(u32, String)]) {
         for (number, name) in names {
-            let added = self.add(*number, name);
+            let added = self.learn(*number, name);
             debug_assert!(added, "{name} is out of sequence");
         }
     }
@@ -75,5 +82,14 @@ impl Names {
 
     pub(super) fn change(&self, change: impl FnOnce(&mut Tables)) {
         change(&mut self.0.write().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Takes over what has been committed.
+    pub(super) fn learn(&self, changes: &Changes) {
+        self.change(|tables| {
+            tables.imus.extend(&changes.imus);
+            tables.stations.extend(&changes.stations);
+            tables.gyros.extend(&changes.gyros);
+        });
     }
 }

@@ -6,21 +6,24 @@ use std::time::Duration;
 
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
-use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection, SqlitePool};
+use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
 use super::checkpoint::Checkpoints;
 use super::commit::Writer;
+use super::db::{Readers, on};
 use super::error::StoreError;
+use super::file_writer::FileWriter;
 use super::halt::Halt;
 use super::id::IdSource;
 use super::lock;
 use super::names::{Names, Table, Tables};
+use super::postgres::{self, Neighbours};
 use super::tail::{SharedTail, Tail};
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// `sqlite://path`.
+    /// `sqlite://path` or `postgres://user@host/database`.
     pub url: String,
     /// Connections that read at the same time.
     pub readers: u32,
@@ -30,15 +33,25 @@ pub struct Options {
     pub cache_kib: u32,
     /// Pages in the write-ahead log from which on they are copied into the database.
     pub checkpoint_pages: u32,
+    /// How long work in the background is a server's own before others may take it over.
+    pub lease: Duration,
 }
 
 /// The reading side. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Store {
-    pub(super) readers: SqlitePool,
+    pub(super) readers: Readers,
     pub(super) names: Names,
     pub(super) tail: SharedTail,
-    pub(super) file: PathBuf,
+    pub(super) place: Place,
+}
+
+/// Where the database lies.
+#[derive(Debug, Clone)]
+pub(super) enum Place {
+    File(PathBuf),
+    /// Other servers may use it too.
+    Server(Neighbours),
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
@@ -59,6 +72,10 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 9] = [
 /// # Errors
 /// [`StoreError`] where the file cannot be opened, is served by another process, is no database, or holds a schema newer than this program.
 pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
+    if options.is_server() { postgres::open(options).await } else { open_file(options).await }
+}
+
+async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let connect = connect_options(options)?;
     let file = connect.get_filename().to_owned();
     let lock = lock::take(&file)?;
@@ -76,7 +93,8 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let store = Store { readers, names: names.clone(), tail: tail.clone(), file };
+    let place = Place::File(file);
+    let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), tail: tail.clone(), place };
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages, halt.clone());
     match checkpoints.begin(&mut connection).await {
@@ -84,8 +102,8 @@ pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
     }
-    let writer = Writer::new(connection, names, tail, IdSource::after(last_id), checkpoints, halt, lock);
-    Ok((store, writer))
+    let writer = FileWriter::new(connection, names, tail, checkpoints, halt, lock);
+    Ok((store, Writer::of_file(IdSource::after(last_id), writer)))
 }
 
 /// WAL with `synchronous = FULL`: the log is on disk before a commit returns. Checkpoints are made by
@@ -157,18 +175,32 @@ impl Store {
 
     /// Whether the database answers.
     pub async fn ping(&self) -> Result<(), StoreError> {
-        let mut connection = self.readers.acquire().await?;
-        Ok(connection.ping().await?)
+        on!(self.readers, db => Ok(db.acquire().await?.ping().await?))
     }
 
-    /// Bytes on disk: the database, and the write-ahead log beside it.
-    pub fn sizes(&self) -> (u64, u64) {
-        let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
-        (size(&self.file), size(&lock::beside(&self.file, "-wal")))
+    /// Bytes on disk: the database, and the write-ahead log beside it where that is a file of its own.
+    ///
+    /// # Errors
+    /// [`StoreError`], where a database server does not say.
+    pub async fn sizes(&self) -> Result<(u64, u64), StoreError> {
+        match (&self.place, &self.readers) {
+            (Place::File(file), _) => {
+                let size = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
+                Ok((size(file), size(&lock::beside(file, "-wal"))))
+            }
+            (Place::Server(_), readers) => {
+                let sql = "SELECT pg_database_size(current_database())";
+                let size: i64 = on!(*readers, db => sqlx::query_scalar(sql).fetch_one(db).await?);
+                Ok((size.unsigned_abs(), 0))
+            }
+        }
     }
 
     /// Waits for reads under way and closes the readers.
     pub async fn close(&self) {
+        if let (Place::Server(neighbours), Readers::Postgres(readers)) = (&self.place, &self.readers) {
+            neighbours.part(readers).await;
+        }
         self.readers.close().await;
     }
 }

@@ -1,16 +1,14 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use sqlx::Row as _;
-use sqlx::sqlite::{SqliteConnection, SqliteRow};
-
+use super::db::{Cells, Sql, Whole, on};
 use super::delivery::{AttemptRow, DeliveryRow, DeliveryState, DueDelivery, QueueState, Subject};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
 use crate::core::time::UtcMicros;
 
-fn subject(row: &SqliteRow) -> Result<Subject, sqlx::Error> {
-    let (step, alert): (Option<i64>, Option<i64>) = (row.try_get("step")?, row.try_get("alert")?);
+fn subject(row: &impl Cells) -> Result<Subject, sqlx::Error> {
+    let (step, alert): (Option<i64>, Option<i64>) = (row.cell("step")?, row.cell("alert")?);
     Ok(step.zip(alert).map_or(Subject::Test, |(step, alert)| Subject::Step { step: Id(step), alert: Id(alert) }))
 }
 
@@ -30,29 +28,31 @@ impl Store {
                    FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
                    WHERE d.hook = $1 AND d.state = 'waiting' AND (d.due_at <= $2 OR d.due_at > $3)
                    ORDER BY d.due_at, d.id LIMIT $4";
-        let rows =
-            sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(limit).fetch_all(&self.readers).await?;
-        rows.iter().map(|row| Ok(due(row)?)).collect()
+        on!(self.readers, db => {
+            let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
+            query.fetch_all(db).await?.iter().map(|row| Ok(due(row)?)).collect()
+        })
     }
 
     /// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
     pub async fn next_due(&self, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>, StoreError> {
         let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
-        let at: Option<i64> = sqlx::query_scalar(sql).bind(hook.0).bind(now.0).fetch_one(&self.readers).await?;
+        let at: Option<i64> =
+            on!(self.readers, db => sqlx::query_scalar(sql).bind(hook.0).bind(now.0).fetch_one(db).await?);
         Ok(at.map(UtcMicros))
     }
 }
 
-fn due(row: &SqliteRow) -> Result<DueDelivery, sqlx::Error> {
-    let at: Option<i64> = row.try_get("at")?;
-    let (action, body): (Option<String>, Option<String>) = (row.try_get("action")?, row.try_get("body")?);
+fn due(row: &impl Cells) -> Result<DueDelivery, sqlx::Error> {
+    let at: Option<i64> = row.cell("at")?;
+    let (action, body): (Option<String>, Option<String>) = (row.cell("action")?, row.cell("body")?);
     Ok(DueDelivery {
-        id: Id(row.try_get("id")?),
-        hook: Id(row.try_get("hook")?),
+        id: Id(row.cell("id")?),
+        hook: Id(row.cell("hook")?),
         subject: subject(row)?,
-        queued_at: UtcMicros(row.try_get("queued_at")?),
-        attempts: row.try_get("attempts")?,
-        first_attempt_at: row.try_get::<Option<i64>, _>("first_attempt_at")?.map(UtcMicros),
+        queued_at: UtcMicros(row.cell("queued_at")?),
+        attempts: row.cell::<Whole<u32>>("attempts")?.0,
+        first_attempt_at: row.cell::<Option<i64>>("first_attempt_at")?.map(UtcMicros),
         content: at.zip(action).zip(body).map(|((at, action), body)| (UtcMicros(at), action, body)),
     })
 }
@@ -66,7 +66,7 @@ impl Store {
                           (SELECT count(*) FROM delivery WHERE hook = $1 AND state = 'dead'),
                           (SELECT min(queued_at) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting'))";
         let (open, dead, oldest): (i64, i64, Option<i64>) =
-            sqlx::query_as(sql).bind(hook.0).fetch_one(&self.readers).await?;
+            on!(self.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_one(db).await?);
         Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
     }
 
@@ -77,7 +77,8 @@ impl Store {
                           (SELECT min((SELECT min(queued_at) FROM delivery
                                        WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
                            FROM hook WHERE deleted_at IS NULL AND enabled = 1)";
-        let (open, dead, oldest): (i64, i64, Option<i64>) = sqlx::query_as(sql).fetch_one(&self.readers).await?;
+        let (open, dead, oldest): (i64, i64, Option<i64>) =
+            on!(self.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
         Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
     }
 
@@ -92,58 +93,64 @@ impl Store {
         let sql = sqlx::AssertSqlSafe(format!(
             "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
         ));
-        let mut snapshot = self.readers.begin().await?;
-        let rows = sqlx::query(sql)
-            .bind(hook.0)
-            .bind(before.map_or(i64::MAX, |id| id.0))
-            .bind(state.map(DeliveryState::name))
-            .bind(limit)
-            .fetch_all(&mut *snapshot)
-            .await?;
-        let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
-        for delivery in &mut deliveries {
-            delivery.attempts = attempts(&mut snapshot, delivery.id).await?;
-        }
-        Ok(deliveries)
+        let (before, state) = (before.map_or(i64::MAX, |id| id.0), state.map(DeliveryState::name));
+        on!(self.readers, db => {
+            let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
+            let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(Whole(limit));
+            let rows = query.fetch_all(&mut *snapshot).await?;
+            let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
+            for delivery in &mut deliveries {
+                let made = sqlx::query_as(ATTEMPTS).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
+                delivery.attempts = attempts(delivery.id, made);
+            }
+            Ok(deliveries)
+        })
     }
 
     /// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
     pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
-        let mut snapshot = self.readers.begin().await?;
-        let Some(row) = sqlx::query(sql).bind(id.0).fetch_optional(&mut *snapshot).await? else { return Ok(None) };
-        Ok(Some(DeliveryRow { attempts: attempts(&mut snapshot, id).await?, ..delivery(&row)? }))
+        on!(self.readers, db => {
+            let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
+            let Some(row) = sqlx::query(sql).bind(id.0).fetch_optional(&mut *snapshot).await? else { return Ok(None) };
+            let made = sqlx::query_as(ATTEMPTS).bind(id.0).fetch_all(&mut *snapshot).await?;
+            Ok(Some(DeliveryRow { attempts: attempts(id, made), ..delivery(&row)? }))
+        })
     }
 }
 
-async fn attempts(snapshot: &mut SqliteConnection, delivery: Id) -> Result<Vec<AttemptRow>, StoreError> {
-    let sql = "SELECT id, at, status, detail, took_us FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
-    let rows: Vec<(i64, i64, Option<u16>, String, i64)> =
-        sqlx::query_as(sql).bind(delivery.0).fetch_all(snapshot).await?;
-    let attempt = |(id, at, status, detail, took_us)| AttemptRow {
+/// What several queries see is of one moment.
+const SNAPSHOT: Sql = Sql { sqlite: "BEGIN", postgres: "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY" };
+
+const ATTEMPTS: &str = "SELECT id, at, status, detail, took_us FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
+
+type Attempt = (i64, i64, Option<Whole<u16>>, String, i64);
+
+fn attempts(delivery: Id, made: Vec<Attempt>) -> Vec<AttemptRow> {
+    let attempt = |(id, at, status, detail, took_us): Attempt| AttemptRow {
         id: Id(id),
         delivery,
         at: UtcMicros(at),
-        status,
+        status: status.map(|status| status.0),
         detail,
         took_us,
     };
-    Ok(rows.into_iter().map(attempt).collect())
+    made.into_iter().map(attempt).collect()
 }
 
-fn delivery(row: &SqliteRow) -> Result<DeliveryRow, StoreError> {
-    let id = Id(row.try_get("id")?);
-    let state: String = row.try_get("state")?;
+fn delivery(row: &impl Cells) -> Result<DeliveryRow, StoreError> {
+    let id = Id(row.cell("id")?);
+    let state: String = row.cell("state")?;
     Ok(DeliveryRow {
         id,
-        hook: Id(row.try_get("hook")?),
+        hook: Id(row.cell("hook")?),
         subject: subject(row)?,
-        action: row.try_get("action")?,
-        queued_at: UtcMicros(row.try_get("queued_at")?),
+        action: row.cell("action")?,
+        queued_at: UtcMicros(row.cell("queued_at")?),
         state: DeliveryState::from_name(&state)
             .ok_or_else(|| StoreError::Damaged(format!("delivery {id}: unknown state")))?,
-        due_at: UtcMicros(row.try_get("due_at")?),
-        finished_at: row.try_get::<Option<i64>, _>("finished_at")?.map(UtcMicros),
+        due_at: UtcMicros(row.cell("due_at")?),
+        finished_at: row.cell::<Option<i64>>("finished_at")?.map(UtcMicros),
         attempts: Vec::new(),
     })
 }

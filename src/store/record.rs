@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -80,11 +81,10 @@ pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
             .written(|out| record.verdicts.pack(record.id, out));
     }
     batch.add(
-        "INSERT INTO record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts)
-         SELECT value->>0, value->>1, value->>2, value->>3, value->>4, value->>5,
-                CAST(substr($BYTES, value->>6, value->>7) AS TEXT),
-                substr($BYTES, value->>8, value->>9), substr($BYTES, value->>10, value->>11)
-         FROM json_each($ROWS)",
+        insert!(
+            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts)",
+            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11]
+        ),
         rows,
     );
 }
@@ -95,16 +95,21 @@ pub(super) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) 
         rows.row().integer(id.0).written(|out| sheet.pack(*id, out));
     }
     batch.add(
-        "UPDATE record SET verdicts = substr($BYTES, j.value->>1, j.value->>2)
-         FROM json_each($ROWS) AS j WHERE record.id = j.value->>0",
+        Sql {
+            sqlite: "UPDATE record SET verdicts = substr($BYTES, j.value->>1, j.value->>2)
+                     FROM json_each($ROWS) AS j WHERE record.id = j.value->>0",
+            postgres: "UPDATE record SET verdicts = substr($2, CAST(j.value->>1 AS INT), CAST(j.value->>2 AS INT))
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE record.id = CAST(j.value->>0 AS BIGINT)",
+        },
         rows,
     );
 }
 
-type Row = (i64, i64, u32, u32, i64, i64, String, Vec<u8>, Vec<u8>);
+type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, String, Vec<u8>, Vec<u8>);
 
 fn row(row: Row) -> Result<RecordRow, StoreError> {
-    let (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts) = row;
+    let (id, kind, Whole(imu), Whole(station), calibrated_at, received_at, body, body_sha256, verdicts) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
     Ok(RecordRow {
@@ -124,13 +129,14 @@ impl Store {
     pub async fn record(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
         let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts
                    FROM record WHERE id = $1";
-        let found: Option<Row> = sqlx::query_as(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
         found.map(row).transpose()
     }
 
     /// Every record, in order of arrival.
     pub async fn record_ids(&self) -> Result<Vec<Id>, StoreError> {
-        let ids: Vec<i64> = sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(&self.readers).await?;
+        let ids: Vec<i64> =
+            on!(self.readers, db => sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(db).await?);
         Ok(ids.into_iter().map(Id).collect())
     }
 
@@ -139,20 +145,33 @@ impl Store {
         let sql =
             "SELECT id, body_sha256, voided <> 0 FROM record WHERE imu = $1 AND calibrated_at = $2 ORDER BY voided";
         let found: Vec<(i64, Vec<u8>, bool)> =
-            sqlx::query_as(sql).bind(imu).bind(at.0).fetch_all(&self.readers).await?;
+            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(at.0).fetch_all(db).await?);
         Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
     }
 
     /// The newest record's instant of each IMU.
     pub async fn newest_of_imus(&self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
         let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
-        let rows: Vec<(u32, Option<i64>)> = sqlx::query_as(sql).fetch_all(&self.readers).await?;
-        Ok(rows.into_iter().filter_map(|(imu, at)| Some((imu, UtcMicros(at?)))).collect())
+        let rows: Vec<(Whole<u32>, Option<i64>)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+        Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
+    }
+
+    /// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros.
+    pub async fn records_since(&self, after: Id, limit: u32) -> Result<Vec<(u32, UtcMicros, Vec<u32>)>, StoreError> {
+        let sql = "SELECT id, imu, calibrated_at, verdicts FROM record WHERE id > $1 ORDER BY id LIMIT $2";
+        let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(after.0).bind(Whole(limit)).fetch_all(db).await?);
+        let seen = |(id, Whole(imu), at, verdicts): (i64, Whole<u32>, i64, Vec<u8>)| {
+            let sheet = VerdictSheet::unpack(Id(id), &verdicts)?;
+            Ok((imu, UtcMicros(at), sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
+        };
+        rows.into_iter().map(seen).collect()
     }
 
     pub async fn verdict_sheet(&self, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
         let sql = "SELECT verdicts FROM record WHERE id = $1";
-        let found: Option<Vec<u8>> = sqlx::query_scalar(sql).bind(id.0).fetch_optional(&self.readers).await?;
+        let found: Option<Vec<u8>> =
+            on!(self.readers, db => sqlx::query_scalar(sql).bind(id.0).fetch_optional(db).await?);
         found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
     }
 
@@ -162,9 +181,13 @@ impl Store {
         records: impl Iterator<Item = Id>,
     ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
         let ids: Vec<String> = records.map(|id| id.0.to_string()).collect();
-        let sql = "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))";
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))",
+            postgres: "SELECT id, verdicts FROM record WHERE id IN (SELECT CAST(j.value AS BIGINT)
+                       FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
+        });
         let rows: Vec<(i64, Vec<u8>)> =
-            sqlx::query_as(sql).bind(format!("[{}]", ids.join(","))).fetch_all(&self.readers).await?;
+            on!(self.readers, db => sqlx::query_as(sql).bind(format!("[{}]", ids.join(","))).fetch_all(db).await?);
         rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
     }
 
@@ -172,9 +195,9 @@ impl Store {
     pub async fn records_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
         let sql = "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
                    ORDER BY calibrated_at DESC LIMIT $2";
-        let rows: Vec<(i64, i64, u32, i64)> =
-            sqlx::query_as(sql).bind(imu).bind(limit).fetch_all(&self.readers).await?;
-        let head = |(id, kind, station, at)| {
+        let rows: Vec<(i64, i64, Whole<u32>, i64)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).fetch_all(db).await?);
+        let head = |(id, kind, Whole(station), at)| {
             let kind =
                 Kind::from_code(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
             Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })

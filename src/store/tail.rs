@@ -11,6 +11,7 @@ use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 use sqlx::SqliteConnection;
 
 use super::batch::{Batch, Rows};
+use super::db::{Sql, cell, insert};
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::history::{HistoryRow, Span};
@@ -68,6 +69,11 @@ impl Tail {
         Ok(tail)
     }
 
+    /// Every waiting row, with its gyro.
+    pub fn rows(&self) -> impl Iterator<Item = (u32, &Figures)> {
+        self.waiting.iter().flat_map(|(gyro, waiting)| waiting.rows.iter().map(|row| (*gyro, row)))
+    }
+
     /// A gyro's waiting rows within `span`, in order of time.
     pub fn of(&self, gyro: u32, span: Span) -> &[Figures] {
         let Some(Waiting { rows, .. }) = self.waiting.get(&gyro) else { return &[] };
@@ -119,17 +125,14 @@ impl Tail {
                     figures.pack(*gyro, out);
                 }
             });
-            batch.add(
-                "INSERT INTO history_log (id, rows)
-                 SELECT value->>0, substr($BYTES, value->>1, value->>2) FROM json_each($ROWS)",
-                entry,
-            );
+            batch.add(insert!("history_log (id, rows)", [int 0, blob 1 2]), entry);
         }
         if !fold.rows.is_empty() {
-            super::history::upsert(&fold.rows, batch);
+            super::history::upsert(fold.rows.iter(), batch);
             let mut cut = Rows::default();
             cut.row().integer(self.oldest_after(fold));
-            batch.add("DELETE FROM history_log WHERE id < (SELECT value->>0 FROM json_each($ROWS))", cut);
+            let sql = "DELETE FROM history_log WHERE id < (SELECT value->>0 FROM json_each($ROWS))";
+            batch.add(Sql::of_sqlite(sql), cut);
         }
     }
 

@@ -121,6 +121,7 @@ async fn a_row_of_the_log_that_was_altered_is_found_out_at_the_start() {
             busy_timeout: std::time::Duration::from_secs(1),
             cache_kib: 64,
             checkpoint_pages: 100,
+            lease: std::time::Duration::from_secs(15),
         };
         assert!(matches!(open(&options).await, Err(StoreError::Damaged(_))));
     }

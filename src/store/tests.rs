@@ -10,9 +10,16 @@ use crate::core::time::UtcMicros;
 
 pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
     let url = format!("sqlite://{}", dir.path().join("test.db").display());
-    open(&Options { url, readers: 2, busy_timeout: Duration::from_secs(1), cache_kib: 1024, checkpoint_pages: 100 })
-        .await
-        .unwrap()
+    open(&Options {
+        url,
+        readers: 2,
+        busy_timeout: Duration::from_secs(1),
+        cache_kib: 1024,
+        checkpoint_pages: 100,
+        lease: Duration::from_secs(15),
+    })
+    .await
+    .unwrap()
 }
 
 pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {

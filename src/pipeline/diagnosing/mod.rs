@@ -129,19 +129,19 @@ fn text(body: &impl serde::Serialize) -> String {
 impl Made {
     /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that wait for
     /// the campaign are told in the same.
-    pub async fn keep(self, writer: &mut Writer, models: &ModelBook) -> Result<(), Refused> {
+    pub async fn keep(&self, writer: &mut Writer, models: &ModelBook) -> Result<(), Refused> {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();
         let failed = match outcome {
             Outcome::Known { known, .. } if models.of(Some(known.imu)).id != known.model => return Ok(()),
             Outcome::Known { known, gyros } => {
-                let gist = text(&Gist::of(gyros, &known.diagnosed));
+                let gist = text(&Gist::of(gyros.clone(), &known.diagnosed));
                 changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
                 known.diagnosed.as_ref().as_ref().err().cloned()
             }
-            Outcome::Failed(why) => Some(why),
+            Outcome::Failed(why) => Some(why.clone()),
         };
-        let settled = vec![SettledTask { record: campaign, begun_at, ended_at, failed }];
+        let settled = vec![SettledTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
         changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
         Ok(writer.commit(&changes).await?)
     }

@@ -13,7 +13,7 @@ use tokio::sync::watch;
 
 use super::{Diagnoser, Made, Outcome};
 use crate::pipeline::background::Awaited;
-use crate::store::{Id, Kind, StoreError};
+use crate::store::{Duty, Id, Kind, StoreError};
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;
@@ -32,9 +32,13 @@ impl Diagnoser {
         let mut hopeless = HashSet::new();
         loop {
             due.mark_unchanged();
-            let made = match self.make_due(&due, &mut hopeless).await {
-                Ok(()) => self.work_off(&due).await,
-                Err(error) => Err(error),
+            let made = if self.is_on_duty() {
+                match self.make_due(&due, &mut hopeless).await {
+                    Ok(()) => self.work_off(&due).await,
+                    Err(error) => Err(error),
+                }
+            } else {
+                Ok(Worked::Nothing)
             };
             let changed = match made {
                 Ok(Worked::Off) => due.changed().await,
@@ -51,6 +55,11 @@ impl Diagnoser {
         }
     }
 
+    /// Whether no other server makes what nobody waits for.
+    fn is_on_duty(&self) -> bool {
+        self.store.is_on_duty(Duty::Diagnoses)
+    }
+
     /// One pass over all campaigns that are due; what cannot be diagnosed is told once and left alone.
     async fn make_due(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<(), StoreError> {
         let mut before = Id(i64::MAX);
@@ -60,7 +69,7 @@ impl Diagnoser {
             before = *last;
             page.retain(|id| !hopeless.contains(id));
             let mut made = stream::iter(page)
-                .take_while(|_| ready(due.has_changed().is_ok()))
+                .take_while(|_| ready(self.is_on_duty() && due.has_changed().is_ok()))
                 .map(|id| async move {
                     self.bustle.lull(QUIET, GIVES_WAY).await;
                     (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
@@ -72,7 +81,7 @@ impl Diagnoser {
                     hopeless.insert(id);
                 }
             }
-            if due.has_changed().is_err() {
+            if due.has_changed().is_err() || !self.is_on_duty() {
                 return Ok(());
             }
         }
@@ -83,7 +92,7 @@ impl Diagnoser {
         let mut before = Vec::new();
         loop {
             let page = self.store.tasks_waiting(TASKS).await?;
-            if page.is_empty() || due.has_changed().unwrap_or(true) {
+            if page.is_empty() || due.has_changed().unwrap_or(true) || !self.is_on_duty() {
                 return Ok(Worked::Off);
             }
             // Nothing of it could be kept.
@@ -91,7 +100,7 @@ impl Diagnoser {
                 return Ok(Worked::Nothing);
             }
             stream::iter(page.iter().copied())
-                .take_while(|_| ready(due.has_changed().is_ok()))
+                .take_while(|_| ready(self.is_on_duty() && due.has_changed().is_ok()))
                 .map(|id| self.settle(id))
                 .buffer_unordered(self.at_once)
                 .for_each(ready)
@@ -131,6 +140,6 @@ impl Diagnoser {
 enum Worked {
     /// Nothing waits, or something else comes first.
     Off,
-    /// Nothing could be kept: it is tried again after a pause.
+    /// Nothing could be kept, or another server is at it: it is tried again after a pause.
     Nothing,
 }

@@ -123,12 +123,12 @@ impl HookDesk<'_> {
     }
 
     /// Writes down many attempts in one transaction.
-    pub async fn write_down(&mut self, attempts: impl Iterator<Item = &Attempted>) -> Result<(), StoreError> {
+    pub async fn write_down(&mut self, attempts: impl Iterator<Item = &Attempted>) -> Result<(), Refused> {
         let mut changes = Changes::default();
         for attempted in attempts {
             self.attempted(attempted, &mut changes).await?;
         }
-        self.writer.commit(&changes).await
+        Ok(self.writer.commit(&changes).await?)
     }
 
     async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, Refused> {

@@ -18,7 +18,7 @@ use crate::alert::ladder::HORIZON;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Refused;
 use crate::pipeline::hooks::Attempted;
-use crate::store::{DeliveryState, DueDelivery, Id, Progress, StoreError};
+use crate::store::{DeliveryState, DueDelivery, Duty, Id, Progress, StoreError};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
 
@@ -135,7 +135,9 @@ impl Lane {
             }
             self.resend(to).await?;
         }
-        let at_once = self.health.at_once(self.desk.pipeline.config.hooks.attempts_at_once, Instant::now());
+        let most = self.desk.pipeline.config.hooks.attempts_at_once;
+        // Where the duty is over, another server delivers: nothing more is begun.
+        let at_once = if self.is_on_duty() { self.health.at_once(most, Instant::now()) } else { 0 };
         while self.under_way.len() < at_once {
             if self.ready.is_empty() && self.look_again {
                 self.fetch().await?;
@@ -148,6 +150,10 @@ impl Lane {
             _ => IDLE,
         };
         Ok(self.until_more(at_once).await?.min(until_resend).min(IDLE))
+    }
+
+    fn is_on_duty(&self) -> bool {
+        self.desk.pipeline.store.is_on_duty(Duty::Deliveries)
     }
 
     async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {

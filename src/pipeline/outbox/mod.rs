@@ -24,7 +24,7 @@ use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 use super::Pipeline;
 use crate::alert::deliver::Courier;
 use crate::alert::ladder::Ladder;
-use crate::store::{Id, QueueState, StoreError};
+use crate::store::{Duty, Id, QueueState, StoreError};
 
 use lane::Lane;
 
@@ -114,7 +114,11 @@ impl Worker {
         let mut wake = self.desk.pipeline.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
             self.desk.pipeline.pulse.beat();
-            if let Err(error) = self.open_lanes().await {
+            if !self.desk.pipeline.store.is_on_duty(Duty::Deliveries) {
+                // What was under way is sent again by whoever delivers now.
+                self.lanes.shutdown().await;
+                self.hooks.clear();
+            } else if let Err(error) = self.open_lanes().await {
                 tracing::warn!(%error, "the hooks cannot be read; trying again");
             }
             tokio::select! {

@@ -12,7 +12,7 @@ use crate::pipeline::alerting::{AlertOrder, Naming, Pen, follow_clock, follow_gr
 use crate::pipeline::judging::Judged;
 use crate::pipeline::read::Calibration;
 use crate::pipeline::{Actor, Refused};
-use crate::store::{Changes, Id, NewDelivery, StoreError, Subject};
+use crate::store::{Changes, Duty, Id, NewDelivery, StoreError, Subject};
 use crate::wire::alert::AlertBody;
 
 impl Task {
@@ -78,7 +78,15 @@ impl Task {
 
     /// Lets the alerts follow the clock.
     pub(super) async fn tick(&mut self) {
-        if let Err(error) = self.try_tick().await {
+        if !self.store.is_on_duty(Duty::Clock) {
+            return;
+        }
+        let followed = match self.begin().await {
+            Ok(()) => self.try_tick().await,
+            Err(error) => Err(error),
+        };
+        self.writer.give_back().await;
+        if let Err(error) = followed {
             self.alerts.forget();
             tracing::error!(%error, "alerts could not follow the clock; the next tick tries again");
         }

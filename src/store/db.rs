@@ -1,0 +1,163 @@
+//! One query on either database: SQLite or PostgreSQL.
+//!
+//! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. Nothing is made up at run
+//! time, and each database is spoken to through its own driver, so that neither pays for the other.
+
+use sqlx::encode::IsNull;
+use sqlx::error::BoxDynError;
+use sqlx::postgres::{PgArgumentBuffer, PgRow};
+use sqlx::sqlite::{SqliteArgumentsBuffer, SqliteRow};
+use sqlx::{Database, Decode, Encode, PgPool, Postgres, Row as _, Sqlite, SqlitePool, Type};
+
+/// Connections that read.
+#[derive(Debug, Clone)]
+pub(super) enum Readers {
+    Sqlite(SqlitePool),
+    Postgres(PgPool),
+}
+
+/// The same in the words of each database.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sql {
+    pub sqlite: &'static str,
+    pub postgres: &'static str,
+}
+
+impl Sql {
+    /// What PostgreSQL is never asked.
+    pub const fn of_sqlite(sqlite: &'static str) -> Self {
+        Self { sqlite, postgres: "" }
+    }
+}
+
+impl Readers {
+    pub fn words(&self, sql: Sql) -> &'static str {
+        match self {
+            Self::Sqlite(_) => sql.sqlite,
+            Self::Postgres(_) => sql.postgres,
+        }
+    }
+
+    pub async fn close(&self) {
+        match self {
+            Self::Sqlite(pool) => pool.close().await,
+            Self::Postgres(pool) => pool.close().await,
+        }
+    }
+}
+
+/// Runs `$query` on whichever database `$readers` are of; in it `$db` is the pool.
+macro_rules! on {
+    ($readers:expr, $db:ident => $query:expr) => {
+        match &$readers {
+            $crate::store::db::Readers::Sqlite($db) => $query,
+            $crate::store::db::Readers::Postgres($db) => $query,
+        }
+    };
+}
+
+/// `INSERT INTO $into SELECT ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is its
+/// kind and its place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see
+/// [`super::batch::Row::bytes`].
+macro_rules! insert {
+    ($into:literal, [$kind:ident $($place:literal)+ $(, $kinds:ident $($places:literal)+)* $(,)?] $(, $then:literal)?) => {
+        $crate::store::db::Sql {
+            sqlite: concat!(
+                "INSERT INTO ", $into, " SELECT ", cell!(sqlite $kind $($place)+), $(", ", cell!(sqlite $kinds $($places)+),)*
+                " FROM json_each($ROWS) WHERE true ", $($then)?
+            ),
+            postgres: concat!(
+                "INSERT INTO ", $into, " SELECT ", cell!(postgres $kind $($place)+), $(", ", cell!(postgres $kinds $($places)+),)*
+                " FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value) WHERE true ", $($then)?
+            ),
+        }
+    };
+}
+
+/// One cell of a row, see [`insert`].
+macro_rules! cell {
+    (sqlite blob $from:literal $len:literal) => {
+        concat!("substr($BYTES, value->>", $from, ", value->>", $len, ")")
+    };
+    (sqlite words $from:literal $len:literal) => {
+        concat!("CAST(", cell!(sqlite blob $from $len), " AS TEXT)")
+    };
+    (sqlite $kind:ident $place:literal) => {
+        concat!("value->>", $place)
+    };
+    (postgres int $place:literal) => {
+        concat!("CAST(value->>", $place, " AS BIGINT)")
+    };
+    (postgres real $place:literal) => {
+        concat!("CAST(value->>", $place, " AS DOUBLE PRECISION)")
+    };
+    (postgres text $place:literal) => {
+        concat!("value->>", $place)
+    };
+    (postgres blob $from:literal $len:literal) => {
+        concat!("substr($2, CAST(value->>", $from, " AS INT), CAST(value->>", $len, " AS INT))")
+    };
+    (postgres words $from:literal $len:literal) => {
+        concat!("convert_from(", cell!(postgres blob $from $len), ", 'UTF8')")
+    };
+}
+
+pub(super) use {cell, insert, on};
+
+/// What both databases can hold in a cell.
+pub(super) trait Cell:
+    Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres>
+{
+}
+
+impl<T> Cell for T where T: Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres> {}
+
+/// A row of either database.
+pub(super) trait Cells {
+    fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error>;
+}
+
+impl Cells for SqliteRow {
+    fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error> {
+        self.try_get(column)
+    }
+}
+
+impl Cells for PgRow {
+    fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error> {
+        self.try_get(column)
+    }
+}
+
+/// A whole number that is narrower here than in the database, where all are 64 bits wide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Whole<T>(pub T);
+
+macro_rules! whole {
+    ($database:ty, $buffer:ty) => {
+        impl<T> Type<$database> for Whole<T> {
+            fn type_info() -> <$database as Database>::TypeInfo {
+                <i64 as Type<$database>>::type_info()
+            }
+
+            fn compatible(found: &<$database as Database>::TypeInfo) -> bool {
+                <i64 as Type<$database>>::compatible(found)
+            }
+        }
+
+        impl<'r, T: TryFrom<i64, Error: std::error::Error + Send + Sync + 'static>> Decode<'r, $database> for Whole<T> {
+            fn decode(value: <$database as Database>::ValueRef<'r>) -> Result<Self, BoxDynError> {
+                Ok(Self(T::try_from(<i64 as Decode<$database>>::decode(value)?)?))
+            }
+        }
+
+        impl<'q, T: Copy + Into<i64>> Encode<'q, $database> for Whole<T> {
+            fn encode_by_ref(&self, buffer: &mut $buffer) -> Result<IsNull, BoxDynError> {
+                <i64 as Encode<'q, $database>>::encode(self.0.into(), buffer)
+            }
+        }
+    };
+}
+
+whole!(Sqlite, SqliteArgumentsBuffer);
+whole!(Postgres, PgArgumentBuffer);

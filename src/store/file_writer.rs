@@ -1,0 +1,95 @@
+//! Writing a database in a file: one connection that commits, and checkpoints from a second one.
+
+use sqlx::{Connection, SqliteConnection};
+
+use super::checkpoint::{self, Checkpoints};
+use super::commit::{Changes, batch_of};
+use super::error::StoreError;
+use super::halt::Halt;
+use super::lock::Lock;
+use super::names::Names;
+use super::tail::SharedTail;
+
+#[derive(Debug)]
+pub(super) struct FileWriter {
+    connection: SqliteConnection,
+    names: Names,
+    tail: SharedTail,
+    checkpoints: Checkpoints,
+    halt: Halt,
+    /// The last write failed: whether writing works again, only writing can tell.
+    in_doubt: bool,
+    _lock: Lock,
+}
+
+impl FileWriter {
+    pub fn new(
+        connection: SqliteConnection,
+        names: Names,
+        tail: SharedTail,
+        checkpoints: Checkpoints,
+        halt: Halt,
+        lock: Lock,
+    ) -> Self {
+        Self { connection, names, tail, checkpoints, halt, in_doubt: false, _lock: lock }
+    }
+
+    /// See [`super::Writer::commit`].
+    pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
+        self.halt.check()?;
+        let finished = self.checkpoints.finish(&mut self.connection).await;
+        self.in_doubt |= finished.is_err();
+        self.halt.heed(finished)?;
+        let mut batch = batch_of(changes);
+        let fold = {
+            let tail = self.tail.read();
+            let fold = tail.due(changes.history_rows().count());
+            tail.write(changes.history_rows(), &fold, &mut batch);
+            fold
+        };
+        let pages = batch.pages();
+        let committed = batch.commit(&mut self.connection).await;
+        self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
+        self.halt.heed(committed)?;
+        // First, so that whoever finds a row knows its names.
+        self.names.learn(changes);
+        self.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
+        self.checkpoints.written(pages);
+        Ok(())
+    }
+
+    /// Whether writing works: the database can be locked for it, and after a failure it takes a write.
+    ///
+    /// # Errors
+    /// As [`FileWriter::commit`].
+    pub async fn probe(&mut self) -> Result<(), StoreError> {
+        self.halt.check()?;
+        self.halt.heed(self.checkpoints.begin(&mut self.connection).await)?;
+        // The number is of no use to anyone else; setting it writes the first page.
+        let sql = if self.in_doubt {
+            "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
+        } else {
+            "BEGIN IMMEDIATE; ROLLBACK"
+        };
+        if let Err(error) = sqlx::query(sql).execute(&mut self.connection).await {
+            let _nothing_left = sqlx::query("ROLLBACK").execute(&mut self.connection).await;
+            return self.halt.heed(Err(error.into()));
+        }
+        self.in_doubt = false;
+        Ok(())
+    }
+
+    /// Copies the whole log into the database and closes it.
+    pub async fn close(mut self) -> Result<(), StoreError> {
+        let copied = match self.halt.check() {
+            Ok(()) => self.halt.heed(checkpoint::copy_all(&mut self.connection).await),
+            halted => halted,
+        };
+        if matches!(copied, Err(StoreError::NotDurable(_))) {
+            std::mem::forget(self.connection);
+            return copied;
+        }
+        self.connection.close().await?;
+        copied
+    }
+}

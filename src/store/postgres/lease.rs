@@ -1,0 +1,87 @@
+//! Work in the background that one server does for all the others.
+//!
+//! Whoever holds a lease renews it long before it ends; whoever dies loses it when it ends, and another takes the work over. The
+//! database's clock decides who may take a lease; whether its holder still may work, it tells by its own, counted from before it
+//! asked.
+
+use std::time::{Duration, Instant};
+
+use sqlx::PgPool;
+use tokio::sync::watch;
+
+use crate::store::error::StoreError;
+
+/// What one server does for all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Duty {
+    /// Telling hooks what the outbox holds.
+    Deliveries,
+    /// Diagnosing what nobody waits for.
+    Diagnoses,
+    /// Letting alerts follow the clock.
+    Clock,
+}
+
+impl Duty {
+    const ALL: [Duty; 3] = [Duty::Deliveries, Duty::Diagnoses, Duty::Clock];
+
+    fn name(self) -> &'static str {
+        match self {
+            Duty::Deliveries => "deliveries",
+            Duty::Diagnoses => "diagnoses",
+            Duty::Clock => "clock",
+        }
+    }
+}
+
+/// Until when each duty is this server's.
+pub(super) type Held = [Option<Instant>; 3];
+
+pub(super) fn is_held(held: &Held, duty: Duty) -> bool {
+    let place = Duty::ALL.iter().position(|other| *other == duty);
+    place.and_then(|place| held[place]).is_some_and(|until| Instant::now() < until)
+}
+
+/// Renews what is held and takes what is free, until nobody wants to know any more.
+pub(super) async fn keep(readers: PgPool, number: i64, lease: Duration, held: watch::Sender<Held>) {
+    let pause = lease / 5;
+    while !held.is_closed() && !readers.is_closed() {
+        for (place, duty) in Duty::ALL.into_iter().enumerate() {
+            let asked = Instant::now();
+            match take(&readers, duty, number, lease).await {
+                Ok(mine) => tell(&held, place, mine.then(|| asked + lease - pause)),
+                Err(error) => {
+                    tracing::debug!(%error, duty = duty.name(), "a lease could not be renewed");
+                    let until = held.borrow()[place];
+                    tell(&held, place, until.filter(|until| Instant::now() < *until));
+                }
+            }
+        }
+        tokio::select! {
+            () = tokio::time::sleep(pause) => {}
+            () = held.closed() => {}
+        }
+    }
+}
+
+pub(super) async fn give_back(readers: &PgPool, number: i64) -> Result<(), StoreError> {
+    let release = "UPDATE lease SET until = now() WHERE holder = $1";
+    sqlx::query(release).bind(number).execute(readers).await?;
+    Ok(())
+}
+
+/// Wakes those who wait when a duty begins or ends, not each time it goes on.
+fn tell(held: &watch::Sender<Held>, place: usize, until: Option<Instant>) {
+    held.send_if_modified(|held| {
+        let turned = held[place].is_some() != until.is_some();
+        held[place] = until;
+        turned
+    });
+}
+
+async fn take(readers: &PgPool, duty: Duty, number: i64, lease: Duration) -> Result<bool, StoreError> {
+    let sql = "UPDATE lease SET holder = $2, until = now() + $3 * INTERVAL '1 second'
+               WHERE name = $1 AND (holder = $2 OR until < now())";
+    let query = sqlx::query(sql).bind(duty.name()).bind(number).bind(lease.as_secs_f64());
+    Ok(query.execute(readers).await?.rows_affected() == 1)
+}

@@ -1,0 +1,200 @@
+//! PostgreSQL, and what speaks as it does: any number of servers on one database.
+//!
+//! Reading is the same as everywhere. Who writes takes its turn first ([`turn`]); what others have written shows in the turn's
+//! row, which every server looks at a few times a second ([`neighbours`]); work in the background belongs to whoever holds its
+//! lease ([`lease`]).
+
+mod lease;
+mod names;
+mod neighbours;
+mod turn;
+
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
+use sqlx::{ConnectOptions, PgConnection, PgPool, SqlSafeStr};
+
+pub(super) use self::neighbours::Neighbours;
+pub(super) use self::turn::ServerWriter;
+pub use self::{lease::Duty, neighbours::Moves, turn::Missed};
+use super::commit::Writer;
+use super::db::Readers;
+use super::error::StoreError;
+use super::names::{Names, Tables};
+use super::open::{Options, Place, Store};
+use super::tail::SharedTail;
+
+/// Every migration ever shipped, oldest first; a shipped one is never edited.
+const MIGRATIONS: [(i64, &str, &str); 1] =
+    [(1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql"))];
+
+/// How long a database that does not answer yet is waited for at the start.
+const COMES_UP: Duration = Duration::from_secs(10);
+/// Another server has just made the schema.
+const TABLE_IS_THERE: &str = "42P07";
+const BREATH: Duration = Duration::from_millis(300);
+
+impl Options {
+    /// Whether the address is of a database server.
+    pub fn is_server(&self) -> bool {
+        self.url.starts_with("postgres://") || self.url.starts_with("postgresql://")
+    }
+
+    /// The address without the password, for people to read.
+    pub fn shown(&self) -> String {
+        if let Ok(mut url) = url::Url::parse(&self.url)
+            && url.password().is_some()
+            && url.set_password(Some("hidden")).is_ok()
+        {
+            return url.into();
+        }
+        self.url.clone()
+    }
+}
+
+/// Opens the database and brings its schema up to date.
+///
+/// # Errors
+/// [`StoreError`] where it cannot be reached within seconds, or holds a schema newer than this program.
+pub(super) async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
+    let (readers, names, writer) = ready(options).await?;
+    let neighbours = Neighbours::watch(readers.clone(), names.clone(), writer.number(), options.lease).await?;
+    Ok(opened(readers, names, writer, neighbours))
+}
+
+/// As [`open`], to write a row beside the servers: nothing in the background becomes this process's.
+pub(super) async fn open_beside(options: &Options) -> Result<(Store, Writer), StoreError> {
+    let (readers, names, writer) = ready(options).await?;
+    Ok(opened(readers, names, writer, Neighbours::none()))
+}
+
+fn opened(readers: PgPool, names: Names, writer: ServerWriter, neighbours: Neighbours) -> (Store, Writer) {
+    let place = Place::Server(neighbours);
+    let store = Store { readers: Readers::Postgres(readers), names, tail: SharedTail::default(), place };
+    (store, Writer::of_server(writer))
+}
+
+async fn ready(options: &Options) -> Result<(PgPool, Names, ServerWriter), StoreError> {
+    let connect = connect_options(options)?;
+    patiently(async || migrate(&mut reach(&connect, options.busy_timeout).await?).await).await?;
+    let readers = pool(&connect, options, options.readers).await?;
+    check_copied(&readers).await?;
+    let names = Names::new(Tables::default());
+    names::learn_new(&readers, &names).await?;
+    let writer = ServerWriter::new(connect, options, readers.clone(), names.clone()).await?;
+    Ok((readers, names, writer))
+}
+
+/// Opens the database for reading alone, as it stands now: what is written meanwhile is not seen.
+///
+/// # Errors
+/// [`StoreError::File`] where its schema is not of this version of the program.
+pub(super) async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
+    let connect = connect_options(options)?;
+    let readers = pool(&connect, options, 1).await?;
+    let names = Names::new(Tables::default());
+    {
+        let mut connection = readers.acquire().await?;
+        // One connection, inside one transaction for as long as it lives.
+        sqlx::query("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").execute(&mut *connection).await?;
+        check_schema(&mut connection, options).await?;
+    }
+    names::learn_new(&readers, &names).await?;
+    let place = Place::Server(Neighbours::none());
+    Ok(Store { readers: Readers::Postgres(readers), names, tail: SharedTail::default(), place })
+}
+
+/// Opens the database to be copied into: its schema as of this program, no service made ready on it.
+pub(super) async fn open_to_copy(options: &Options) -> Result<PgConnection, StoreError> {
+    let mut connection = reach(&connect_options(options)?, options.busy_timeout).await?;
+    migrate(&mut connection).await?;
+    Ok(connection)
+}
+
+/// A database that is being copied into is nobody's yet.
+async fn check_copied(readers: &PgPool) -> Result<(), StoreError> {
+    let sql = "SELECT count(*) FROM information_schema.tables
+               WHERE table_schema = current_schema() AND table_name = 'copying'";
+    if sqlx::query_scalar::<_, i64>(sql).fetch_one(readers).await? > 0 {
+        return Err(StoreError::File(
+            "a copy into the database has not come to its end: run gyrowatch copy again".to_owned(),
+        ));
+    }
+    Ok(())
+}
+
+async fn check_schema(connection: &mut PgConnection, options: &Options) -> Result<(), StoreError> {
+    let wrong = |why: &str| Err(StoreError::File(format!("{}: {why}", options.shown())));
+    let ours = "SELECT count(*) FROM information_schema.tables WHERE table_schema = current_schema()
+                AND table_name IN ('_sqlx_migrations', 'record', 'turn')";
+    if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
+        return wrong("no database of gyrowatch");
+    }
+    let found: Option<i64> =
+        sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(connection).await?;
+    let newest = MIGRATIONS.last().map(|(version, ..)| *version);
+    match found.cmp(&newest) {
+        std::cmp::Ordering::Greater => wrong("written by a newer version of gyrowatch"),
+        std::cmp::Ordering::Less => wrong("written by an older version of gyrowatch: start the service on it once"),
+        std::cmp::Ordering::Equal => Ok(()),
+    }
+}
+
+pub(super) fn connect_options(options: &Options) -> Result<PgConnectOptions, StoreError> {
+    Ok(PgConnectOptions::from_str(&options.url)?
+        .application_name("gyrowatch")
+        .statement_cache_capacity(256)
+        .disable_statement_logging())
+}
+
+async fn pool(connect: &PgConnectOptions, options: &Options, connections: u32) -> Result<PgPool, StoreError> {
+    Ok(PgPoolOptions::new()
+        .max_connections(connections.max(1))
+        .acquire_timeout(options.busy_timeout)
+        .idle_timeout(None)
+        .max_lifetime(None)
+        .connect_with(connect.clone())
+        .await?)
+}
+
+/// A connection, unless there is none within `patience`.
+pub(super) async fn reach(connect: &PgConnectOptions, patience: Duration) -> Result<PgConnection, StoreError> {
+    match tokio::time::timeout(patience, connect.connect()).await {
+        Ok(connected) => Ok(connected?),
+        Err(_) => Err(StoreError::Unreachable(format!("no connection within {} s", patience.as_secs_f64()))),
+    }
+}
+
+/// Tries again while the database is coming up, or another server is at the same.
+pub(super) async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) -> Result<T, StoreError> {
+    let end = Instant::now() + COMES_UP;
+    loop {
+        match work().await {
+            Err(error @ (StoreError::Unreachable(_) | StoreError::Refused(_))) if Instant::now() < end => {
+                tracing::info!(%error, "the database does not answer yet; trying again");
+                tokio::time::sleep(BREATH).await;
+            }
+            done => return done,
+        }
+    }
+}
+
+/// Brings the schema up to date. Two servers at it at once hinder each other, and whoever comes second tries again.
+pub(super) async fn migrate(connection: &mut PgConnection) -> Result<(), StoreError> {
+    let migrations = MIGRATIONS.map(|(version, name, sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    let mut migrator = Migrator::with_migrations(migrations.into());
+    // A lock of PostgreSQL's own, which others that speak as it does have not.
+    migrator.set_locking(false);
+    let is_there = |error: &sqlx::Error| {
+        error.as_database_error().is_some_and(|said| said.code().as_deref() == Some(TABLE_IS_THERE))
+    };
+    migrator.run(connection).await.map_err(|error| match error {
+        MigrateError::ExecuteMigration(error, _) if is_there(&error) => StoreError::Refused(error.to_string()),
+        MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => error.into(),
+        other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
+    })
+}

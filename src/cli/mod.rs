@@ -9,6 +9,7 @@ mod blindcheck;
 mod calibrate;
 mod client;
 mod config;
+mod copy;
 mod demo;
 mod diagnose;
 mod diagnose_all;
@@ -54,6 +55,7 @@ enum Command {
     Blindcheck(blindcheck::Blindcheck),
     Backup(backup::Backup),
     Restore(restore::Restore),
+    Copy(copy::Copy),
     Token(token::Token),
     Verify(verify::Verify),
     Config(config::Show),
@@ -73,6 +75,7 @@ impl Command {
             Self::Blindcheck(blindcheck) => blindcheck.run(),
             Self::Backup(backup) => backup.run(),
             Self::Restore(restore) => restore.run(),
+            Self::Copy(copy) => copy.run(),
             Self::Token(token) => token.run(),
             Self::Verify(verify) => verify.run(),
             Self::Config(show) => show.run(),

@@ -10,6 +10,7 @@ mod batch;
 mod bench;
 mod checkpoint;
 mod commit;
+mod copy;
 mod correction;
 mod db;
 mod delivery;
@@ -42,6 +43,7 @@ pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, check_all_but_records, open_to_read, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Rejudged, Writer};
+pub use copy::{Copied, copy};
 pub use correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use delivery::{
     AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,

@@ -1,0 +1,54 @@
+//! `copy`: a database in a file taken over to PostgreSQL.
+
+use anyhow::{Context, bail};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{block_on, document};
+use crate::config::Config;
+use crate::store::{self, Copied, Options};
+
+/// Copy a database from a file to an empty one on PostgreSQL and compare the two; interrupted, it goes on when run again
+#[derive(Debug, Args)]
+pub struct Copy {
+    /// The database to copy, which no service serves meanwhile
+    #[arg(long, value_name = "sqlite://PATH")]
+    from: String,
+    /// Where to
+    #[arg(long, value_name = "postgres://…")]
+    to: String,
+}
+
+impl Copy {
+    pub fn run(self) -> anyhow::Result<()> {
+        let options = |url: &str| Options { url: url.to_owned(), ..Config::defaults().database.options() };
+        let (from, to) = (options(&self.from), options(&self.to));
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        let work = async {
+            let each = |table, rows| bar.set_message(format!("{table}: {rows} rows"));
+            Ok(store::copy(&from, &to, each).await?)
+        };
+        let compared = block_on(work);
+        bar.finish_and_clear();
+        let compared = compared.with_context(|| format!("{} was not copied to {}", from.shown(), to.shown()))?;
+        document::print(&shown(&compared))?;
+        if !compared.iter().all(Copied::is_whole) {
+            bail!("the copy is not what the file holds now; begin again with an empty database");
+        }
+        document::print(&format!("{} is {} now: the copy is whole", from.shown(), to.shown()))
+    }
+}
+
+fn shown(compared: &[Copied]) -> String {
+    let mut table = document::table(["table", "rows", "copied", "checksum", ""], 1..3);
+    for copied in compared {
+        let [rows, found] = copied.rows;
+        let verdict = if copied.is_whole() { "same" } else { "DIFFERENT" };
+        let checksum = format!("{:032x}", copied.checksums[0]);
+        table.add_row([copied.table, &rows.to_string(), &found.to_string(), &checksum[..16], verdict]);
+    }
+    table.to_string()
+}

@@ -3,6 +3,13 @@
 #![allow(dead_code, reason = "each test file uses its part of the laboratory")]
 #![allow(clippy::allow_attributes, reason = "what is unused differs from file to file, so nothing can be expected")]
 
+#[allow(
+    clippy::duplicate_mod,
+    reason = "some test files take both the laboratory and the service in a process of its own"
+)]
+#[path = "../cluster/mod.rs"]
+pub mod cluster;
+
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -57,6 +64,10 @@ impl Lab {
         let mut config = Config::defaults();
         config.server.listen = "127.0.0.1:0".parse().expect("an address");
         config.database.url = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+        if cluster::is_wanted() {
+            config.database.url = cluster::fresh_database().await;
+            config.database.lease_s = cluster::LEASE_S;
+        }
         change(&mut config);
         let noon = time::parse("2026-11-21T12:00:00Z").expect("a time");
         let client = system::http_client(Duration::from_secs(5), Duration::from_secs(60)).build().expect("a client");

@@ -3,6 +3,13 @@
 //! Every test file takes what it needs of this, so some of it is unused in each.
 #![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
+#[allow(
+    clippy::duplicate_mod,
+    reason = "some test files take both the laboratory and the service in a process of its own"
+)]
+#[path = "../cluster/mod.rs"]
+pub mod cluster;
+
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -12,7 +19,7 @@ use std::time::{Duration, Instant};
 use gyrowatch::system;
 use reqwest::header::{HeaderMap, HeaderName, HeaderValue};
 use serde_json::Value;
-use sqlx::{ConnectOptions, Row};
+use sqlx::{ConnectOptions, Connection, Row};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
@@ -96,6 +103,13 @@ impl Server {
 
     /// With `GYROWATCH_…` variables beside the address and the database.
     pub async fn start_with(settings: &[(&str, &str)]) -> Self {
+        if cluster::is_wanted() && !settings.iter().any(|(name, _)| *name == "GYROWATCH_DATABASE_URL") {
+            let url = cluster::fresh_database().await;
+            let lease = cluster::LEASE_S.to_string();
+            let on_server = [("GYROWATCH_DATABASE_URL", url.as_str()), ("GYROWATCH_DATABASE__LEASE_S", &lease)];
+            let settings = [settings, &on_server].concat();
+            return Self::start_under(&[], tempfile::tempdir().unwrap(), &settings);
+        }
         Self::start_under(&[], tempfile::tempdir().unwrap(), settings)
     }
 
@@ -197,6 +211,9 @@ impl Server {
 
     /// How many rows each table of the database holds: what is "stored", seen from below.
     pub async fn holdings(&self) -> Vec<(String, i64)> {
+        if let Some((_, url)) = self.settings.iter().find(|(name, _)| name == "GYROWATCH_DATABASE_URL") {
+            return holdings_on_server(url).await;
+        }
         let path = self.dir.path().join("gyrowatch.db");
         let options = sqlx::sqlite::SqliteConnectOptions::new().filename(path).read_only(true);
         let mut connection = options.connect().await.unwrap();
@@ -210,6 +227,19 @@ impl Server {
         }
         holdings
     }
+}
+
+async fn holdings_on_server(url: &str) -> Vec<(String, i64)> {
+    let mut connection = sqlx::PgConnection::connect(url).await.unwrap();
+    let tables = "SELECT CAST(table_name AS TEXT) FROM information_schema.tables
+                  WHERE table_schema = 'public' AND table_name NOT IN ('turn', 'writer', 'lease') ORDER BY 1";
+    let mut holdings = Vec::new();
+    for table in sqlx::query_scalar::<_, String>(tables).fetch_all(&mut connection).await.unwrap() {
+        let count = sqlx::AssertSqlSafe(format!("SELECT count(*) FROM \"{table}\""));
+        let count: i64 = sqlx::query_scalar(count).fetch_one(&mut connection).await.unwrap();
+        holdings.push((table, count));
+    }
+    holdings
 }
 
 impl Drop for Server {

@@ -1,0 +1,376 @@
+//! Servers that share a PostgreSQL: what each stores the others judge by, what one leaves undone another takes over, and nothing is
+//! lost or done twice when a server or the database itself is killed.
+
+mod lab;
+mod receiver;
+mod support;
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use gyrowatch::system;
+use lab::{day, record, verdict};
+use receiver::Receiver;
+use serde_json::{Value, json};
+use sqlx::{Connection, PgConnection, Row};
+use support::Server;
+use support::cluster::{self, Cluster};
+
+const LEASE: Duration = Duration::from_secs(3);
+
+/// A server on the database; others may be on it too.
+async fn server_on(url: &str) -> Server {
+    let lease = LEASE.as_secs().to_string();
+    Server::start_with(&[("GYROWATCH_DATABASE_URL", url), ("GYROWATCH_DATABASE__LEASE_S", &lease)]).await
+}
+
+async fn count(url: &str, sql: &'static str) -> i64 {
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
+}
+
+/// Returns once `is_so`.
+async fn until<F: Future<Output = bool>>(what: &str, patience: Duration, is_so: impl Fn() -> F) {
+    let end = Instant::now() + patience;
+    while !is_so().await {
+        assert!(Instant::now() < end, "not within {patience:?}: {what}");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
+/// A station that knows several servers, and goes on asking them in turn until one has taken what it sends.
+#[derive(Clone)]
+struct Station {
+    servers: Vec<String>,
+    client: reqwest::Client,
+}
+
+impl Station {
+    fn of(servers: &[&Server]) -> Self {
+        let client = system::http_client(Duration::from_secs(2), Duration::from_secs(20)).build().unwrap();
+        Self { servers: servers.iter().map(|server| server.url("/v1/records")).collect(), client }
+    }
+
+    /// The identifier that the record was stored under. `first` is the server that is asked first.
+    async fn sends(&self, record: &Value, first: usize) -> String {
+        let end = Instant::now() + Duration::from_secs(60);
+        for server in (0..self.servers.len()).cycle().skip(first % self.servers.len()) {
+            assert!(Instant::now() < end, "nobody takes {record}");
+            match self.client.post(&self.servers[server]).json(record).send().await {
+                Ok(answer) if answer.status().is_success() => {
+                    let body: Value = answer.json().await.unwrap();
+                    return body["id"].as_str().unwrap().to_owned();
+                }
+                Ok(answer) => assert_eq!(answer.status(), 503, "{}", answer.text().await.unwrap()),
+                Err(_) => {}
+            }
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+        unreachable!("the servers go round for ever")
+    }
+}
+
+/// Stations at work at the same time, each with gyros of its own whose drift jumps now and then.
+struct Load {
+    stations: usize,
+    records_each: i64,
+}
+
+impl Load {
+    fn records(&self) -> usize {
+        self.stations * self.records_each as usize
+    }
+
+    /// Sends everything; `each` hears of every record that was acknowledged. Returns their identifiers.
+    async fn run(&self, station: &Station, each: impl Fn(usize) + Send + Sync + 'static) -> Vec<String> {
+        let (each, acknowledged) = (Arc::new(each), Arc::new(AtomicUsize::new(0)));
+        let mut at_work = tokio::task::JoinSet::new();
+        for number in 0..self.stations {
+            let (station, each, acknowledged) = (station.clone(), each.clone(), acknowledged.clone());
+            let records_each = self.records_each;
+            at_work.spawn(async move {
+                let mut ids = Vec::new();
+                for at in 0..records_each {
+                    // Every fourth calibration has jumped by ten times the budget, and the next is back.
+                    let d_i = if at % 4 == 3 { 1.1 } else { 1.0 };
+                    let serial = format!("LFG-{number}");
+                    let record = record(&format!("IMU-{number}"), &day(at), &[("G1", &serial, d_i, 2.0)]);
+                    ids.push(station.sends(&record, number).await);
+                    each(acknowledged.fetch_add(1, Ordering::SeqCst) + 1);
+                }
+                ids
+            });
+        }
+        at_work.join_all().await.into_iter().flatten().collect()
+    }
+}
+
+#[tokio::test]
+async fn what_one_server_stores_the_others_judge_by_and_show() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let (one, other) = (server_on(&url).await, server_on(&url).await);
+    for at in 0..12 {
+        let server = if at % 2 == 0 { &one } else { &other };
+        let d_i = 1.0 + 0.02 * (at % 2) as f64;
+        let answer = server.post_json("/v1/records", &record("IMU-1", &day(at), &[("G1", "LFG-1", d_i, 2.0)])).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+        if at > 0 {
+            let step = verdict(&answer.json(), "LFG-1", "D_I", "step").clone();
+            assert_eq!(step["state"], "exceeded", "{step}");
+            assert!((step["value"].as_f64().unwrap() - 0.02).abs() < 1e-6, "{step}");
+        }
+    }
+    for server in [&one, &other] {
+        until("the gyro is known", Duration::from_secs(3), async || {
+            server.get("/v1/gyros/LFG-1/trend?coefficient=D_I").await.status == 200
+        })
+        .await;
+        let trend = server.get("/v1/gyros/LFG-1/trend?coefficient=D_I").await.json();
+        assert_eq!(trend["points"].as_array().unwrap().len(), 12);
+        assert_eq!(server.get("/readyz").await.status, 200);
+    }
+    assert_eq!(count(&url, "SELECT count(*) FROM alert WHERE rule = 'step' AND coefficient = 'D_I'").await, 1);
+}
+
+#[tokio::test]
+async fn a_token_made_at_one_server_opens_the_others() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let (one, other) = (server_on(&url).await, server_on(&url).await);
+    let made = one.post_json("/v1/tokens", &json!({"name": "lead", "role": "admin"})).await;
+    assert_eq!(made.status, 201, "{}", made.text());
+    let bearer = format!("Bearer {}", made.json()["token"].as_str().unwrap());
+    until("the other asks for a token", Duration::from_secs(3), async || other.get("/v1/gyros").await.status == 401)
+        .await;
+    let answer = other.call("GET", "/v1/gyros", &[("authorization", &bearer)], Vec::new()).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+}
+
+#[tokio::test]
+async fn one_record_sent_160_times_through_two_servers_is_stored_once() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let servers = [server_on(&url).await, server_on(&url).await];
+    let station = Station::of(&[&servers[0], &servers[1]]);
+    let sent = Arc::new(record("IMU-1", &day(0), &[("G1", "LFG-1", 1.0, 2.0)]));
+    let mut ids = HashSet::new();
+    for _ in 0..10 {
+        let mut at_once = tokio::task::JoinSet::new();
+        for first in 0..16 {
+            let (station, sent) = (station.clone(), sent.clone());
+            at_once.spawn(async move { station.sends(&sent, first).await });
+        }
+        ids.extend(at_once.join_all().await);
+    }
+    assert_eq!(ids.len(), 1, "{ids:?}");
+    assert_eq!(count(&url, "SELECT count(*) FROM record").await, 1);
+    let changed = record("IMU-1", &day(0), &[("G1", "LFG-1", 1.5, 2.0)]);
+    for server in &servers {
+        assert_eq!(server.post_json("/v1/records", &changed).await.status, 409);
+    }
+}
+
+#[tokio::test]
+async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let server = server_on(&url).await;
+    server.post_json("/v1/records", &record("IMU-0", &day(0), &[("G1", "LFG-0", 1.0, 2.0)])).await;
+    // Behind the service's back, so that only the database knows.
+    let mut connection = PgConnection::connect(&url).await.unwrap();
+    sqlx::raw_sql("ALTER TABLE record ADD CONSTRAINT poisoned CHECK (body NOT LIKE '%POISON%')")
+        .execute(&mut connection)
+        .await
+        .unwrap();
+    let lines: Vec<String> = (0..64)
+        .map(|number| {
+            let imu = if number == 40 { "POISON".to_owned() } else { format!("IMU-{number}") };
+            record(&imu, &day(1), &[("G1", &format!("LFG-{number}"), 1.0, 2.0)]).to_string()
+        })
+        .collect();
+    let answer = server.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.text();
+    let stored = answer.lines().filter(|line| line.contains("\"id\"")).count();
+    assert_eq!(stored, 63, "{answer}");
+    assert_eq!(count(&url, "SELECT count(*) FROM record").await, 64);
+}
+
+/// What hooks were told, held against what the outbox says.
+async fn nothing_was_lost_or_invented(url: &str, told: &Receiver) {
+    let open = "SELECT count(*) FROM delivery WHERE state <> 'delivered'";
+    until("every delivery is made", LEASE * 2 + Duration::from_secs(20), async || count(url, open).await == 0).await;
+    let steps = "SELECT count(*) FROM alert_step JOIN alert ON alert.id = alert_step.alert
+                 WHERE told = 1 AND alert.rule = 'step'";
+    let (deliveries, steps) = (count(url, "SELECT count(*) FROM delivery").await, count(url, steps).await);
+    assert!(deliveries > 0 && deliveries == steps, "{deliveries} deliveries of {steps} steps");
+    let heard: HashSet<String> = told.told().iter().map(receiver::Told::id).collect();
+    assert_eq!(heard.len() as i64, deliveries);
+}
+
+/// Every acknowledged record is there under its identifier, and none twice.
+async fn all_are_there(url: &str, acknowledged: &[String], sent: usize) {
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    let rows = sqlx::query("SELECT id, imu, calibrated_at FROM record").fetch_all(&mut connection).await.unwrap();
+    let stored: HashSet<String> =
+        rows.iter().map(|row| gyrowatch::pipeline::Id(row.get::<i64, _>("id")).to_string()).collect();
+    let keys: HashMap<(i64, i64), usize> = rows.iter().fold(HashMap::new(), |mut keys, row| {
+        *keys.entry((row.get("imu"), row.get("calibrated_at"))).or_default() += 1;
+        keys
+    });
+    assert_eq!(rows.len(), sent);
+    assert!(keys.values().all(|times| *times == 1));
+    assert_eq!(acknowledged.iter().collect::<HashSet<_>>().len(), sent, "two records were given one identifier");
+    assert!(acknowledged.iter().all(|id| stored.contains(id)));
+    let history = count(url, "SELECT count(*) FROM history").await;
+    assert_eq!(history, sent as i64, "one gyro a record");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_server_killed_under_load_loses_nothing_and_another_takes_its_work_over() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    // The first one holds every lease.
+    let mut first = server_on(&url).await;
+    let holder = "SELECT count(DISTINCT holder) FROM lease WHERE holder <> 0 AND until > now()";
+    until("the leases are taken", LEASE, async || count(&url, holder).await == 1).await;
+    let second = server_on(&url).await;
+    let told = Receiver::start().await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}});
+    let made = second.post_json("/v1/hooks", &hook).await;
+    assert_eq!(made.status, 201, "{}", made.text());
+    let load = Load { stations: 8, records_each: 24 };
+    let station = Station::of(&[&first, &second]);
+    let (third, reached) = (load.records() / 3, Arc::new(tokio::sync::Notify::new()));
+    let notify = reached.clone();
+    let each = move |acknowledged| {
+        if acknowledged == third {
+            notify.notify_one();
+        }
+    };
+    let kill = async {
+        reached.notified().await;
+        first.kill();
+        Instant::now()
+    };
+    let (acknowledged, killed) = tokio::join!(load.run(&station, each), kill);
+    all_are_there(&url, &acknowledged, load.records()).await;
+    nothing_was_lost_or_invented(&url, &told).await;
+    let last = told.told().iter().map(|told| told.at).max().unwrap();
+    assert!(last > killed, "everything was told before the kill: it proves nothing");
+    let mine = "SELECT count(*) FROM lease WHERE until > now()";
+    assert_eq!(count(&url, mine).await, 3, "the second server holds every lease");
+    println!("taken over; everything told {:?} after the kill", last - killed);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_database_that_crashes_under_load_loses_nothing_and_servers_go_on_without_a_restart() {
+    if !cluster::is_there() {
+        return;
+    }
+    let mut cluster = Cluster::start();
+    let url = cluster.fresh_database().await;
+    let servers = [server_on(&url).await, server_on(&url).await];
+    let told = Receiver::start().await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}});
+    assert_eq!(servers[0].post_json("/v1/hooks", &hook).await.status, 201);
+    let load = Load { stations: 8, records_each: 16 };
+    let station = Station::of(&[&servers[0], &servers[1]]);
+    let reached = Arc::new(AtomicUsize::new(0));
+    let counter = reached.clone();
+    let each = move |acknowledged| counter.store(acknowledged, Ordering::SeqCst);
+    let third = load.records() / 3;
+    let crash = async {
+        while reached.load(Ordering::SeqCst) < third {
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        tokio::task::block_in_place(|| cluster.crash_and_restart(Duration::from_millis(500)));
+    };
+    let (acknowledged, ()) = tokio::join!(load.run(&station, each), crash);
+    all_are_there(&url, &acknowledged, load.records()).await;
+    nothing_was_lost_or_invented(&url, &told).await;
+    for server in &servers {
+        until("it is ready", Duration::from_secs(5), async || server.get("/readyz").await.status == 200).await;
+    }
+}
+
+#[tokio::test]
+async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
+    if !cluster::is_there() {
+        return;
+    }
+    let mut file = {
+        let dir = tempfile::tempdir().unwrap();
+        let database = format!("sqlite://{}", dir.path().join("gyrowatch.db").display());
+        Server::start_under(&[], dir, &[("GYROWATCH_DATABASE_URL", &database)])
+    };
+    let lines: Vec<String> = (0..3_000)
+        .map(|at| {
+            let (imu, serial) = (format!("IMU-{}", at % 7), format!("LFG-{}", at % 7));
+            record(&imu, &day(at / 7), &[("G1", &serial, 1.0 + 0.03 * (at % 2) as f64, 2.0)]).to_string()
+        })
+        .collect();
+    let answer = file.post("/v1/import", "application/x-ndjson", lines.join("\n")).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let trend = "/v1/gyros/LFG-3/trend?coefficient=D_I&limit=1000";
+    let expected = file.get(trend).await.json()["points"].clone();
+    let url = cluster::fresh_database().await;
+    let from = format!("sqlite://{}", file.dir().join("gyrowatch.db").display());
+    let copy = || {
+        let mut command = support::gyrowatch();
+        command.args(["copy", "--from", &from, "--to", &url]);
+        command
+    };
+    let served = copy().output().unwrap();
+    assert!(!served.status.success(), "a file that is served was copied");
+    assert!(file.terminate().0.success());
+
+    let mut killed = copy().spawn().unwrap();
+    let mut connection = PgConnection::connect(&url).await.unwrap();
+    let patience = Instant::now() + Duration::from_secs(30);
+    loop {
+        // The table is not there at first.
+        let rows = sqlx::query_scalar("SELECT count(*) FROM record").fetch_one(&mut connection).await;
+        if rows.is_ok_and(|rows: i64| rows > 0) {
+            break;
+        }
+        assert!(Instant::now() < patience && killed.try_wait().unwrap().is_none(), "nothing to interrupt");
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    let mut early = support::gyrowatch();
+    early.args(["serve"]).env("GYROWATCH_DATABASE_URL", &url).env("GYROWATCH_LISTEN", "127.0.0.1:0");
+    let refused = early.output().unwrap();
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && said.contains("gyrowatch copy"), "{said}");
+
+    let done = copy().output().unwrap();
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(done.status.success(), "{said}{}", String::from_utf8_lossy(&done.stderr));
+    assert!(said.contains("the copy is whole") && !said.contains("DIFFERENT"), "{said}");
+    assert!(!copy().output().unwrap().status.success(), "a database with data in it was copied into");
+
+    let server = server_on(&url).await;
+    assert_eq!(server.get(trend).await.json()["points"], expected);
+    let next = record("IMU-3", &day(500), &[("G1", "LFG-3", 1.0, 2.0)]);
+    assert_eq!(server.post_json("/v1/records", &next).await.status, 201);
+    drop(server);
+    let mut verify = support::gyrowatch();
+    let verified = verify.arg("verify").env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
+    assert!(verified.status.success(), "{}", String::from_utf8_lossy(&verified.stderr));
+    let mut backup = support::gyrowatch();
+    let refused = backup.args(["backup", "x.db"]).env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && said.contains("pg_dump"), "{said}");
+}

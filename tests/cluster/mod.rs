@@ -73,10 +73,10 @@ wait "$server"
 impl Cluster {
     pub fn start() -> Self {
         let template = template();
-        let dir = std::env::temp_dir().join(format!("gyrowatch-postgres-{}-{}", std::process::id(), unique()));
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let dir = std::env::temp_dir().join(format!("gyrowatch-postgres-{}-{port}", std::process::id()));
         let copied = as_postgres(&["cp", "-r"]).arg(&template).arg(&dir).status().unwrap();
         assert!(copied.success(), "{template:?} cannot be copied to {dir:?}");
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let keeper = keep(&dir, port);
         let cluster = Self { keeper, dir, port, databases: AtomicUsize::new(0) };
         cluster.comes_up();
@@ -139,11 +139,6 @@ fn keep(dir: &Path, port: u16) -> Child {
         .stderr(Stdio::null())
         .spawn()
         .unwrap()
-}
-
-fn unique() -> usize {
-    static COUNT: AtomicUsize = AtomicUsize::new(0);
-    COUNT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// PostgreSQL refuses to run as root.

@@ -149,7 +149,7 @@ impl Splitter {
     async fn next_line(&mut self) -> Option<Line> {
         let mut searched = 0;
         loop {
-            if let Some(end) = self.pending[searched..].iter().position(|&b| b == b'\n') {
+            if let Some(end) = memchr::memchr(b'\n', &self.pending[searched..]) {
                 let line = self.pending.split_to(searched + end + 1).freeze();
                 searched = 0;
                 if std::mem::take(&mut self.skipping) {

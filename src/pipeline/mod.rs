@@ -94,8 +94,8 @@ pub struct Pipeline {
 /// What the writer is asked to do.
 #[derive(Debug)]
 enum Job {
-    /// Submissions that are to be answered together, in order.
-    Store { items: Vec<Submission>, reply: oneshot::Sender<Vec<Reply>> },
+    /// Submissions that are to be answered together, in order; whether with the verdicts on them.
+    Store { items: Vec<Submission>, with_verdicts: bool, reply: oneshot::Sender<Vec<Reply>> },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// An attempt to tell a hook is to be written down.
@@ -270,19 +270,19 @@ impl Pipeline {
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         self.bustle.stir();
         let (reply, answer) = oneshot::channel();
-        self.offer(Job::Store { items: vec![item], reply })?;
+        self.offer(Job::Store { items: vec![item], with_verdicts: true, reply })?;
         let mut replies = answer.await.map_err(|_| Refused::Stopping)?;
         replies.pop().unwrap_or(Err(Refused::Stopping))
     }
 
-    /// As [`Pipeline::submit`] for many, each with an answer of its own. Waits for room in the queue; what it then returns waits
+    /// As [`Pipeline::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in the queue; what it then returns waits
     /// for the disk, so that the next items can be made ready meanwhile.
     pub async fn enqueue(&self, items: Vec<Submission>) -> impl Future<Output = Vec<Reply>> + use<> {
         self.bustle.stir();
         let count = items.len();
         let (reply, answer) = oneshot::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-        let _queued = self.jobs.send(Job::Store { items, reply }).await;
+        let _queued = self.jobs.send(Job::Store { items, with_verdicts: false, reply }).await;
         async move { answer.await.unwrap_or_else(|_| vec![Err(Refused::Stopping); count]) }
     }
 }

@@ -44,6 +44,18 @@ pub(super) struct Task {
     behind: bool,
 }
 
+/// A submission of a group.
+#[derive(Clone, Copy)]
+struct Item<'a> {
+    sent: &'a Submission,
+    /// Whether its answer is to hold the verdicts on it.
+    with_verdicts: bool,
+}
+
+fn items_of((sent, with_verdicts, _): &StoreJob) -> impl Iterator<Item = Item<'_>> {
+    sent.iter().map(|sent| Item { sent, with_verdicts: *with_verdicts })
+}
+
 /// Who is told of what has been written.
 pub(super) struct After {
     /// Moves when a hook has changed or has something new to be told.
@@ -56,6 +68,8 @@ pub(super) struct After {
 
 /// Orders that concern hooks, and where their answers go.
 type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
+/// Submissions, whether they are answered with verdicts, and where the answers go.
+type StoreJob = (Vec<Submission>, bool, oneshot::Sender<Vec<Reply>>);
 type Attempts = Vec<(Attempted, oneshot::Sender<Result<(), Refused>>)>;
 
 impl Task {
@@ -90,7 +104,7 @@ impl Task {
             let (mut orders, mut attempts) = (Orders::new(), Attempts::new());
             for job in jobs.drain(..) {
                 let job = match job {
-                    Job::Store { items, reply } => (items, reply),
+                    Job::Store { items, with_verdicts, reply } => (items, with_verdicts, reply),
                     Job::Hook { order, by, reply } => {
                         orders.push((order, by, reply));
                         continue;
@@ -151,12 +165,12 @@ impl Task {
         }
     }
 
-    async fn process(&mut self, jobs: Vec<(Vec<Submission>, oneshot::Sender<Vec<Reply>>)>) {
-        let items: Vec<&Submission> = jobs.iter().flat_map(|(items, _)| items).collect();
+    async fn process(&mut self, jobs: Vec<StoreJob>) {
+        let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         let replies = self.store_all(&items).await;
         count(&items, &replies);
         let mut replies = replies.into_iter();
-        for (items, reply) in jobs {
+        for (items, _, reply) in jobs {
             // A sender that has gone away is answered when it sends the same again.
             let _gone = reply.send(replies.by_ref().take(items.len()).collect());
         }
@@ -211,14 +225,14 @@ impl Task {
     }
 
     /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.
-    async fn store_all(&mut self, items: &[&Submission]) -> Vec<Reply> {
+    async fn store_all(&mut self, items: &[Item<'_>]) -> Vec<Reply> {
         let mut replies = Vec::with_capacity(items.len());
         match self.store_group(items).await {
             Ok(stored) => return stored,
             Err(StoreError::Refused(why)) if items.len() > 1 => {
                 tracing::warn!(%why, items = items.len(), "a group was refused; its items are stored one by one");
                 for item in items {
-                    let reply = self.store_group(&[item]).await;
+                    let reply = self.store_group(&[*item]).await;
                     replies.extend(reply.unwrap_or_else(|error| vec![Err(error.into())]));
                 }
             }
@@ -231,7 +245,7 @@ impl Task {
         replies
     }
 
-    async fn store_group(&mut self, items: &[&Submission]) -> Result<Vec<Reply>, StoreError> {
+    async fn store_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
         let mut tries = 0;
         loop {
             let stored = match self.begin().await {
@@ -256,13 +270,13 @@ impl Task {
         }
     }
 
-    async fn try_group(&mut self, items: &[&Submission]) -> Result<Vec<Reply>, StoreError> {
+    async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
         let now = self.clock.now();
         let mut desk = Desk { store: &self.store, writer: &mut self.writer, newest: &self.newest, now };
         for item in items {
-            replies.push(desk.admit(item, &mut group).await);
+            replies.push(desk.admit(item.sent, &mut group).await);
         }
         let judging = Instant::now();
         let found = self.judge.judge(&mut group.changes).await?;
@@ -278,14 +292,23 @@ impl Task {
             self.newest.learn(&group.changes, &found.newest);
             self.benched.extend(group.changes.benches.iter().map(|bench| bench.gyro));
         }
+        let mut tally = Tally::default();
         for (item, reply) in items.iter().zip(&mut replies) {
-            if let (Some(sent), Ok(Accepted::Stored { id, judged })) = (item.calibration(), reply) {
-                *judged = self.judged(sent, *id, &found.verdicts);
+            if let (Some(sent), Ok(Accepted::Stored { id, judged })) = (item.sent.calibration(), reply) {
+                if item.with_verdicts {
+                    *judged = self.judged(sent, *id, &found.verdicts);
+                }
+                tally.add(sent.gyros.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
                 if sent.kind == Kind::Campaign {
                     self.after.due.send_modify(|moved| *moved += 1);
                 }
             }
         }
+        let new: HashSet<Id> = group.changes.records.iter().map(|record| record.id).collect();
+        for (_, verdicts) in found.verdicts.iter().filter(|((record, _), _)| new.contains(record)) {
+            tally.add(verdicts);
+        }
+        tally.count();
         Ok(replies)
     }
 
@@ -302,20 +325,19 @@ impl Task {
 }
 
 /// The calibrations that are new, by the identifiers that they were given.
-fn sent<'a>(items: &[&'a Submission], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
-    let new = |(item, reply): (&&'a Submission, &Reply)| match (item.calibration(), reply) {
+fn sent<'a>(items: &[Item<'a>], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
+    let new = |(item, reply): (&Item<'a>, &Reply)| match (item.sent.calibration(), reply) {
         (Some(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, sent)),
         _ => None,
     };
     items.iter().zip(replies).filter_map(new).collect()
 }
 
-/// Counts what has become of each item.
-fn count(items: &[&Submission], replies: &[Reply]) {
-    // A record has dozens of verdicts, and looking a counter up costs more than adding to it.
-    let mut verdicts: BTreeMap<(Rule, State), u64> = BTreeMap::new();
+/// Counts what has become of each item. Looking a counter up costs more than adding to it.
+fn count(items: &[Item<'_>], replies: &[Reply]) {
+    let mut counts: BTreeMap<(&str, &str), u64> = BTreeMap::new();
     for (item, reply) in items.iter().zip(replies) {
-        let kind = match item {
+        let kind = match item.sent {
             Submission::Calibration(_) => "calibration",
             Submission::Bench(_) => "bench_result",
             Submission::Event(_) => "event",
@@ -327,20 +349,30 @@ fn count(items: &[&Submission], replies: &[Reply]) {
             Err(Refused::Store(_)) => "failed",
             Err(_) => "refused",
         };
-        metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(1);
-        for verdict in reply.iter().flat_map(verdicts_of) {
-            *verdicts.entry((verdict.rule, verdict.state)).or_default() += 1;
-        }
+        *counts.entry((kind, outcome)).or_default() += 1;
     }
-    for ((rule, state), count) in verdicts {
-        metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name()).increment(count);
+    for ((kind, outcome), count) in counts {
+        metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(count);
     }
 }
 
-fn verdicts_of(accepted: &Accepted) -> impl Iterator<Item = &Verdict> {
-    let judged = match accepted {
-        Accepted::Stored { judged, .. } => judged.as_slice(),
-        Accepted::There { .. } => &[],
-    };
-    judged.iter().flat_map(|gyro| &gyro.verdicts)
+/// Verdicts on new records, by rule and state: a record has dozens.
+#[derive(Debug, Default)]
+struct Tally([[u64; State::ALL.len()]; Rule::ALL.len()]);
+
+impl Tally {
+    fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
+        for verdict in verdicts {
+            self.0[verdict.rule as usize][verdict.state as usize] += 1;
+        }
+    }
+
+    fn count(&self) {
+        for (rule, of_rule) in Rule::ALL.iter().zip(&self.0) {
+            for (state, count) in State::ALL.iter().zip(of_rule).filter(|(_, count)| **count > 0) {
+                metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name())
+                    .increment(*count);
+            }
+        }
+    }
 }

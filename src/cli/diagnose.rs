@@ -135,7 +135,7 @@ fn subject(campaign: &Campaign) -> Subject {
 
 fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
     let mut out = format!(
-        "{}, measured by {} at {}: {}\n\nnoise floor {:.3e} deg/h ({}); gap {:.3e} deg/h, reduced chi-square {:.2}, p {:.1e}\n",
+        "{}, measured by {} at {}: {}\n\nnoise floor {:.3e} deg/h ({}); gap {:.3e} deg/h, reduced chi-square {:.2}; adjusted p of all tests {:.1e}\n",
         campaign.imu,
         campaign.station,
         time::format(campaign.measured_at),

@@ -13,7 +13,7 @@ use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
 use crate::core::judge::State as Judgement;
 use crate::core::judge::history::Measured;
-use crate::pipeline::{Figures, Span, Tables, sample_of};
+use crate::pipeline::{Figures, Span, Standing, Tables, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
@@ -48,7 +48,7 @@ struct Gyro {
     serial: String,
     /// Null for a gyro that only a bench has seen.
     latest: Option<Latest>,
-    /// The worst of the coefficients' states; null before the first calibration.
+    /// The worst that any rule says of its newest calibration, requirements on E and G included; null before the first.
     state: Option<&'static str>,
 }
 
@@ -92,11 +92,9 @@ async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQu
     let more = rows.len() > limit;
     rows.truncate(limit);
     let next = rows.last().filter(|_| more).map(|(number, _)| cursor::encode(i64::from(*number)));
+    let standings = app.pipeline.standings(rows).await?;
     let tables = store.names().read();
-    let gyros = rows.iter().map(|(number, figures)| {
-        let serial = tables.gyros.name(*number).map_or_else(String::new, |name| name.to_string());
-        Gyro::of(serial, figures.as_ref(), app.config.judging.method, &tables)
-    });
+    let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &tables));
     Ok(Json(Gyros { gyros: gyros.collect(), next }))
 }
 
@@ -132,14 +130,19 @@ async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<
     let events = store.events(number).await?.iter().map(EventBody::of).collect();
     let calibrations = store.count_history(number).await?;
     let bench_results = store.bench_results(number, Span::EVER).await?.len();
-    let gyro = Gyro::of(serial, newest.as_ref(), app.config.judging.method, &store.names().read());
+    let standing =
+        app.pipeline.standings(vec![(number, newest)]).await?.pop().ok_or_else(|| Problem::unknown_gyro(&serial))?;
+    let gyro = Gyro::of(&standing, app.config.judging.method, &store.names().read());
     Ok(Json(GyroDetail { gyro, verdicts, events, calibrations, bench_results }))
 }
 
 impl Gyro {
-    fn of(serial: String, figures: Option<&Figures>, method: JudgedMethod, tables: &Tables) -> Self {
-        let state = figures.map(|f| f.states.worst().unwrap_or(Judgement::Indeterminate).name());
-        Self { serial, latest: figures.map(|figures| Latest::of(figures, method, tables)), state }
+    fn of(standing: &Standing, method: JudgedMethod, tables: &Tables) -> Self {
+        Self {
+            serial: standing.serial.to_string(),
+            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, method, tables)),
+            state: standing.state.map(Judgement::name),
+        }
     }
 }
 

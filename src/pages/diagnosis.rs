@@ -109,7 +109,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
         }
         p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
         div.scroll tabindex="0" { table {
-            thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { "p" } } }
+            thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { (t.adjusted_p) } } }
             tbody {
                 tr { th scope="row" { (t.gap_before) } (gap(d.gap.rms_deg_per_h, d.gap.reduced_chi2, d.gap.p_value)) }
                 tr {

@@ -17,7 +17,8 @@ pub struct Standing {
     pub serial: Arc<str>,
     /// Its newest calibration; none for a gyro that only a bench has seen.
     pub newest: Option<Figures>,
-    /// The worst that the rules that could judge say of it; none before the first calibration.
+    /// The worst that any rule says of it, requirements on E and G included; indeterminate while no rule can judge its drift, none
+    /// before the first calibration.
     pub state: Option<State>,
     /// What it violates.
     pub exceeded: Vec<(Coefficient, Rule)>,
@@ -51,7 +52,8 @@ impl Pipeline {
         self.standings(newest).await
     }
 
-    async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
+    /// How gyros stand with these newest calibrations.
+    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
         let sheets = self.store.verdict_sheets(records.into_iter()).await?;
         let verdicts: HashMap<_, _> = sheets
@@ -70,7 +72,7 @@ impl Pipeline {
             Some(Standing {
                 number,
                 serial,
-                state: newest.as_ref().map(|_| worst(verdicts)),
+                state: newest.as_ref().map(|figures| worst(figures, verdicts)),
                 exceeded: exceeded(verdicts),
                 load: verdicts.iter().filter_map(load).fold(0.0, f64::max),
                 overdue_days: late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value),
@@ -128,10 +130,11 @@ pub(super) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>)
     (baseline.len() >= BASELINE_RECORDS).then_some(sum / baseline.len() as f64)
 }
 
-/// The worst of the rules that could judge.
-fn worst(verdicts: &[StoredVerdict]) -> State {
+/// Of the rules that could judge; of the drift none may have, however well E and G keep to their requirements.
+fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
+    let of_drift = figures.states.worst().unwrap_or(State::Indeterminate);
     let judged = verdicts.iter().filter(|verdict| verdict.value.is_some());
-    judged.map(|verdict| verdict.state).max().unwrap_or(State::Indeterminate)
+    judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
 fn exceeded(verdicts: &[StoredVerdict]) -> Vec<(Coefficient, Rule)> {

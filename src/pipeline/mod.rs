@@ -133,10 +133,15 @@ pub struct Judged {
     pub verdicts: Vec<Verdict>,
 }
 
+/// Where two documents differ.
+fn place(pointer: &str) -> String {
+    if pointer.is_empty() { "in everything, as a record and a campaign do".to_owned() } else { format!("at {pointer}") }
+}
+
 /// Why a submission was not taken.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Refused {
-    #[error("an item with the same key is stored with other content (id {existing}); they differ at {pointer}")]
+    #[error("an item with the same key is stored with other content (id {existing}); they differ {}", place(pointer))]
     Differs { existing: Id, pointer: String },
     #[error("the Idempotency-Key was used before for other content (id {existing})")]
     KeyReused { existing: Id },

@@ -75,11 +75,11 @@ fn head(subject: &Subject, d: &DiagnosisBody) -> Markup {
             } }
             tr { th { "Gap before" } td {
                 (figure(d.gap.rms_deg_per_h)) " deg/h rms, reduced chi-square " (figure(d.gap.reduced_chi2))
-                ", p = " (figure(d.gap.p_value))
+                ", adjusted p of all tests " (figure(d.gap.p_value))
             } }
             tr { th { "Left after" } td {
                 (figure(d.remaining.rms_deg_per_h)) " deg/h rms, reduced chi-square " (figure(d.remaining.reduced_chi2))
-                ", p = " (figure(d.remaining.p_value))
+                ", adjusted p of all tests " (figure(d.remaining.p_value))
             } }
             @for sign in &d.remaining.signs {
                 tr { th { "Sign of more" } td { (sign.kind) " in " (sign.gyros.join(", ")) ", p = " (figure(sign.p_value)) } }

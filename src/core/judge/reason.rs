@@ -262,9 +262,12 @@ fn write_turn(f: &mut Formatter<'_>, moved: f64, d_s: Option<f64>) -> fmt::Resul
     let turn = d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0).filter(|turn| turn.is_finite());
     match turn {
         Some(turn) => {
-            write!(f, ", as a turn of {turn:+.1} arcmin about the input axis would: mounting, not mass unbalance")
+            write!(
+                f,
+                ", as a turn of {turn:+.1} arcmin about the input axis would: mounting rather than mass unbalance"
+            )
         }
-        None => f.write_str(": mounting, not mass unbalance"),
+        None => f.write_str(": mounting rather than mass unbalance"),
     }
 }
 

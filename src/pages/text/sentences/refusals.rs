@@ -32,6 +32,11 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("a standard-webhooks hook always signs: name a new secret instead", "standard-webhooks必须签名：请给出新的密钥"),
     ("the same kind of event is stored at that very time with other words", "同一时刻已有同类事件，但说明不同"),
     (
+        "an item with the same key is stored with other content (id {}); they differ in everything, as a record and a \
+         campaign do",
+        "相同时间与对象已有其他内容（编号{0}），二者完全不同，如一为记录、一为原始试验",
+    ),
+    (
         "an item with the same key is stored with other content (id {}); they differ at {}",
         "相同时间与对象已有其他内容（编号{0}），差异在{1}",
     ),

@@ -51,13 +51,13 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("torque_feedback", "力矩反馈"),
     ("turntable_servo", "转台伺服"),
     (
-        "The closure {} moved by {} from its baseline {}, as a turn of {} arcmin about the input axis would: mounting, not \
-         mass unbalance",
-        "闭合差{0}偏离基线{2}，相差{1}，相当于绕输入轴转动{3}角分：属安装变化，不是质量不平衡",
+        "The closure {} moved by {} from its baseline {}, as a turn of {} arcmin about the input axis would: mounting \
+         rather than mass unbalance",
+        "闭合差{0}偏离基线{2}，相差{1}，相当于绕输入轴转动{3}角分：更可能是安装变化，而非质量不平衡",
     ),
     (
-        "The closure {} moved by {} from its baseline {}: mounting, not mass unbalance",
-        "闭合差{0}偏离基线{2}，相差{1}：属安装变化，不是质量不平衡",
+        "The closure {} moved by {} from its baseline {}: mounting rather than mass unbalance",
+        "闭合差{0}偏离基线{2}，相差{1}：更可能是安装变化，而非质量不平衡",
     ),
     ("{} lies {} from its baseline {}", "{0}偏离基线{2}，相差{1}"),
     ("{} (mean of the first records from {})", "{0}（自{1}起最初几个记录的平均）"),

@@ -163,6 +163,19 @@ async fn a_raw_bench_test_becomes_a_bench_result_beside_the_separation() {
 }
 
 #[tokio::test]
+async fn a_bench_test_that_gave_next_to_no_output_has_no_scale_to_divide_by() {
+    let lab = Lab::open().await;
+    for one_output in [0.0, 1e-306] {
+        let mut silent = bench_test();
+        for (number, dwell) in silent["dwells"].as_array_mut().unwrap().iter_mut().enumerate() {
+            dwell["output_pulse_s"] = json!([if number == 3 { one_output } else { 0.0 }]);
+            dwell.as_object_mut().unwrap().remove("output_sem_pulse_s");
+        }
+        assert_eq!(posts(&lab, &silent).await.refused(422), ["/dwells"]);
+    }
+}
+
+#[tokio::test]
 async fn what_cannot_be_separated_is_fitted_stored_and_named() {
     let lab = Lab::open().await;
     let mut slow = campaign();

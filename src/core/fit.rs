@@ -13,6 +13,9 @@ use nalgebra::{DMatrix, DVector};
 /// (1e-4 rad) at best. A direction that the design excites less than that is fed by the station's errors.
 pub const RANK_TOLERANCE: f64 = 1e-4;
 
+/// Of the singular values, a few a column; for numbers that are not finite they would never end.
+const MOST_ITERATIONS: usize = 10_000;
+
 /// A design matrix taken apart, ready to fit any number of measurements that share it and its weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
@@ -54,7 +57,7 @@ impl Factor {
     /// Takes the design (n x p) apart for rows with standard deviations `sd` (n, positive).
     ///
     /// # Panics
-    /// Where `sd` has another length than the design has rows, or the design has no rows or no columns.
+    /// Where `sd` has another length than the design has rows, the design has no rows or no columns, or a number is not finite.
     pub fn new(design: DMatrix<f64>, sd: &[f64]) -> Self {
         let (n, p) = design.shape();
         assert!(n > 0 && p > 0, "a design has rows and columns");
@@ -70,7 +73,7 @@ impl Factor {
             column /= *scale;
         }
         let qr = whitened.qr();
-        let svd = qr.r().svd(true, true);
+        let svd = qr.r().try_svd(true, true, 5.0 * f64::EPSILON, MOST_ITERATIONS).expect("finite numbers converge");
         let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
         let threshold = RANK_TOLERANCE * svd.singular_values.max();
         let (kept, dropped): (Vec<usize>, Vec<usize>) = (0..p).partition(|&i| svd.singular_values[i] > threshold);

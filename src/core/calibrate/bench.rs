@@ -215,6 +215,9 @@ impl Problem<'_> {
         let mut solved = self.solve(scale, &e)?;
         for _ in 1..passes {
             e = solved.e;
+            if !e.norm().is_normal() {
+                return Err(NotFitted::NoScale);
+            }
             solved = self.solve(scale, &e)?;
         }
         self.finish(method, scale, solved)
@@ -267,7 +270,7 @@ impl Problem<'_> {
         }
         // dK along each fitted direction: the direction's share in E's own.
         let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
-        let coefficients = form
+        let coefficients: Vec<Coefficient> = form
             .names()
             .map(|(name, unit, column, sign)| {
                 let value = sign * fit.estimate[first + column] / k;
@@ -280,6 +283,10 @@ impl Problem<'_> {
                 Coefficient { name, unit, value, sd }
             })
             .collect();
+        // Outputs next to nothing have a scale next to nothing, which nothing can be divided by.
+        if !coefficients.iter().all(|c| c.value.is_finite() && c.sd.is_none_or(f64::is_finite)) {
+            return Err(NotFitted::NoScale);
+        }
         Ok(BenchCalibration {
             method,
             e,

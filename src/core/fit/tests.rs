@@ -116,3 +116,11 @@ proptest::proptest! {
         proptest::prop_assert!((fit.leverage.sum() - 4.0).abs() < 1e-10);
     }
 }
+
+#[test]
+#[should_panic(expected = "finite numbers converge")]
+fn a_design_that_is_not_finite_is_a_panic_and_not_an_endless_loop() {
+    let mut design = DMatrix::from_fn(8, 4, |i, j| ((i * 4 + j) as f64).sin());
+    design[(3, 2)] = f64::NAN;
+    Factor::new(design, &[1.0; 8]);
+}

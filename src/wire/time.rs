@@ -16,8 +16,12 @@ pub fn parse(text: &str) -> Result<UtcMicros, String> {
         return Err("its offset from UTC must lie between -23:59 and +23:59".into());
     }
     let instant: Timestamp = text.parse().map_err(|_| "is no date and time of the calendar".to_owned())?;
-    let micros = instant.as_microsecond();
-    if shape.leap_second { after_leap_second(instant) } else { Ok(UtcMicros(micros)) }
+    let instant = if shape.leap_second { after_leap_second(instant)? } else { UtcMicros(instant.as_microsecond()) };
+    // It is written in UTC, and RFC 3339 has no year before 0.
+    if instant.date().year < 0 {
+        return Err("must not lie before the year 0 in UTC".into());
+    }
+    Ok(instant)
 }
 
 /// Writes an instant in UTC with as many digits as it needs.
@@ -38,7 +42,7 @@ impl Stamp {
         let micros = instant.0.rem_euclid(UtcMicros::DAY);
         let second = micros / UtcMicros::SECOND;
         let mut stamp = Self { text: [0; 32], len: 0 };
-        // Years before 0 cannot be sent; should one be stored, it is written as ISO 8601 has it: a sign, six digits.
+        // Years before 0 are refused; should one be stored, it is written as ISO 8601 has it: a sign, six digits.
         if date.year < 0 {
             stamp.push(b'-');
             stamp.digits(date.year.unsigned_abs(), 6);
@@ -154,6 +158,7 @@ mod tests {
         assert_eq!(written("2026-03-01T16:00:00+08:00"), "2026-03-01T08:00:00Z");
         assert_eq!(written("2026-03-01t08:00:00.250z"), "2026-03-01T08:00:00.25Z");
         assert_eq!(parse("1970-01-01T00:00:00.000001999Z"), Ok(UtcMicros(1)));
+        assert_eq!(written("0000-01-01T08:00:00+08:00"), "0000-01-01T00:00:00Z");
     }
 
     #[test]
@@ -180,6 +185,7 @@ mod tests {
             ("2026-03-01T24:00:00Z", "calendar"),
             ("2026-03-01T08:00:60Z", "leap second"),
             ("2026-03-01T08:00:00[UTC]", "RFC 3339"),
+            ("0000-01-01T08:00:00+08:01", "before the year 0"),
         ] {
             let refused = parse(text).unwrap_err();
             assert!(refused.contains(words), "{text}: {refused}");

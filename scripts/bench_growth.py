@@ -119,7 +119,7 @@ def with_history(program, most):
         trend = f"/v1/gyros/L00001-G1/trend?coefficient=D_I&last={min(1000, calibrations)}"
         trends.append((name, 1e6 * median(closed_loop(service.port, "GET", trend, None, SECONDS))))
         pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
-        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(50_000, len(records) * 100_000 + k), SECONDS)
+        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(50_000, len(records) * 8_000 + k), SECONDS)
         records.append((name, len(posted) / SECONDS))
         values *= 10
     service.stop()
@@ -136,7 +136,7 @@ def with_gyros(program):
         name = f"{3 * imus} gyros"
         rates.append((name, send_lines(service, imus, 0, max(20_000 // imus, 3))))
         pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
-        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(k % imus, 50_000 + k // imus), SECONDS)
+        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(k % imus, 25_000 + k // imus), SECONDS)
         records.append((name, len(posted) / SECONDS))
         service.stop()
     row("gyros: import of 20,000 records or three a gyro", "records/s", rates)

@@ -271,10 +271,12 @@ async fn hours_of_load_with_slow_readers_and_restarts_change_nothing() {
     let (t, m) = (mean(|s| s.0), mean(|s| s.1));
     let spread: f64 = later.iter().map(|s| (s.0 - t).powi(2)).sum();
     let slope = later.iter().map(|s| (s.0 - t) * (s.1 - m)).sum::<f64>() / spread.max(1e-9);
+    let mut from = 0.0;
     for part in samples.chunks(samples.len().div_ceil(20)) {
-        let (from, to) = (part[0].0, part[part.len() - 1].0);
+        let to = part[part.len() - 1].0;
         let mean = part.iter().map(|sample| sample.1).sum::<f64>() / part.len() as f64;
         println!("soak: {from:6.0} s to {to:6.0} s: memory {mean:.0} kB, p99 {} ms", p99(from, to).as_millis());
+        from = to;
     }
     println!(
         "soak: {seconds} s at {rate} records/s, {number} stored, {restarts} restarts; p99 {} ms in the first half, {} ms in the second; \

@@ -6,7 +6,7 @@ use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::batch::{Batch, Rows};
 use super::commit::{Changes, Writer, batch_of};
-use super::db::{Cells, Sql, Whole, cell, insert, on};
+use super::db::{Cells, Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::id::{Id, IdSource};
 use super::lock;
@@ -126,14 +126,7 @@ pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
     for id in &changes.ended {
         rows.row().integer(id.0);
     }
-    batch.add(
-        Sql {
-            sqlite: "DELETE FROM session WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
-            postgres: "DELETE FROM session WHERE id IN (SELECT CAST(j.value->>0 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-        },
-        rows,
-    );
+    batch.add(among!("DELETE FROM session WHERE id"), rows);
     let mut rows = Rows::default();
     for line in &changes.audit {
         rows.row()

@@ -1,7 +1,7 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
 use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, cell, insert, on};
+use super::db::{Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::history::{self, HistoryRow};
 use super::id::Id;
@@ -54,20 +54,9 @@ pub(super) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
         });
         rows
     };
+    batch.add(among!("UPDATE record SET voided = id WHERE id"), ids(&mut withdrawn.records.iter().copied()));
     batch.add(
-        Sql {
-            sqlite: "UPDATE record SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
-            postgres: "UPDATE record SET voided = id WHERE id IN (SELECT CAST(j.value->>0 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-        },
-        ids(&mut withdrawn.records.iter().copied()),
-    );
-    batch.add(
-        Sql {
-            sqlite: "UPDATE bench_result SET voided = id WHERE id IN (SELECT value->>0 FROM json_each($ROWS))",
-            postgres: "UPDATE bench_result SET voided = id WHERE id IN (SELECT CAST(j.value->>0 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-        },
+        among!("UPDATE bench_result SET voided = id WHERE id"),
         ids(&mut withdrawn.benches.iter().map(|(id, _)| *id)),
     );
     batch.add(

@@ -102,7 +102,20 @@ macro_rules! cell {
     };
 }
 
-pub(super) use {cell, insert, on};
+/// `$what IN` the first cells of a [`super::batch::Rows`], which are whole numbers, `$then`, in the words of both databases.
+macro_rules! among {
+    ($what:literal $(, $then:literal)?) => {
+        $crate::store::db::Sql {
+            sqlite: concat!($what, " IN (SELECT value->>0 FROM json_each($ROWS))", $($then)?),
+            postgres: concat!(
+                $what, " IN (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+                $($then)?
+            ),
+        }
+    };
+}
+
+pub(super) use {among, cell, insert, on};
 
 /// What both databases can hold in a cell.
 pub(super) trait Cell:

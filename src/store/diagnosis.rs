@@ -1,7 +1,7 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
 use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, cell, insert, on};
+use super::db::{Sql, Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::model::ModelRow;
@@ -45,22 +45,13 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
         rows.row().integer(i64::from(model.imu));
         imus.row().integer(i64::from(model.imu));
     }
+    batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus);
     batch.add(
-        Sql {
-            sqlite: "DELETE FROM diagnosis_gist WHERE imu IN (SELECT value->>0 FROM json_each($ROWS))",
-            postgres: "DELETE FROM diagnosis_gist WHERE imu IN (SELECT CAST(j.value->>0 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-        },
-        imus,
-    );
-    batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
-                     WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT value->>0 FROM json_each($ROWS)))",
-            postgres: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
-                       WHERE record IN (SELECT id FROM record WHERE imu IN (SELECT CAST(j.value->>0 AS BIGINT)
-                           FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",
-        },
+        among!(
+            "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
+             WHERE record IN (SELECT id FROM record WHERE imu",
+            ")"
+        ),
         rows,
     );
 }

@@ -4,7 +4,7 @@
 //! whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the transaction that keeps it.
 
 use super::batch::{Batch, Rows};
-use super::db::{Cells, Sql, Whole, cell, insert, on};
+use super::db::{Cells, Sql, Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
@@ -206,16 +206,7 @@ fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
         tasks.row().integer(job.0);
         orders.row().integer(job.0).integer(at.0);
     }
-    batch.add(
-        Sql {
-            sqlite: "UPDATE diagnosis_task SET state = 'canceled'
-                     WHERE state = 'waiting' AND job IN (SELECT value->>0 FROM json_each($ROWS))",
-            postgres: "UPDATE diagnosis_task SET state = 'canceled'
-                       WHERE state = 'waiting' AND job IN (SELECT CAST(j.value->>0 AS BIGINT)
-                           FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
-        },
-        tasks,
-    );
+    batch.add(among!("UPDATE diagnosis_task SET state = 'canceled' WHERE state = 'waiting' AND job"), tasks);
     batch.add(
         Sql {
             sqlite: "UPDATE diagnosis_job SET canceled = 1, ended_at = value->>1 FROM json_each($ROWS)

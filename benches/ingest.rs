@@ -13,14 +13,12 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use client::{Client, Times};
+use client::{Client, Times, instant, record};
 use gyrowatch::config::Config;
-use gyrowatch::core::time::UtcMicros;
 use gyrowatch::http::{self, App};
 use gyrowatch::pipeline::Pipeline;
 use gyrowatch::store;
 use gyrowatch::system::{self, Clock};
-use gyrowatch::wire::time;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqliteSynchronous};
 use sqlx::{ConnectOptions, Connection};
 use tempfile::TempDir;
@@ -32,7 +30,6 @@ const CAMPAIGNS: usize = 1_000;
 /// Records of one import, and how many IMUs they are of.
 const IMPORTED: usize = 60_000;
 const IMPORTED_IMUS: usize = 200;
-const PAPER: &str = include_str!("../tests/data/paper.json");
 const CAMPAIGN: &str = include_str!("../tests/data/practice/campaign-00.json");
 
 /// What is posted, and how often.
@@ -43,7 +40,7 @@ struct Load {
     count: usize,
 }
 
-const OF_RECORDS: Load = Load { path: "/v1/records", body, count: RECORDS };
+const OF_RECORDS: Load = Load { path: "/v1/records", body: record, count: RECORDS };
 const OF_CAMPAIGNS: Load = Load { path: "/v1/campaigns", body: campaign, count: CAMPAIGNS };
 
 fn main() {
@@ -85,18 +82,9 @@ fn connections() -> Vec<usize> {
     if given.is_empty() { vec![1, 16, 64] } else { given }
 }
 
-/// The paper's record as IMU number `imu` would send it at its `k`-th calibration, one a day.
-fn body(imu: usize, k: usize) -> String {
-    let at = time::format(UtcMicros(946_684_800_000_000 + k as i64 * UtcMicros::DAY));
-    PAPER
-        .replace("IMU-07", &format!("IMU-{imu}"))
-        .replace("LFG-", &format!("L{imu}-"))
-        .replace("2026-03-01T08:00:00Z", &at)
-}
-
 /// A campaign of 78 dwells of IMU number `imu`, one a day.
 fn campaign(imu: usize, k: usize) -> String {
-    let at = time::format(UtcMicros(946_684_800_000_000 + k as i64 * UtcMicros::DAY));
+    let at = instant(k);
     let (head, rest) = CAMPAIGN.split_once("\"measured_at\"").expect("a campaign says when it was measured");
     let (_, rest) = rest.split_once(',').expect("more fields follow");
     let head = head.replace("IMU-", &format!("IMU-{imu}-"));
@@ -125,7 +113,7 @@ async fn bare_loop() -> f64 {
         let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.expect("a transaction");
         sqlx::query("INSERT INTO record VALUES ($1, $2)")
             .bind(k as i64)
-            .bind(body(0, k))
+            .bind(record(0, k))
             .execute(&mut *transaction)
             .await
             .expect("a row");
@@ -192,7 +180,7 @@ async fn over_http(connections: usize, load: Load) -> Times {
 /// Records a second of one import, until its last answer is read.
 async fn imported() -> f64 {
     let running = Running::start().await;
-    let lines = (0..IMPORTED).map(|k| body(k % IMPORTED_IMUS, k / IMPORTED_IMUS).replace('\n', "") + "\n");
+    let lines = (0..IMPORTED).map(|k| record(k % IMPORTED_IMUS, k / IMPORTED_IMUS).replace('\n', "") + "\n");
     let text: String = lines.collect();
     let client = system::http_client(Duration::from_secs(5), Duration::from_secs(600)).build().expect("a client");
     let begun = Instant::now();

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use client::{Client, Times};
+use client::{Client, DAY_S, EPOCH_S, Times, record};
 use tokio::task::JoinSet;
 
 const ROUNDS: usize = 3;
@@ -21,9 +21,6 @@ const ROUND: Duration = Duration::from_secs(4);
 const CONNECTIONS: [usize; 3] = [1, 16, 64];
 /// Daily calibrations of the gyro whose trend is read.
 const DAYS: usize = 10_000;
-const EPOCH_S: usize = 946_684_800;
-const DAY_S: usize = 86_400;
-const PAPER: &str = include_str!("../tests/data/paper.json");
 
 /// A store, and how it is spoken to.
 #[derive(Debug, Clone)]
@@ -199,15 +196,6 @@ async fn ask(address: &str, question: &str) -> Vec<Duration> {
         assert!(answer.status == 200 && answer.body.len() > 4_000, "{}", String::from_utf8_lossy(&answer.body));
         times.push(begun.elapsed());
     }
-}
-
-/// The paper's record as IMU number `imu` would send it at its `k`-th calibration, one a day from 2000-01-01 on.
-fn record(imu: usize, k: usize) -> String {
-    let at = jiff::Timestamp::from_second((EPOCH_S + k * DAY_S) as i64).expect("a time of this century");
-    PAPER
-        .replace("IMU-07", &format!("IMU-{imu}"))
-        .replace("LFG-", &format!("L{imu}-"))
-        .replace("2026-03-01T08:00:00Z", &at.to_string())
 }
 
 /// D_I and D_S of its three gyros in InfluxDB's line protocol.

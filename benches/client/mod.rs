@@ -6,6 +6,24 @@ use std::time::{Duration, Instant};
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::net::TcpStream;
 
+/// 2000-01-01, s UTC.
+pub const EPOCH_S: usize = 946_684_800;
+pub const DAY_S: usize = 86_400;
+const PAPER: &str = include_str!("../../tests/data/paper.json");
+
+/// The paper's record as IMU number `imu` would send it at its `k`-th calibration, one a day from [`EPOCH_S`] on.
+pub fn record(imu: usize, k: usize) -> String {
+    PAPER
+        .replace("IMU-07", &format!("IMU-{imu}"))
+        .replace("LFG-", &format!("L{imu}-"))
+        .replace("2026-03-01T08:00:00Z", &instant(k))
+}
+
+/// When the `k`-th calibration is made.
+pub fn instant(k: usize) -> String {
+    jiff::Timestamp::from_second((EPOCH_S + k * DAY_S) as i64).expect("a time of this century").to_string()
+}
+
 pub struct Client(BufReader<TcpStream>);
 
 pub struct Answer {

@@ -1,11 +1,13 @@
 //! Errors of prediction on dwells that were not fitted, and the fraction of the gap that an effect closes on them.
 //!
 //! With `Q` an orthonormal basis of the fitted columns and `r` the residuals, the errors on a fold that was left out
-//! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Folds keep repeats of one orientation together;
-//! for effects that follow time they are blocks of time.
+//! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Of a fold with more dwells than the basis has columns
+//! this is `r_f + Q_f (1 - Q_f'Q_f)^-1 Q_f'r_f` (Woodbury), and the trace of that inverse the trace of this one and the
+//! difference of the two sizes. Folds keep repeats of one orientation together; for effects that follow time they are
+//! blocks of time.
 
 use super::answer::HeldOut;
-use super::basis::{Basis, dot};
+use super::basis::{Basis, axpy, dot};
 use super::fit::Part;
 use super::frame::Frame;
 use super::lower::Lower;
@@ -115,25 +117,45 @@ fn residual(frame: &Frame, j: usize, basis: &Basis) -> Vec<f64> {
 
 /// Errors on a fold, and what noise alone makes of their squares; none where the rest does not predict it.
 fn left_out(basis: &Basis, residual: &[f64], fold: &[usize]) -> Option<(Vec<f64>, f64)> {
-    let factor = Lower::of(unexplained(basis, fold, 0.0), fold.len())?;
+    let (size, rank) = (fold.len(), basis.rank());
     let left: Vec<f64> = fold.iter().map(|&k| residual[k]).collect();
-    Some((factor.solve(left), factor.inverse_trace()))
+    if size <= rank {
+        let factor = Lower::of(unexplained(&rows(basis, fold), 0.0), size)?;
+        return Some((factor.solve(left), factor.inverse_trace()));
+    }
+    let columns = columns(basis, fold);
+    let factor = Lower::of(unexplained(&columns, 0.0), rank)?;
+    let along = factor.solve(columns.iter().map(|column| dot(column, &left)).collect());
+    let mut errors = left;
+    columns.iter().zip(along).for_each(|(column, along)| axpy(along, column, &mut errors));
+    Some((errors, factor.inverse_trace() + (size - rank) as f64))
 }
 
-/// `1 - Q_f Q_f' - least`, row by row, lower triangle.
-fn unexplained(basis: &Basis, fold: &[usize], least: f64) -> Vec<f64> {
-    let (m, rank) = (fold.len(), basis.rank());
-    let mut rows = Vec::with_capacity(m * rank);
-    for &k in fold {
-        rows.extend(basis.vectors().iter().map(|q| q[k]));
-    }
-    let row = |a: usize| &rows[a * rank..][..rank];
-    let mut matrix = vec![0.0; m * m];
-    for a in 0..m {
-        for b in 0..=a {
-            matrix[a * m + b] = -dot(row(a), row(b));
+/// Whether every eigenvalue of `1 - Q_f Q_f'` exceeds [`PREDICTABLE`]: less that, it still is positive definite.
+fn determined(basis: &Basis, fold: &[usize]) -> bool {
+    let narrow = if fold.len() <= basis.rank() { rows(basis, fold) } else { columns(basis, fold) };
+    Lower::of(unexplained(&narrow, PREDICTABLE), narrow.len()).is_some()
+}
+
+/// Of `Q_f`: a vector for each dwell of the fold.
+fn rows(basis: &Basis, fold: &[usize]) -> Vec<Vec<f64>> {
+    fold.iter().map(|&k| basis.vectors().iter().map(|q| q[k]).collect()).collect()
+}
+
+/// Of `Q_f`: a vector for each column of the basis.
+fn columns(basis: &Basis, fold: &[usize]) -> Vec<Vec<f64>> {
+    basis.vectors().iter().map(|q| fold.iter().map(|&k| q[k]).collect()).collect()
+}
+
+/// `1 - X X' - least` of the rows `X`, row by row, lower triangle.
+fn unexplained(rows: &[Vec<f64>], least: f64) -> Vec<f64> {
+    let size = rows.len();
+    let mut matrix = vec![0.0; size * size];
+    for (a, row) in rows.iter().enumerate() {
+        for (b, other) in rows[..=a].iter().enumerate() {
+            matrix[a * size + b] = -dot(row, other);
         }
-        matrix[a * m + a] += 1.0 - least;
+        matrix[a * size + a] += 1.0 - least;
     }
     matrix
 }
@@ -141,14 +163,12 @@ fn unexplained(basis: &Basis, fold: &[usize], least: f64) -> Vec<f64> {
 /// The fold, or its dwells one by one where the others do not determine all of it; without those that are `lost`.
 fn predictable(basis: &Basis, mut fold: Vec<usize>, lost: &[usize]) -> Vec<Vec<usize>> {
     fold.retain(|k| !lost.contains(k));
-    // All eigenvalues exceed `PREDICTABLE` where the matrix less that still is positive definite.
-    let determined = |fold: &[usize]| Lower::of(unexplained(basis, fold, PREDICTABLE), fold.len()).is_some();
     if fold.is_empty() {
         Vec::new()
-    } else if determined(&fold) {
+    } else if determined(basis, &fold) {
         vec![fold]
     } else {
-        fold.into_iter().map(|k| vec![k]).filter(|single| determined(single)).collect()
+        fold.into_iter().map(|k| vec![k]).filter(|single| determined(basis, single)).collect()
     }
 }
 
@@ -213,5 +233,16 @@ mod tests {
         let (error, noise) = left_out(&basis, &residual, &[3]).unwrap();
         assert!((error[0] - (8.0 - 7.0 / 3.0)).abs() < 1e-12);
         assert!((noise - (1.0 + 1.0 / 3.0)).abs() < 1e-12);
+        // The last two out: the mean is 3/2, known to half of a value's variance.
+        let (errors, noise) = left_out(&basis, &residual, &[2, 3]).unwrap();
+        assert!((errors[0] - 2.5).abs() < 1e-12 && (errors[1] - 6.5).abs() < 1e-12, "{errors:?}");
+        assert!((noise - 2.0 * (1.0 + 0.5)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_fold_that_holds_all_of_a_column_is_not_predicted_by_the_rest() {
+        let basis = Basis::of([vec![1.0; 5], vec![0.0, 0.0, 0.0, 1.0, 2.0]]);
+        assert!(determined(&basis, &[0, 1]) && determined(&basis, &[3]));
+        assert!(!determined(&basis, &[3, 4]) && !determined(&basis, &[2, 3, 4]));
     }
 }

@@ -310,7 +310,7 @@ fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
         return;
     }
     let view = columns.columns(block.start, block.len).into_owned();
-    let axes = view.tr_mul(&view).symmetric_eigen();
+    let axes = (view.transpose() * &view).symmetric_eigen();
     let mut order: Vec<usize> = (0..block.len).collect();
     order.sort_by(|&a, &b| axes.eigenvalues[b].total_cmp(&axes.eigenvalues[a]));
     order.retain(|&i| axes.eigenvalues[i] > 1e-4);

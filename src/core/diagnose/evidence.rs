@@ -14,7 +14,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::bank::{Bank, Block, Hypothesis, Kind, basis_matrix};
+use super::bank::{Bank, Block, Hypothesis, Kind};
 use super::basis::{Basis, dot};
 use super::common::Common;
 use super::floor::STATED_DOF;
@@ -76,6 +76,23 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
     gyros
 }
 
+/// As many rows as make the library multiply by blocks and not column by column.
+const BLOCK: usize = 6;
+
+impl GyroState {
+    /// Of every column with the residual, and with the adopted columns: adopted x columns.
+    fn products(&self, columns: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let adopted = self.extra.rank();
+        let mut rows = DMatrix::zeros((1 + adopted).max(BLOCK), self.residual.len());
+        rows.row_mut(0).copy_from_slice(&self.residual);
+        for (i, vector) in self.extra.vectors().iter().enumerate() {
+            rows.row_mut(1 + i).copy_from_slice(vector);
+        }
+        let products = rows * columns;
+        (products.row(0).transpose(), products.rows(1, adopted).into_owned())
+    }
+}
+
 /// Products of every column of the bank with residuals and adopted columns.
 pub(super) struct Products {
     /// Adopted x columns, so that what belongs to one column lies together.
@@ -85,13 +102,8 @@ pub(super) struct Products {
 
 impl Products {
     pub fn of(bank: &Bank, state: &State) -> Self {
-        let extra = |gyro: &GyroState| basis_matrix(gyro.extra.vectors(), gyro.residual.len());
-        Self {
-            with_extra: state.iter().zip(&bank.columns).map(|(gyro, c)| extra(gyro).tr_mul(c)).collect(),
-            with_residual: (state.iter().zip(&bank.columns))
-                .map(|(gyro, c)| c.tr_mul(&DVector::from_column_slice(&gyro.residual)))
-                .collect(),
-        }
+        let (with_residual, with_extra) = state.iter().zip(&bank.columns).map(|(gyro, c)| gyro.products(c)).unzip();
+        Self { with_extra, with_residual }
     }
 
     pub fn seen<'a>(&'a self, state: &State) -> Vec<Seen<'a>> {

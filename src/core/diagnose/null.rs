@@ -53,7 +53,7 @@ impl Null {
                     column.axpy(coefficient, &bank.column(j, signal.starts[j] + i), 1.0);
                 }
             }
-            let within = basis_matrix(gyro.basis.vectors(), n).tr_mul(&drawn);
+            let within = basis_matrix(gyro.basis.vectors(), n).transpose() * &drawn;
             let left = |d: usize| prior + drawn.column(d).norm_squared() - within.column(d).norm_squared();
             rss.push((0..DRAWS).map(left).collect());
             products.push(bank.columns[j].columns(0, bank.contract_columns[j]).transpose() * &drawn);

@@ -172,23 +172,27 @@ def with_processors(program):
     row("processors of the service (the client has both): records over 16 connections", "/s", rates)
 
 
+# Presets of the simulator, and what is changed in them.
+DESIGNS = (("24-bare", {}), ("24-position", {}), ("24-position", {"repeats": 20, "cycles": 3}), ("long", {}))
+
+
 def with_dwells(program):
-    """Campaigns of a design that is repeated: the command line's time less that of doing nothing."""
-    campaign = json.load(open("tests/data/practice/campaign-00.json"))
+    """Simulated campaigns without a hidden cause: the command line's time less that of doing nothing."""
     empty = seconds_of([program, "--version"])
     fits, diagnoses = [], []
-    for count in (24, 78, 250, 1000):
-        dwells, at = [], 0.0
-        for k in range(count):
-            dwell = dict(campaign["dwells"][k % len(campaign["dwells"])])
-            dwell["start_s"], at = at, at + dwell["duration_s"] + 60
-            dwells.append(dwell)
-        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-            json.dump(dict(campaign, dwells=dwells), file)
-            file.flush()
-            fits.append((f"{count} dwells", 1e3 * (seconds_of([program, "calibrate", file.name]) - empty)))
-            if count > 24:  # 24 positions alone leave too little to hold the model against
-                diagnoses.append((f"{count} dwells", 1e3 * (seconds_of([program, "diagnose", file.name]) - empty)))
+    with tempfile.TemporaryDirectory() as folder:
+        file, scenario = f"{folder}/campaign.json", f"{folder}/scenario.toml"
+        for preset, changed in DESIGNS:
+            text = subprocess.run([program, "simulate", "--preset", preset, "--print-scenario"], check=True, capture_output=True, text=True).stdout
+            for key, value in changed.items():
+                text = "".join(f"{key} = {value}\n" if line.startswith(f"{key} =") else line for line in text.splitlines(True))
+            with open(scenario, "w") as written:
+                written.write(text)
+            subprocess.run([program, "simulate", "--scenario", scenario, "--seed", "5", "--out", file], check=True)
+            name = f"{len(json.load(open(file))['dwells'])} dwells"
+            fits.append((name, 1e3 * (seconds_of([program, "calibrate", file]) - empty)))
+            if preset != "24-bare":  # 24 positions alone leave too little to hold the model against
+                diagnoses.append((name, 1e3 * (seconds_of([program, "diagnose", file]) - empty)))
     row("dwells: calibrate", "ms", fits)
     row("dwells: diagnose", "ms", diagnoses)
 

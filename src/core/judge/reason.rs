@@ -52,12 +52,15 @@ pub enum Finding {
     Trend {
         records: usize,
         since: UtcMicros,
+        /// The judged record, from which the slope is carried on.
+        until: UtcMicros,
         /// Slope and its interval: low, median, high, deg/(h g0) a day.
         per_day: [f64; 3],
-        /// From the baseline, now.
+        /// From the baseline, at `until`.
         deviation: f64,
         horizon_days: f64,
-        /// When the budget is reached: by the steepest, the median and the shallowest slope of the interval.
+        /// When the budget is reached, by the steepest, the median and the shallowest slope of the interval; `until` where it has
+        /// been passed already.
         reach: [UtcMicros; 3],
     },
     /// Sums in standard deviations.
@@ -178,22 +181,30 @@ impl Verdict {
                 let Some(at) = step else { return Ok(()) };
                 write!(f, " (a change of level on {} explains them better)", at.date())
             }
-            Finding::Trend { records, since, per_day, deviation, horizon_days, reach } => {
+            Finding::Trend { records, since, until, per_day, deviation, horizon_days, reach } => {
                 let deviation = Decimal(deviation);
                 let [low, slope, high] = per_day.map(|per_day| Decimal(per_day * 365.25));
-                write!(f, "{name} drifts by {slope:+.p$} a year ({low:+.p$} to {high:+.p$}) ")?;
                 write!(
                     f,
-                    "over the {records} records since {}; now {deviation:+.p$} from its baseline, ",
-                    since.date()
+                    "{name} drifts by {slope:+.p$} a year ({low:+.p$} to {high:+.p$}) over the {records} records "
                 )?;
-                write!(f, "it reaches the budget about {} ", reach[1].date())?;
                 write!(
                     f,
-                    "({} to {}), and in {horizon_days:.0} days lies {value:.p$} off",
-                    reach[0].date(),
-                    reach[2].date()
-                )
+                    "from {} to {}, when it lay {deviation:+.p$} from its baseline; ",
+                    since.date(),
+                    until.date()
+                )?;
+                // Whoever reads this may do so long after: no date is said to lie ahead.
+                if reach[1] <= until {
+                    write!(f, "it has passed the budget, and carried on from there it would ")?;
+                } else {
+                    let [first, middle, last] = reach.map(UtcMicros::date);
+                    write!(
+                        f,
+                        "carried on from there it would reach the budget about {middle} ({first} to {last}), and "
+                    )?;
+                }
+                write!(f, "lie {value:.p$} off after {horizon_days:.0} days")
             }
             Finding::Cusum { records, onset, upward, records_per_false_alarm } => {
                 let side = if upward { "above" } else { "below" };

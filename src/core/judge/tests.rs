@@ -142,11 +142,17 @@ fn a_ramp_is_told_with_its_slope_and_the_date_at_which_the_budget_is_reached() {
     assert!(reach[1].days_since(day(280.0 + 434.0)).abs() < 0.5, "{}", reach[1].date());
     assert_eq!(v.state, State::Within, "beyond the horizon of 90 days");
     assert!((v.value.unwrap() - (0.0038 + 2e-4 * 90.0 / 14.0)).abs() < 1e-6);
+    let said = format!("to {}, when it lay +0.00380 from its baseline; carried on", day(280.0).date());
+    let ahead = format!("it would reach the budget about {} (", reach[1].date());
+    assert!(v.reason().contains(&said) && v.reason().contains(&ahead), "{}", v.reason());
 
     let later = latest(&series(47, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i)), Rule::Trend);
     assert_eq!(later.state, State::Exceeded, "the budget is reached within the horizon");
     assert_eq!(later.severity(), Some(Severity::Warning));
     assert!(later.reason().contains("D_I drifts by +0.00522 a year"), "{}", later.reason());
+
+    let beyond = latest(&series(60, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i)), Rule::Trend).reason();
+    assert!(beyond.contains("it has passed the budget") && !beyond.contains("reach the budget"), "{beyond}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 use super::words::CHINESE;
 use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Verdict};
+use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 
 /// One or two sentences.
@@ -61,15 +62,19 @@ fn finding(verdict: &Verdict) -> String {
             }
             text
         }
-        Finding::Trend { records, since, per_day, deviation, horizon_days, reach } => {
+        Finding::Trend { records, since, until, per_day, deviation, horizon_days, reach } => {
             let [low, slope, high] = per_day.map(|per_day| per_day * 365.25);
+            let [first, middle, last] = reach.map(UtcMicros::date);
+            let ahead = if reach[1] <= until {
+                "已超出允许范围；由此外推，".to_owned()
+            } else {
+                format!("由此外推，约在{middle}达到允许范围（{first}至{last}），")
+            };
             format!(
-                "{name}自{}以来的{records}个记录中每年漂移{slope:+.p$}（{low:+.p$}至{high:+.p$}）；现偏离基线{deviation:+.p$}，\
-                 约在{}达到允许范围（{}至{}），{horizon_days:.0}天后将偏离{value:.p$}",
+                "{name}自{}至{}的{records}个记录中每年漂移{slope:+.p$}（{low:+.p$}至{high:+.p$}），期末偏离基线{deviation:+.p$}；\
+                 {ahead}{horizon_days:.0}天后偏离{value:.p$}",
                 since.date(),
-                reach[1].date(),
-                reach[0].date(),
-                reach[2].date()
+                until.date()
             )
         }
         Finding::Cusum { records, onset, upward, records_per_false_alarm } => format!(
@@ -113,7 +118,7 @@ fn source(source: Source) -> &'static str {
     }
 }
 
-fn origin(since: Option<crate::core::time::UtcMicros>) -> String {
+fn origin(since: Option<UtcMicros>) -> String {
     since.map_or_else(|| "（固定）".to_owned(), |at| format!("（自{}起最初几个记录的平均）", at.date()))
 }
 
@@ -160,24 +165,29 @@ mod tests {
     use super::*;
     use crate::core::judge::history::{BASELINE_RECORDS, History, Measured, Sample};
     use crate::core::judge::{Limits, judge};
-    use crate::core::time::UtcMicros;
 
     /// Every number of the English reason stands in the Chinese one, whatever the rule.
     #[test]
     fn both_languages_say_the_same_figures() {
-        let d = |k: usize| if k < 8 { 1.0 } else { 1.0 + 0.004 * (k - 7) as f64 };
         let measured = |value| Measured { value, sd: Some(1e-3) };
-        let sample = |k: usize| Sample {
-            at: UtcMicros(k as i64 * 9 * UtcMicros::DAY),
-            d: [measured(d(k)), measured(-d(k)), measured(0.01 * d(k))],
-        };
-        let samples: Vec<Sample> = (0..24).map(sample).collect();
-        let history = History { samples: &samples, baseline: &samples[..BASELINE_RECORDS], marks: &[] };
         let mut verdicts = Vec::new();
-        for k in [2, 10, 23] {
-            judge(&history, k, &Limits::default(), &mut verdicts);
+        // One that passes the budget, and one that has not reached it yet.
+        for slope in [0.004, 0.0004] {
+            let d = |k: usize| if k < 8 { 1.0 } else { 1.0 + slope * (k - 7) as f64 };
+            let sample = |k: usize| Sample {
+                at: UtcMicros(k as i64 * 9 * UtcMicros::DAY),
+                d: [measured(d(k)), measured(-d(k)), measured(0.01 * d(k))],
+            };
+            let samples: Vec<Sample> = (0..24).map(sample).collect();
+            let history = History { samples: &samples, baseline: &samples[..BASELINE_RECORDS], marks: &[] };
+            for k in [2, 10, 23] {
+                judge(&history, k, &Limits::default(), &mut verdicts);
+            }
         }
-        assert!(verdicts.len() > 30);
+        assert!(verdicts.len() > 60);
+        for words in ["it has passed the budget", "it would reach the budget"] {
+            assert!(verdicts.iter().any(|verdict| verdict.reason().contains(words)), "{words}");
+        }
         let numbers = |text: &str| {
             let mut found: Vec<String> = text
                 .split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-' || c == '+'))

@@ -6,7 +6,6 @@ use crate::core::judge::decide::{Outcome, normal_quantile};
 use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample};
 use crate::core::judge::limits::TrendLimits;
 use crate::core::judge::{Finding, Rule, State, Verdict};
-use crate::core::time::UtcMicros;
 
 /// Records that the slope is taken over.
 pub const TREND_RECORDS: usize = 24;
@@ -60,6 +59,7 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
     let finding = Finding::Trend {
         records: window.len(),
         since: window[0].at,
+        until: case.now().at,
         per_day: [slope.low, slope.median, slope.high],
         deviation,
         horizon_days: horizon,
@@ -174,15 +174,5 @@ impl Records {
         });
         let best = explained_by_step.max_by(|a, b| a.0.total_cmp(&b.0))?;
         (best.0 > explained_by_line).then_some(best.1)
-    }
-}
-
-impl Finding {
-    /// The date at which the trend reaches the budget, with the bounds of its interval, where there is a trend.
-    pub fn budget_reached(&self) -> Option<[UtcMicros; 3]> {
-        match self {
-            Finding::Trend { reach, .. } => Some(*reach),
-            _ => None,
-        }
     }
 }

@@ -3,6 +3,8 @@
 use super::Sentence;
 
 pub(super) const SENTENCES: &[Sentence] = &[
+    // What is added to all of it.
+    ("{} It does not count any more: the record was voided or revised.", "{0}该记录已作废或修订，不再计入。"),
     // The whole: the finding, and one or two sentences after it.
     ("{}; the limit is {} {}. {}", "{0}；限值为{1} {2}。{3}"),
     ("{}; the limit is {} {}.", "{0}；限值为{1} {2}。"),
@@ -67,6 +69,17 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "{0}：自{2}以来的{1}个记录未显示斜率（{3}的水平变化更能解释）",
     ),
     ("{}: the {} records since {} establish no slope", "{0}：自{2}以来的{1}个记录未显示斜率"),
+    (
+        "{} drifts by {} a year ({} to {}) over the {} records from {} to {}, when it lay {} from its baseline; carried on \
+         from there it would reach the budget about {} ({} to {}), and lie {} off after {} days",
+        "{0}自{5}至{6}的{4}个记录中每年漂移{1}（{2}至{3}），期末偏离基线{7}；由此外推，约在{8}达到允许范围（{9}至{a}），{c}天后偏离{b}",
+    ),
+    (
+        "{} drifts by {} a year ({} to {}) over the {} records from {} to {}, when it lay {} from its baseline; it has \
+         passed the budget, and carried on from there it would lie {} off after {} days",
+        "{0}自{5}至{6}的{4}个记录中每年漂移{1}（{2}至{3}），期末偏离基线{7}；已超出允许范围；由此外推，{9}天后偏离{8}",
+    ),
+    // As alerts that older versions have stored say it.
     (
         "{} drifts by {} a year ({} to {}) over the {} records since {}; now {} from its baseline, it reaches the budget \
          about {} ({} to {}), and in {} days lies {} off",

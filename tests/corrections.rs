@@ -90,7 +90,11 @@ async fn a_voided_record_stays_to_be_seen_and_counts_no_more() {
     );
     let (before, after) = (verdict(&sent, "A", "D_I", "step"), verdict(&now, "A", "D_I", "step"));
     assert_eq!((&after["state"], &after["value"]), (&before["state"], &before["value"]), "as it was decided");
-    assert!(after["reason"].as_str().unwrap().contains("voided"), "{after}");
+    let words = |verdict: &Value| verdict["reason"].as_str().expect("words").to_owned();
+    assert_eq!(
+        words(after),
+        format!("{} It does not count any more: the record was voided or revised.", words(before))
+    );
 
     assert_eq!(alerts(&lab).await, ["baseline resolved warning", "step resolved warning"], "they rested on it alone");
     let alert = lab.get("/v1/alerts?serial=A&rule=step").await.ok()["alerts"][0]["id"].clone();
@@ -104,6 +108,33 @@ async fn a_voided_record_stays_to_be_seen_and_counts_no_more() {
     let gyro = lab.get("/v1/gyros/A").await.ok();
     assert_eq!(gyro["calibrations"], 3);
     assert!(lab.get("/v1/gyros").await.text.contains(&day(80)), "the newest that counts");
+}
+
+/// One of the three of its baseline, one that is revised, one that only ever was the newest; whatever is said of others since.
+#[tokio::test]
+async fn what_a_record_was_judged_to_be_stays_readable_when_it_counts_no_more() {
+    const VOIDED: &str = " It does not count any more: the record was voided or revised.";
+    let lab = Lab::open().await;
+    let ids = station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.001), (120, 1.02), (160, 1.0)]).await;
+    let all: Vec<&String> = ids.iter().collect();
+    let original = verdicts(&lab, &all).await;
+    lab.post(&format!("/v1/records/{}/revise", ids[3]), &revision(&of_a(120, 1.003))).await.created();
+    let rejudged = verdicts(&lab, &[&ids[4]]).await;
+    for (minute, k) in [(1, 4), (2, 2)] {
+        lab.clock_shows(&format!("2026-11-21T12:{minute:02}:00Z"));
+        engineer_voids(&lab, &ids[k]).await;
+    }
+    let words = |verdict: &Value| verdict["reason"].as_str().expect("words").to_owned();
+    for (k, then) in [(2, &original[2]), (3, &original[3]), (4, &rejudged[0])] {
+        let now = lab.get(&format!("/v1/records/{}", ids[k])).await.ok()["verdicts"].clone();
+        let (then, now) = (then.as_array().expect("verdicts"), now.as_array().expect("verdicts"));
+        assert_eq!(then.len(), now.len());
+        for (then, now) in then.iter().zip(now) {
+            assert_eq!(words(now), words(then) + VOIDED, "record {k}");
+        }
+    }
+    let step = verdict(&lab.get(&format!("/v1/records/{}", ids[4])).await.ok(), "A", "D_I", "step").clone();
+    assert!(words(&step).starts_with("D_I changed by -0.00300 from 1.00300"), "{step}");
 }
 
 #[tokio::test]

@@ -69,8 +69,8 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
             @if let Some(temperature) = body.temperature_c { " · " (temperature) " °C" }
         }
         @if let Some(note) = &body.note { p translate="no" { (note) } }
-        (standing)
-        (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen)))
+        (standing.said)
+        (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
     };
@@ -96,8 +96,8 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
             a href={ "/v1/campaigns/" (row.id) } { code { (row.id) } }
         }
         p { a.action href={ "/campaigns/" (row.id) "/diagnosis" } { (t.diagnose) } }
-        (standing)
-        (judged(viewer, fits.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen)))
+        (standing.said)
+        (judged(viewer, fits.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
@@ -138,11 +138,13 @@ fn judged<'a>(
     viewer: &Viewer,
     gyros: impl Iterator<Item = (Slot, &'a str)>,
     (bodies, seen): (&[VerdictBody], &[Option<Verdict>]),
+    counts: bool,
 ) -> Markup {
     let t = viewer.text();
     html! {
-        section {
+        section.uncounted[!counts] {
             h2 { (t.verdicts_of_record) }
+            @if !counts { p.note { (t.uncounted_note) } }
             @for (slot, serial) in gyros {
                 @let own = Said::of_gyro(serial, bodies, seen);
                 h3 { (slot.name()) " " a href={ "/gyros/" (encoded(serial)) } { (serial) } }

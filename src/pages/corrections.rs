@@ -171,20 +171,28 @@ fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&De
     })
 }
 
-/// How an item stands that does not count any more, or that stands in another's place; and the way to void one that counts.
-pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Markup, Problem> {
+/// How a calibration stands.
+pub(super) struct Standing {
+    /// Whether it has neither been voided nor revised.
+    pub counts: bool,
+    /// What was said of it, where it does not count any more or stands in another's place; and the way to void one that counts.
+    pub said: Markup,
+}
+
+pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Standing, Problem> {
     let t = viewer.text();
     let said = pages.pipeline.store().corrections(id).await?;
     let counts = said.iter().all(|row| row.item != id);
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
-    Ok(html! {
+    let said = html! {
         @for row in &said { (remark(viewer, row, id)) }
         @if counts && viewer.may(Role::Engineer) {
             p.actions { a.action href={ "/" (place) "/" (id) "/void?back=" (encoded(&viewer.here)) } {
                 (if kind == Kind::Campaign { t.void_campaign } else { t.void_record })
             } }
         }
-    })
+    };
+    Ok(Standing { counts, said })
 }
 
 fn remark(viewer: &Viewer, row: &CorrectionRow, id: Id) -> Markup {

@@ -27,16 +27,18 @@ impl Said {
     fn reason(&self, language: Language) -> String {
         match (language, &self.seen) {
             (Language::Chinese, Some(verdict)) => reason::in_chinese(verdict),
-            _ => language.text().spoken(&self.body.reason),
+            (Language::English, Some(verdict)) => verdict.reason(),
+            (_, None) => language.text().spoken(&self.body.reason),
         }
     }
 }
 
-/// The worst that any rule that could judge says of the newest record.
+/// The worst that any rule that could judge says of the newest record; of the drift none may have, however well E and G keep to
+/// their requirements.
 pub(super) fn worst(newest: &Figures, verdicts: &[Said]) -> State {
+    let of_drift = newest.states.worst().unwrap_or(State::Indeterminate);
     let judged = verdicts.iter().filter(|said| said.body.value.is_some());
-    let states = judged.filter_map(|said| State::from_name(&said.body.state));
-    states.chain(newest.states.worst()).max().unwrap_or(State::Indeterminate)
+    judged.filter_map(|said| State::from_name(&said.body.state)).fold(of_drift, State::max)
 }
 
 /// What is broken and what is undecided in full, the rest folded.

@@ -1,5 +1,6 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
+use super::admit::figures_of;
 use super::campaign::FittedAgain;
 use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
@@ -91,7 +92,8 @@ impl Pipeline {
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
-    /// (the limits have changed since), the figures stand and say so.
+    /// (the limits have changed since), the figures stand and say so. What does not count any more is judged as it was when it
+    /// counted.
     pub(super) async fn verdicts_in_words(
         &self,
         row: &RecordRow,
@@ -105,16 +107,19 @@ impl Pipeline {
                 return Err(StoreError::Damaged(format!("gyro number {number} has no name")));
             };
             let limits = self.config.judging.limits(calibration.imu.as_str(), &serial);
-            if !counts {
-                bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &[], VOIDED)));
-                continue;
-            }
-            let line =
-                Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), self.config.judging.method);
-            let mut again = line.await?.judge_newest(&limits);
+            let (need, method) = (Need::of(&limits), self.config.judging.method);
             let gyro = calibration.gyros.iter().find(|gyro| gyro.serial.as_str() == serial.as_ref());
+            let line = match gyro {
+                Some(gyro) if !counts => {
+                    let figures = figures_of(&gyro.separation, row.id, row.calibrated_at, row.imu, row.station);
+                    Line::load_as_it_was(&self.store, *number, figures, method).await?
+                }
+                _ => Line::load(&self.store, *number, row.calibrated_at, need, method).await?,
+            };
+            let mut again = line.judge_newest(&limits);
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
-            bodies.extend(stored.iter().map(|verdict| in_words(&serial, verdict, &again, CHANGED)));
+            let in_words = stored.iter().map(|verdict| in_words(&serial, verdict, &again));
+            bodies.extend(in_words.map(|(body, seen)| (if counts { body } else { voided(body) }, seen)));
         }
         Ok(bodies.into_iter().unzip())
     }
@@ -126,14 +131,14 @@ pub(super) fn verdict_bodies(judged: &[Judged]) -> Vec<VerdictBody> {
 
 /// What is said where judging again finds other figures.
 const CHANGED: &str = "As it was decided when the record was judged; the limits or the history have changed since.";
-const VOIDED: &str = "As it was decided before the record was voided or revised: it does not count any more.";
+const VOIDED: &str = "It does not count any more: the record was voided or revised.";
 
-fn in_words(
-    serial: &str,
-    stored: &StoredVerdict,
-    again: &[Verdict],
-    otherwise: &'static str,
-) -> (VerdictBody, Option<Verdict>) {
+/// With the words that it does not count any more.
+fn voided(body: VerdictBody) -> VerdictBody {
+    VerdictBody { reason: format!("{} {VOIDED}", body.reason), ..body }
+}
+
+fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {
     let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
     let body = match &seen {
         Some(verdict) => VerdictBody::of(serial, verdict),
@@ -147,7 +152,7 @@ fn in_words(
             sd: stored.sd,
             probability: stored.probability,
             confirmed: stored.confirmed,
-            reason: otherwise.into(),
+            reason: CHANGED.into(),
         },
     };
     (body, seen)

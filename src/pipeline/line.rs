@@ -6,7 +6,7 @@ use crate::config::JudgedMethod;
 use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since};
 use crate::core::judge::{Limits, Verdict, judge};
 use crate::core::time::UtcMicros;
-use crate::store::{EventRow, Figures, Span, Store, StoreError};
+use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
 
 /// The newest records of one gyro, its newest baseline, and what was done to it.
 #[derive(Debug, Clone, Default)]
@@ -45,6 +45,34 @@ impl Line {
         let baseline = store.history(gyro, of_baseline, BASELINE_RECORDS).await?;
         let samples = |figures: &[Figures]| figures.iter().map(|f| sample_of(f, method)).collect();
         Ok(Self { samples: samples(&newest), baseline: samples(&baseline), since, marks })
+    }
+
+    /// The line up to a record that does not count any more, of what counted when that was said of it.
+    pub async fn load_as_it_was(
+        store: &Store,
+        gyro: u32,
+        voided: Figures,
+        method: JudgedMethod,
+    ) -> Result<Self, StoreError> {
+        let (mut left, mut entered) = (HashMap::new(), HashMap::new());
+        for correction in store.corrections_of_gyro(gyro).await? {
+            let CorrectionRow { item, replaced_by, at, .. } = correction.said;
+            left.entry(item).or_insert(at);
+            replaced_by.map(|new| entered.entry(new).or_insert(at));
+        }
+        let then = left.get(&voided.record).copied().unwrap_or(UtcMicros(i64::MAX));
+        let counted = |row: &Figures| {
+            row.at < voided.at
+                && left.get(&row.record).is_none_or(|at| *at >= then)
+                && entered.get(&row.record).is_none_or(|at| *at < then)
+        };
+        let until = Span { to: voided.at, ..Span::EVER };
+        let mut rows = store.history(gyro, until, usize::MAX).await?;
+        rows.extend(store.voided_history(gyro, until).await?);
+        rows.retain(counted);
+        rows.push(voided);
+        let samples = rows.iter().map(|row| sample_of(row, method)).collect();
+        Ok(Self::of_all(samples, load_marks(store, gyro).await?))
     }
 
     /// Everything stored of a gyro, with new rows put in their places: for records that arrive late.

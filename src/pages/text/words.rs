@@ -129,6 +129,7 @@ catalogue! {
     dwell: "dwell", "位置段";
     diagnose: "Diagnose: where it parts from the error model, and why", "诊断：与误差模型的差异及原因";
     verdicts_of_record: "Verdicts", "判定";
+    uncounted_note: "As it was judged while it counted. None of this counts any more.", "以下为该记录有效时的判定，现均不再计入。";
     not_judged: "Nothing is judged.", "无判定。";
     separated: "Separated coefficients", "分离结果";
     published_by: "published", "论文公式";
@@ -308,7 +309,7 @@ catalogue! {
     // Alerts.
     alerts: "Alerts", "警报";
     alerts_open: "Alerts on this gyro", "该陀螺的警报";
-    alerts_note: "Newest first. An alert lasts: when it fires again it is the same alert.", "最新在前。警报是持续的：再次触发仍为同一警报。";
+    alerts_note: "Newest first; what one record of a gyro shows stands together. An alert lasts: when it fires again it is the same alert.", "最新在前，同一陀螺同一记录的警报列在一起。警报是持续的：再次触发仍为同一警报。";
     no_alerts: "No alert fits.", "没有符合条件的警报。";
     alert_all: "all", "全部";
     alert_firing: "firing", "触发中";

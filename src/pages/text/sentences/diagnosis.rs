@@ -220,8 +220,4 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "As it was decided when the record was judged; the limits or the history have changed since.",
         "按当时的判定；此后限值或历史已改变。",
     ),
-    (
-        "As it was decided before the record was voided or revised: it does not count any more.",
-        "按作废或修订之前的判定：该记录已不再计入。",
-    ),
 ];

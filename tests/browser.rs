@@ -135,6 +135,24 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
 }
 
 #[tokio::test]
+async fn a_plot_with_one_calibration_shows_a_month_and_the_budget_about_it() {
+    if !chromium::is_installed() {
+        return;
+    }
+    let demo = Demo::start();
+    let browser = Browser::open(&demo.base, demo.dir.path()).await;
+    browser.look(1280, 1000, false).await;
+    browser.goto("/gyros/PAPER-T4-G1").await;
+    browser.wait("document.querySelector('[data-drawn]')").await;
+    assert!((shown_days(&browser).await - 30.0).abs() < 1e-6);
+    let width = "(([a, b]) => b - a)(document.querySelector('[data-plot]').layout.yaxis.range)";
+    let width = browser.eval(width).await.as_f64().unwrap();
+    assert!((width - 0.02).abs() < 1e-9, "{width}");
+    browser.sees("undecided").await;
+    browser.has_behaved().await;
+}
+
+#[tokio::test]
 async fn a_metrologist_reads_what_was_hidden_in_a_campaign() {
     if !chromium::is_installed() {
         return;
@@ -375,6 +393,21 @@ const FAULTS: &str = r#"(() => {
   return [...new Set(faults)];
 })()"#;
 
+/// On a screen no table is cut off, no name torn apart, and nothing lies over the figures beside an axis.
+const CUT: &str = r#"(() => {
+  const faults = [];
+  for (const e of document.querySelectorAll(".scroll"))
+    if (e.scrollWidth > e.clientWidth + 1) faults.push(`a table ${e.scrollWidth} wide in ${e.clientWidth}: ${e.innerText.slice(0, 60)}`);
+  for (const e of document.querySelectorAll(".id"))
+    if (e.checkVisibility() && e.offsetHeight > 1.9 * parseFloat(getComputedStyle(e).lineHeight)) faults.push("torn apart: " + e.textContent);
+  const boxes = (selector) => [...document.querySelectorAll(selector)].map((e) => [e, e.getBoundingClientRect()]);
+  for (const [text, a] of boxes("[data-plot] .annotation-text, [data-plot] [class$=title]"))
+    for (const [figure, b] of boxes("[data-plot] [class$=tick] text"))
+      if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)
+        faults.push(`${text.textContent} lies on ${figure.textContent}`);
+  return faults;
+})()"#;
+
 /// English left on a Chinese page: words that are neither a name with digits or capitals, nor a unit, nor what somebody wrote.
 const ENGLISH: &str = r#"(() => {
   const allowed = new Set(["deg", "arcsec", "pulse", "rms", "gyrowatch", "English", "standard-webhooks", "alertmanager",
@@ -494,6 +527,9 @@ async fn every_page_is_fit_to_be_seen(width: u32, language: &str) {
             let wide = browser.eval("document.documentElement.scrollWidth").await;
             if wide.as_u64().is_none_or(|wide| wide > u64::from(width)) {
                 wrong.push(format!("{path} in {language} is {wide} wide, the view {width}"));
+            }
+            if width > 1000 {
+                faults.push(browser.eval(CUT).await);
             }
             if axe.is_some() {
                 faults.push(browser.grave_faults().await);

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::layout::symbol;
-use super::plot::{Band, Plot, Series, Strip};
+use super::plot::{ALONE, Band, Plot, Series, Strip};
 use crate::core::time::UtcMicros;
 
 /// Width and height of one strip, with the room that its axes take.
@@ -36,7 +36,7 @@ impl Scale {
             [level - half, level + half]
         });
         let v = bounds(edges.chain([measured.0, measured.1]))?;
-        Some(Self { t: widened(t, 0.02, 43_200_000.0), v: widened(v, 0.06, 1e-6) })
+        Some(Self { t: widened(t, 0.02, ALONE as f64), v: widened(v, 0.06, strip.around) })
     }
 
     fn x(&self, t: i64) -> f64 {
@@ -165,9 +165,18 @@ mod tests {
             symbol: "D_I",
             series: vec![Series::new("rigid", false, &points, |point| point.measured.value, Point::clone)],
             bands: vec![(0, 86_400_000, 1.0, Some(0.5), Some(0.2))],
+            around: 0.5,
         };
         let marks = vec![Mark { t: 43_200_000, label: "repair".into(), event: true }];
-        Plot { name: "A".into(), unit: "deg/(h g0)", strips: vec![strip], marks, states: [""; 4], since: None }
+        Plot {
+            name: "A".into(),
+            unit: "deg/(h g0)",
+            strips: vec![strip],
+            marks,
+            states: [""; 4],
+            since: None,
+            alone: ALONE,
+        }
     }
 
     #[test]
@@ -188,7 +197,12 @@ mod tests {
     #[test]
     fn a_gyro_without_a_history_has_no_picture_and_one_point_has_one() {
         assert_eq!(strips(&plot(&[])).into_string(), "");
-        let one = strips(&plot(&[1.0])).into_string();
+        let mut alone = plot(&[1.0]);
+        alone.strips[0].bands.clear();
+        let one = strips(&alone).into_string();
         assert!(one.contains("<circle") && !one.contains("NaN"), "{one}");
+        for figure in ["0.6", "1.0", "1.4", "1969-12-20", "1970-01-01", "1970-01-13"] {
+            assert!(one.contains(&format!(">{figure}</text>")), "the budget and a month about it, {figure}: {one}");
+        }
     }
 }

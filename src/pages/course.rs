@@ -6,12 +6,14 @@ use maud::{Markup, html};
 
 use super::corrections;
 use super::layout::{DRIFTS, instant};
-use super::plot::{Band, Mark, Plot, Point, Series, Strip, millis};
+use super::plot::{ALONE, Band, Mark, Plot, Point, Series, Strip, millis};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
+use crate::core::judge::Limits;
 use crate::core::judge::history::{Measured, Sample};
+use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Baseline, BenchRow, Course, Figures, Tables, sample_of};
 
@@ -102,7 +104,8 @@ pub(super) fn plot(
                 series.push(benched(t.method(method.name()), &of_method, column, tables));
             }
         }
-        Strip { symbol: DRIFTS[column], series, bands: bands.clone() }
+        let around = budgets(&course.limits)[column].unwrap_or(DEFAULT_BUDGET);
+        Strip { symbol: DRIFTS[column], series, bands: bands.clone(), around }
     });
     let since = course.baselines.last().filter(|_| course.baselines.len() > 1).map(|baseline| millis(baseline.from));
     Plot {
@@ -112,14 +115,20 @@ pub(super) fn plot(
         marks: marks(t, course, tables),
         states: [t.within, t.indeterminate, t.flagged, t.exceeded],
         since,
+        alone: ALONE,
     }
+}
+
+/// How far D_I, D_S and D_O may lie from their baselines.
+fn budgets(limits: &Limits) -> [Option<f64>; 3] {
+    [limits.d_i.baseline, limits.d_s.baseline, limits.closure]
 }
 
 /// The levels of D_I, D_S and D_O, with what they are held against.
 pub(super) type Bands = [Vec<Band>; 3];
 
 pub(super) fn bands(course: &Course, method: JudgedMethod) -> Bands {
-    let budgets = [course.limits.d_i.baseline, course.limits.d_s.baseline, course.limits.closure];
+    let budgets = budgets(&course.limits);
     let samples: Vec<Sample> = course.figures.iter().map(|figures| sample_of(figures, method)).collect();
     let last = course.baselines.len().saturating_sub(1);
     [0, 1, 2].map(|column| {

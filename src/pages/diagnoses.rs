@@ -178,7 +178,7 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
                     th.words scope="row" { a href={ "/diagnoses?effect=" (encoded(&one.effect)) } { (named(t, &one.effect)) } }
                     td.words { @for (i, imu) in one.imus.iter().enumerate() { @if i > 0 { ", " } (imu_link(imu)) } }
                     td.n { (one.gyros) }
-                    td.words translate="no" { (one.stations.join(", ")) }
+                    td.words translate="no" { (names(&one.stations)) }
                     td.n { (one.campaigns) }
                     td { (at(&one.first_at)) } td { (at(&one.last_at)) }
                 }
@@ -189,7 +189,7 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
 
 fn findings(t: &Text, all: &[FindingBody]) -> Markup {
     html! {
-        div.scroll tabindex="0" { table {
+        div.scroll tabindex="0" { table.findings {
             thead { tr {
                 th { (t.effect) } th { (t.serial) } th { (t.imu) } th { (t.station) } th { (t.last_clear) } th { (t.first_seen) }
                 th { (t.last_seen_in) } th.n { (t.campaigns) } th { (t.closed) }
@@ -210,7 +210,7 @@ fn finding(t: &Text, one: &FindingBody) -> Markup {
                     br; span.quiet { (t.or_as_well) " " @for (i, id) in others() { @if i > 0 { "; " } (named(t, id)) } }
                 }
             }
-            td translate="no" { a href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
+            td translate="no" { a.id href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
             td { (imu_link(&one.imu)) }
             td.words translate="no" { @for (i, station) in one.stations.iter().enumerate() { @if i > 0 { ", " } (at_station(station)) } }
             td { @if let Some(clear) = &one.clear_at { (at(clear)) } @else { "–" } }
@@ -239,9 +239,9 @@ fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
                 tr {
                     th scope="row" { (imu_link(&one.imu)) }
                     td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
-                    td.words translate="no" { (one.gyros.join(", ")) }
+                    td.words translate="no" { (names(&one.gyros)) }
                     td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.spoken(t.sign(sign))) } }
-                    td.words translate="no" { (one.stations.join(", ")) }
+                    td.words translate="no" { (names(&one.stations)) }
                     td.n { (one.campaigns) " / " (one.of) }
                     td { (sighting(&one.first)) } td { (sighting(&one.last)) }
                 }
@@ -251,11 +251,15 @@ fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
 }
 
 fn imu_link(imu: &str) -> Markup {
-    html! { a href={ "/imus/" (encoded(imu)) } translate="no" { (imu) } }
+    html! { a.id href={ "/imus/" (encoded(imu)) } translate="no" { (imu) } }
+}
+
+fn names(all: &[String]) -> Markup {
+    html! { @for (i, name) in all.iter().enumerate() { @if i > 0 { ", " } span.id { (name) } } }
 }
 
 fn at_station(station: &AtStationBody) -> Markup {
-    html! { (station.station) " " span.quiet { (station.campaigns) "/" (station.of) } }
+    html! { span.id { (station.station) } " " span.quiet { (station.campaigns) "/" (station.of) } }
 }
 
 fn sighting(seen: &SightingBody) -> Markup {

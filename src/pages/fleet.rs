@@ -186,10 +186,10 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
     html! {
         tr {
             td { (row.grade.badge(t)) }
-            th scope="row" { a href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
+            th scope="row" { a.id href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
             td {
                 @if let Some(figures) = &standing.newest {
-                    a href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
+                    a.id href={ "/imus/" (encoded(&row.imu)) } { (row.imu) } " " span.quiet { (figures.slot.name()) }
                 }
             }
             @for column in 0..2 {
@@ -224,9 +224,12 @@ fn age(viewer: &Viewer, at: UtcMicros, now: UtcMicros, station: &str) -> Markup 
     html! {
         span.nowrap { (instant(at)) }
         br;
-        span.quiet.nowrap {
-            @if days < 1.0 { (t.today) } @else if days < 2.0 { (t.yesterday) } @else { (format!("{days:.0}")) " " (t.days_ago) }
-            " · " (station)
+        span.quiet {
+            span.nowrap {
+                @if days < 1.0 { (t.today) } @else if days < 2.0 { (t.yesterday) } @else { (format!("{days:.0}")) " " (t.days_ago) }
+                " ·"
+            }
+            " " span.id { (station) }
         }
     }
 }
@@ -262,7 +265,7 @@ fn stations(viewer: &Viewer, all: &[Row]) -> Markup {
                 thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.exceeded) } th { (t.last_seen) } } }
                 tbody { @for (name, (count, exceeded, last)) in stations {
                     tr {
-                        th scope="row" { a href={ "/?station=" (encoded(name)) } { (name) } }
+                        th scope="row" { a.id href={ "/?station=" (encoded(name)) } { (name) } }
                         td.n { (count) } td.n { (exceeded) } td { (instant(last)) }
                     }
                 } }

@@ -54,6 +54,8 @@ pub(super) struct Strip {
     pub symbol: &'static str,
     pub series: Vec<Series>,
     pub bands: Vec<Band>,
+    /// How far its axis reaches on either side of a value that stands alone: the budget.
+    pub around: f64,
 }
 
 #[derive(Serialize)]
@@ -74,6 +76,8 @@ pub(super) struct Plot {
     pub states: [&'static str; 4],
     /// Where the newest baseline begins.
     pub since: Option<i64>,
+    /// [`ALONE`].
+    pub alone: i64,
 }
 
 impl Series {
@@ -128,6 +132,9 @@ impl Plot {
     }
 }
 
+/// How far the axis of time reaches on either side of an instant that stands alone, ms.
+pub(super) const ALONE: i64 = 15 * 86_400_000;
+
 pub(super) fn millis(at: UtcMicros) -> i64 {
     at.0.div_euclid(1000)
 }
@@ -163,8 +170,16 @@ mod tests {
             outside: false,
             place: "</script><b>".into(),
         };
-        let strips = vec![Strip { symbol: "D_I", series: vec![of_points(&[point])], bands: vec![] }];
-        let plot = Plot { name: "</script>".into(), unit: "", strips, marks: vec![], states: [""; 4], since: None };
+        let strips = vec![Strip { symbol: "D_I", series: vec![of_points(&[point])], bands: vec![], around: 0.01 }];
+        let plot = Plot {
+            name: "</script>".into(),
+            unit: "",
+            strips,
+            marks: vec![],
+            states: [""; 4],
+            since: None,
+            alone: ALONE,
+        };
         let markup = plot.markup(super::super::text::Language::English.text()).into_string();
         assert_eq!(markup.matches("</script>").count(), 1, "{markup}");
     }

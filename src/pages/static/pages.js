@@ -117,16 +117,19 @@
     dtickrange: [0.9 * 10 ** -k, k ? 9 * 10 ** -k : null], value: `.${k}f`,
   }));
 
+  // Room above the strips, for the legend and the title of the first one, and below, for dates; pixels.
+  const [TOP, BOTTOM] = [58, 40];
+
   const layoutOf = (plot, palette, narrow) => {
     const rows = plot.strips.length;
     const layout = {
-      height: 60 + rows * (narrow ? 190 : 230),
-      margin: { l: narrow ? 72 : 80, r: 12, t: narrow ? 50 : 30, b: 40 },
+      height: TOP + BOTTOM + rows * (narrow ? 185 : 220),
+      margin: { l: narrow ? 60 : 66, r: 12, t: TOP, b: BOTTOM },
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
       font: { color: palette.text, family: getComputedStyle(document.body).fontFamily, size: narrow ? 11 : 12 },
       hoverlabel: { align: "left", bgcolor: palette.raised, bordercolor: palette.line, font: { color: palette.text } },
-      legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0 },
+      legend: { orientation: "h", yref: "container", y: 1, yanchor: "top", x: 0 },
       hovermode: "closest",
       dragmode: "zoom",
       // Dates in digits: the same in every language.
@@ -137,15 +140,20 @@
       shapes: [],
       annotations: [],
     };
-    const gap = 0.05;
+    // Holds the title of the strip below.
+    const gap = 0.06;
     plot.strips.forEach((strip, row) => {
       const size = (1 - gap * (rows - 1)) / rows;
       const top = 1 - row * (size + gap);
       layout[row ? `yaxis${row + 1}` : "yaxis"] = {
         domain: [Math.max(0, top - size), top],
-        title: { text: `${title(strip.symbol)}, ${plot.unit}`, standoff: 6 },
         gridcolor: palette.line, zeroline: false, linecolor: palette.line, tickformatstops: DECIMALS, nticks: 6, automargin: true,
       };
+      // Above the strip: beside it there are figures of any width.
+      layout.annotations.push({
+        xref: "paper", yref: "paper", x: 0, y: top, xanchor: "left", yanchor: "bottom", showarrow: false,
+        text: `${title(strip.symbol)}, ${plot.unit}`,
+      });
       layout.shapes.push(...shapesOf(strip, row, palette));
     });
     for (const mark of together(plot)) {
@@ -158,6 +166,24 @@
       });
     }
     return layout;
+  };
+
+  // Everything; about what stands alone, a month and the budget, where the axes would find no measure of their own.
+  const rangesOfAll = (plot) => {
+    const ranges = {};
+    const axis = (name, values, around, of) => {
+      const [low, high] = [values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity)];
+      if (low === high) ranges[`${name}.range`] = [of(low - around), of(high + around)];
+      else ranges[`${name}.autorange`] = true;
+    };
+    const times = plot.strips.flatMap((strip) => strip.series.flatMap((series) => series.t));
+    axis("xaxis", [...times, ...plot.marks.map((mark) => mark.t)], plot.alone, (t) => new Date(t));
+    plot.strips.forEach((strip, row) => {
+      const levels = strip.bands.flatMap(([, , level, budget]) => [level - (budget || 0), level + (budget || 0)]);
+      const values = [...levels, ...strip.series.flatMap((series) => series.v)];
+      axis(row ? `yaxis${row + 1}` : "yaxis", values, strip.around, (v) => v);
+    });
+    return ranges;
   };
 
   // All that was measured since an instant, in every strip.
@@ -179,7 +205,7 @@
         low = Math.min(low, level - (budget || 0));
         high = Math.max(high, level + (budget || 0));
       }
-      const edge = 0.06 * (high - low || 1e-6);
+      const edge = high > low ? 0.06 * (high - low) : strip.around;
       if (low <= high) ranges[row ? `yaxis${row + 1}.range` : "yaxis.range"] = [low - edge, high + edge];
     });
     const day = 864e5;
@@ -206,11 +232,9 @@
       return Plotly.react(place, traces, layout, { responsive: true, displaylogo: false, displayModeBar: false });
     };
     const show = (wanted) => {
-      const axes = plot.strips.map((_, row) => [row ? `yaxis${row + 1}.autorange` : "yaxis.autorange", true]);
-      const everything = { "xaxis.autorange": true, ...Object.fromEntries(axes) };
       for (const button of tools.querySelectorAll("[aria-pressed]"))
         button.setAttribute("aria-pressed", String(button.dataset.zoom === wanted));
-      return Plotly.relayout(place, wanted === "since" ? rangesSince(plot, plot.since) : everything);
+      return Plotly.relayout(place, wanted === "since" ? rangesSince(plot, plot.since) : rangesOfAll(plot));
     };
     paint().then(() => show(isDwarfed(plot) ? "since" : "all")).then(() => { place.dataset.drawn = "true"; });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);

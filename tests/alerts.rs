@@ -2,6 +2,8 @@
 
 mod lab;
 
+use std::collections::BTreeSet;
+
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::wire::time;
 use serde_json::{Value, json};
@@ -92,6 +94,23 @@ async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firin
     station_posts(&lab, &[(240, 1.05)]).await;
     let again = alert_of(&lab, "step").await;
     assert_eq!((&again["id"], &again["state"], &again["severity"]), (&id, &json!("firing"), &json!("warning")));
+}
+
+#[tokio::test]
+async fn what_one_record_of_one_gyro_violates_is_one_group() {
+    let lab = lab_with(&LEVEL).await;
+    let two = [("G1", "A", 1.02, 2.05), ("G2", "B/1", 1.0, 2.0)];
+    lab.posts(&record("IMU-1", &day(120), &two)).await;
+    lab.posts(&record("IMU-1", &day(121), &[("G2", "B/1", 1.1, 2.0)])).await;
+    let alerts = lab.get("/v1/alerts").await.ok()["alerts"].as_array().unwrap().clone();
+    assert_eq!(alerts.iter().filter(|alert| alert["serial"] == "A").count(), 4, "{alerts:?}");
+    let groups: BTreeSet<String> = alerts.iter().map(|alert| alert["group"].as_str().unwrap().to_owned()).collect();
+    let expected = alerts.iter().map(|alert| {
+        let text = |member: &str| alert[member].as_str().unwrap();
+        format!("{}/{}", text("serial"), text("record"))
+    });
+    assert_eq!(groups, expected.collect(), "the gyro and its record");
+    assert_eq!(groups.len(), 2);
 }
 
 #[tokio::test]

@@ -252,6 +252,26 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
 }
 
 #[tokio::test]
+async fn what_one_record_of_a_gyro_violates_stands_together() {
+    let server = a_small_fleet().await;
+    let again = record("IMU-B", "ST-2", "JUMP/1", 7 * 8, [3.5, 4.0]);
+    assert_eq!(server.post_json("/v1/records", &again).await.status, 201);
+    let firing = page(&server, "/alerts", &[]).await;
+    assert_eq!(firing.matches("scope=\"rowgroup\"").count(), 1, "{firing}");
+    let head = &firing[place(&firing, "scope=\"rowgroup\"")..];
+    let head = &head[..place(head, "</th>")];
+    let alerts = server.get("/v1/alerts?state=firing").await.json()["alerts"].as_array().unwrap().len();
+    assert!(alerts > 2 && head.matches("class=\"violated\"").count() == alerts, "{alerts}: {head}");
+    for there in ["/gyros/JUMP%2F1", "distance from baseline", "</var> step", "IMU-B", "ST-2"] {
+        assert!(head.contains(there), "{there} is not in {head}");
+    }
+    // Another gyro stands apart.
+    let other = record("IMU-A", "ST-1", "STEADY", 7 * 8, [1.7, -2.25]);
+    assert_eq!(server.post_json("/v1/records", &other).await.status, 201);
+    assert_eq!(page(&server, "/alerts", &[]).await.matches("scope=\"rowgroup\"").count(), 2);
+}
+
+#[tokio::test]
 async fn what_was_done_to_a_gyro_is_noted_on_its_page() {
     let server = a_small_fleet().await;
     let path = "/gyros/STEADY/events/new";
@@ -305,6 +325,12 @@ async fn a_calibration_is_voided_on_its_page_and_counts_no_more() {
     assert!(!calibrations.contains(id) && calibrations.contains("1–7 / 7"), "it is no longer among those that count");
     let own = page(&server, &format!("/records/{id}"), &[]).await;
     assert!(own.contains("Voided: it counts no more.") && !own.contains("/void"), "{own}");
+    let words = stands["verdicts"].as_array().unwrap().iter().find(|said| said["rule"] == "baseline").unwrap();
+    let words = words["reason"].as_str().unwrap().split(';').next().unwrap();
+    assert!(words.starts_with("D_I lies") && own.contains(words), "{words} is not in {own}");
+    assert!(own.contains("None of this counts any more.") && own.contains("class=\"uncounted\""), "{own}");
+    let chinese = page(&server, &format!("/records/{id}"), &[("accept-language", "zh")]).await;
+    assert!(chinese.contains("现均不再计入") && chinese.contains("D_I偏离基线"), "{chinese}");
     for again in [server.get(path).await, sends_form(&server, path, &meant).await] {
         assert_eq!(again.status, 409, "what does not count cannot be voided");
     }

@@ -60,9 +60,18 @@ struct AlertsQuery {
 /// Alerts, newest first.
 #[derive(Serialize, ToSchema)]
 struct Alerts {
-    alerts: Vec<AlertBody>,
+    alerts: Vec<ListedAlert>,
     /// Cursor of the next page; null on the last.
     next: Option<String>,
+}
+
+/// An alert among others.
+#[derive(Serialize, ToSchema)]
+struct ListedAlert {
+    #[serde(flatten)]
+    alert: AlertBody,
+    /// The same for all alerts that rest on the same record of the same gyro: one change of a gyro violates several rules.
+    group: String,
 }
 
 /// Alerts, the newest first. An alert lasts: when it fires again it is the same alert.
@@ -90,7 +99,8 @@ async fn get_alerts(
     let mut response = if csv {
         ([(CONTENT_TYPE, "text/csv; charset=utf-8")], alert_csv::to_csv(&alerts)).into_response()
     } else {
-        Json(Alerts { alerts, next }).into_response()
+        let listed = |alert: AlertBody| ListedAlert { group: alert.group(), alert };
+        Json(Alerts { alerts: alerts.into_iter().map(listed).collect(), next }).into_response()
     };
     if let Some(link) = link {
         response.headers_mut().insert(LINK, link);

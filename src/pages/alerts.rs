@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
+use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
@@ -88,7 +89,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         (search(viewer, filters))
         p.note { (t.alerts_note) }
         @if found.is_empty() { p.lead { (t.no_alerts) } }
-        @else { (table(viewer, found.iter().map(|(_, alert)| alert), true, Some(&viewer.here))) }
+        @else { (by_gyro_and_record(viewer, found.iter().map(|(_, alert)| alert))) }
         @if more && let Some((last, _)) = found.last() {
             nav.pager aria-label=(t.alerts) { a rel="next" href=(filters.address(filters.state(), &last.to_string())) { (t.older) } }
         }
@@ -126,6 +127,69 @@ pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>
     Ok(open)
 }
 
+/// Alerts that stand together: of one gyro, and among those of one record. Gyros and their records come in the order in which
+/// their first alerts do.
+fn groups<'a>(alerts: impl Iterator<Item = &'a AlertBody>) -> Vec<Vec<&'a AlertBody>> {
+    let mut gyros: Vec<(&str, Vec<Vec<&AlertBody>>)> = Vec::new();
+    for alert in alerts {
+        let place = gyros.iter().position(|(serial, _)| *serial == alert.serial).unwrap_or_else(|| {
+            gyros.push((&alert.serial, Vec::new()));
+            gyros.len() - 1
+        });
+        let records = &mut gyros[place].1;
+        match records.iter_mut().find(|group| group[0].finding.record == alert.finding.record) {
+            Some(group) => group.push(alert),
+            None => records.push(vec![alert]),
+        }
+    }
+    gyros.into_iter().flat_map(|(_, records)| records).collect()
+}
+
+fn by_gyro_and_record<'a>(viewer: &Viewer, alerts: impl Iterator<Item = &'a AlertBody>) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.alerts {
+            (heading(viewer, false))
+            @for group in groups(alerts) {
+                tbody {
+                    tr.group { th.words scope="rowgroup" colspan="5" { (group_heading(viewer, &group)) } }
+                    @for alert in group { (line(viewer, alert, false, Some(&viewer.here))) }
+                }
+            }
+        } }
+    }
+}
+
+/// The gyro, what it violates, and the record that shows it.
+fn group_heading(viewer: &Viewer, group: &[&AlertBody]) -> Markup {
+    let t = viewer.text();
+    let (serial, finding) = (&group[0].serial, &group[0].finding);
+    html! {
+        a.id href={ "/gyros/" (encoded(serial)) } { (serial) }
+        @for alert in group { " " span.violated { (violated(t, alert)) } }
+        @if let Some(at) = finding.record.as_ref().and(finding.calibrated_at.as_ref()) {
+            " " span.quiet {
+                (t.calibrated) " " (written(at))
+                @for place in [&finding.imu, &finding.station].into_iter().flatten() { " · " span.id { (place) } }
+            }
+        }
+    }
+}
+
+fn violated(t: &Text, alert: &AlertBody) -> Markup {
+    html! { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+}
+
+fn heading(viewer: &Viewer, gyros: bool) -> Markup {
+    let t = viewer.text();
+    html! {
+        thead { tr {
+            th { (t.severity) }
+            @if gyros { th { (t.serial) } }
+            th { (t.violates) } th { (t.reason_word) } th { (t.fired) } th { (t.state) }
+        } }
+    }
+}
+
 /// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can be.
 pub(super) fn table<'a>(
     viewer: &Viewer,
@@ -133,14 +197,9 @@ pub(super) fn table<'a>(
     gyros: bool,
     here: Option<&str>,
 ) -> Markup {
-    let t = viewer.text();
     html! {
         div.scroll tabindex="0" { table.alerts {
-            thead { tr {
-                th { (t.severity) }
-                @if gyros { th { (t.serial) } }
-                th { (t.violates) } th { (t.reason_word) } th { (t.fired) } th { (t.state) }
-            } }
+            (heading(viewer, gyros))
             tbody { @for alert in alerts { (line(viewer, alert, gyros, here)) } }
         } }
     }
@@ -154,8 +213,8 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     html! {
         tr {
             td { (severity(viewer, critical)) }
-            @if gyros { th scope="row" { a href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
-            td.nowrap { (symbol(&alert.coefficient)) " " (Rule::from_name(&alert.rule).map_or("", |rule| t.rule(rule))) }
+            @if gyros { th scope="row" { a.id href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
+            td.nowrap { (violated(t, alert)) }
             td.words {
                 (t.spoken(&alert.finding.reason))
                 @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {

@@ -27,6 +27,16 @@ pub struct AlertBody {
     pub silenced: Option<SilenceBody>,
 }
 
+impl AlertBody {
+    /// The gyro and the record that it rests on; the gyro alone, where no record has caused it (`overdue`).
+    pub fn group(&self) -> String {
+        match &self.finding.record {
+            Some(record) => format!("{}/{record}", self.serial),
+            None => self.serial.clone(),
+        }
+    }
+}
+
 /// What an alert says of the verdict that it follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = AlertFindingBody)]

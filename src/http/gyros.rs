@@ -122,16 +122,11 @@ async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<
     let number = query::gyro(&app, &serial)?;
     let store = app.pipeline.store();
     let newest = store.newest_history(number, Span::EVER, 1).await?.pop();
-    let verdicts = match &newest {
-        Some(figures) => app.pipeline.stored_record(figures.record).await?.map(|stored| stored.answer.verdicts),
-        None => None,
-    };
-    let verdicts = verdicts.into_iter().flatten().filter(|verdict| verdict.serial == serial).collect();
+    let found = app.pipeline.standing_in_words(number, newest).await?;
+    let (standing, verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
     let events = store.events(number).await?.iter().map(EventBody::of).collect();
     let calibrations = store.count_history(number).await?;
     let bench_results = store.bench_results(number, Span::EVER).await?.len();
-    let standing =
-        app.pipeline.standings(vec![(number, newest)]).await?.pop().ok_or_else(|| Problem::unknown_gyro(&serial))?;
     let gyro = Gyro::of(&standing, app.config.judging.method, &store.names().read());
     Ok(Json(GyroDetail { gyro, verdicts, events, calibrations, bench_results }))
 }

@@ -8,7 +8,8 @@ use super::line::{marks_of, sample_of};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Rule, State, overdue};
 use crate::core::time::UtcMicros;
-use crate::store::{Figures, Span, StoreError, StoredVerdict, Stretch};
+use crate::store::{Figures, Span, StoreError, StoredVerdict, Stretch, Tables};
+use crate::wire::answer::VerdictBody;
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,26 +61,55 @@ impl Pipeline {
             .iter()
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
-        let now = self.clock.now();
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
-            let serial = tables.gyros.name(number)?.clone();
             let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
-            let verdicts = of_newest.copied().unwrap_or_default();
-            let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
-            let interval = self.config.judging.limits(imu, &serial).interval_days;
-            let late = newest.as_ref().zip(interval).map(|(figures, days)| overdue(figures.at, now, days));
-            Some(Standing {
-                number,
-                serial,
-                state: newest.as_ref().map(|figures| worst(figures, verdicts)),
-                exceeded: exceeded(verdicts),
-                load: verdicts.iter().filter_map(load).fold(0.0, f64::max),
-                overdue_days: late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value),
-                newest,
-            })
+            self.standing(&tables, number, newest, of_newest.copied().unwrap_or_default())
         };
         Ok(newest.into_iter().filter_map(standing).collect())
+    }
+
+    /// How one gyro stands, and the verdicts on its newest record in words; none where there is no such gyro.
+    pub async fn standing_in_words(
+        &self,
+        number: u32,
+        newest: Option<Figures>,
+    ) -> Result<Option<(Standing, Vec<VerdictBody>)>, StoreError> {
+        let stored = match &newest {
+            Some(figures) => self.stored_record(figures.record).await?,
+            None => None,
+        };
+        let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
+        let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
+        let Some(standing) = self.standing(&self.store.names().read(), number, newest, verdicts) else {
+            return Ok(None);
+        };
+        let said = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
+        let said = said.filter(|verdict| *verdict.serial == *standing.serial).collect();
+        Ok(Some((standing, said)))
+    }
+
+    /// How a gyro stands with this newest calibration and the verdicts on it.
+    fn standing(
+        &self,
+        tables: &Tables,
+        number: u32,
+        newest: Option<Figures>,
+        verdicts: &[StoredVerdict],
+    ) -> Option<Standing> {
+        let serial = tables.gyros.name(number)?.clone();
+        let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
+        let interval = self.config.judging.limits(imu, &serial).interval_days;
+        let late = newest.as_ref().zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
+        Some(Standing {
+            number,
+            serial,
+            state: newest.as_ref().map(|figures| worst(figures, verdicts)),
+            exceeded: exceeded(verdicts),
+            load: verdicts.iter().filter_map(load).fold(0.0, f64::max),
+            overdue_days: late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value),
+            newest,
+        })
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.

@@ -5,12 +5,15 @@ use anyhow::anyhow;
 use super::Happening;
 use crate::core::time::UtcMicros;
 use crate::simulate::presets::preset;
-use crate::simulate::scenario::EffectChoice;
+use crate::simulate::scenario::{EffectChoice, Population};
 use crate::simulate::{Scenario, simulate};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::time;
 
 const IMU: &str = "IMU-21";
+/// Each gyro with the scale factor (pulse per arcsec) that Table 3 requires, and how well they are mounted: E keeps to the table.
+const GYROS: [(&str, f64); 3] = [("LFG-0061", 1.468), ("LFG-0062", 1.468), ("LFG-0063", 1.4775)];
+const MISALIGNMENT_ARCMIN: f64 = 2.0;
 /// Days before today; the programme; what is hidden, and how visible it is.
 const CAMPAIGNS: [(f64, &str, &[(&str, f64)]); 4] = [
     (52.0, "24-position", &[]),
@@ -26,15 +29,18 @@ pub fn happenings(today: UtcMicros) -> anyhow::Result<Vec<Happening>> {
 fn campaign(today: UtcMicros, days_ago: f64, programme: &str, hidden: &[(&str, f64)]) -> anyhow::Result<Happening> {
     let base = preset(programme).ok_or_else(|| anyhow!("no preset {programme}"))?;
     let mut gyros = base.gyros.clone();
-    for (gyro, serial) in gyros.iter_mut().zip(["LFG-0061", "LFG-0062", "LFG-0063"]) {
+    for (gyro, (serial, scale)) in gyros.iter_mut().zip(GYROS) {
         gyro.serial = Some(serial.into());
+        gyro.scale_factor = Some(scale);
     }
+    let population = Population { misalignment_arcmin: MISALIGNMENT_ARCMIN, ..base.population.clone() };
     let scenario = Scenario {
         seed: 21,
         imu: IMU.into(),
         station: "ST-1".into(),
         measured_at: time::format(today.plus_days(-days_ago)),
         gyros,
+        population,
         effects: hidden.iter().map(|&(effect, visible)| EffectChoice::detectable(effect, visible)).collect(),
         ..base
     };

@@ -97,6 +97,7 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
         "\nThe fleet                        {base}/\n\
          A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
          Why it does                      {base}/v1/gyros/LFG-0004/diagnosis\n\
+         One that ages within its budget  {base}/gyros/LFG-0014\n\
          One that jumped on transport     {base}/gyros/LFG-0008\n\
          One that was repaired and moved  {base}/gyros/LFG-0011\n\
          Raw campaigns, to diagnose       {base}/imus/IMU-21\n\

@@ -14,7 +14,8 @@ pub(super) fn line(values: &[f64], level: Option<f64>, budget: Option<f64>, labe
     let band = level.zip(budget).map(|(level, budget)| (level - budget, level + budget));
     let shown = values.iter().copied().chain(band.into_iter().flat_map(|(low, high)| [low, high]));
     let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    let height = (high - low).max(f64::MIN_POSITIVE);
+    // Values that are all the same lie in the middle.
+    let (high, height) = if high > low { (high, high - low) } else { (high + 0.5, 1.0) };
     let x = |i: usize| EDGE + (WIDTH - 2.0 * EDGE) * i as f64 / (values.len() - 1).max(1) as f64;
     let y = |value: f64| EDGE + (HEIGHT - 2.0 * EDGE) * (high - value) / height;
     let mut points = String::with_capacity(9 * values.len());
@@ -48,7 +49,8 @@ mod tests {
     }
 
     #[test]
-    fn equal_values_do_not_divide_by_nothing() {
-        assert!(!line(&[2.0; 5], None, None, "").into_string().contains("NaN"));
+    fn equal_values_lie_in_the_middle() {
+        let drawn = line(&[2.0; 5], None, None, "").into_string();
+        assert!(drawn.contains("cy=\"15.0\"") && !drawn.contains("NaN"), "{drawn}");
     }
 }

@@ -1,19 +1,29 @@
 //! Reading JSON so that a fault names its place, and comparing two documents member by member.
 
+mod several;
+mod words;
+
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
 use serde_path_to_error::{Path, Segment};
 
 use crate::core::fault::{Fault, Faults};
 
-/// Reads one JSON document. The error holds the one fault at which reading stopped.
+/// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be found
+/// by reading on past the first, of a long one the first.
 ///
-/// A leading byte-order mark is skipped, as RFC 8259 (section 8.1) allows.
+/// Every document is an object. A leading byte-order mark is skipped, as RFC 8259 (section 8.1) allows.
 /// The document is read without tracking places first, because almost all are good; only a refused one is read
 /// again to name the place.
 pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     let bytes = without_mark(bytes);
-    serde_json::from_slice(bytes).or_else(|_| parse_naming_places(bytes)).map_err(|mut faults: Faults| {
+    if bytes.trim_ascii_start().starts_with(b"[") && is_json(bytes) {
+        // serde would take the list for the members in their order.
+        let detail = "invalid type: an array, expected an object".to_owned();
+        return Err(Fault { pointer: String::new(), detail }.into());
+    }
+    serde_json::from_slice(bytes).or_else(|_| parse_naming_places(bytes)).map_err(|fault: Fault| {
+        let mut faults = several::faults::<T>(bytes, fault);
         if !is_json(bytes) {
             let why = std::str::from_utf8(bytes).err();
             let not_utf8 = why.map(|error| format!("not UTF-8 from byte {} on", error.valid_up_to()));
@@ -25,7 +35,7 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     })
 }
 
-fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
+fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Fault> {
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| fault_at(error.path(), error.inner()))?;
     reader.end().map_err(|error| fault(String::new(), &error))?;
@@ -47,7 +57,7 @@ pub fn pointer_token(member: &str) -> String {
     member.replace('~', "~0").replace('/', "~1")
 }
 
-fn fault_at(path: &Path, error: &serde_json::Error) -> Faults {
+fn fault_at(path: &Path, error: &serde_json::Error) -> Fault {
     let mut pointer = String::new();
     for segment in path {
         match segment {
@@ -61,18 +71,18 @@ fn fault_at(path: &Path, error: &serde_json::Error) -> Faults {
 
 /// serde reports an absent, repeated or unknown member at the object that should or does hold it; the pointer
 /// returned here names the member itself.
-fn fault(mut pointer: String, error: &serde_json::Error) -> Faults {
+fn fault(mut pointer: String, error: &serde_json::Error) -> Fault {
     let text = error.to_string();
     for (opening, what) in [("missing field `", "is missing"), ("duplicate field `", "is given twice")] {
         if let Some(member) = quoted_after(&text, opening) {
             append_member(&mut pointer, member);
-            return Fault { pointer, detail: format!("`{member}` {what}") }.into();
+            return Fault { pointer, detail: format!("`{member}` {what}") };
         }
     }
     if let Some(member) = quoted_after(&text, "unknown field `") {
         append_member(&mut pointer, member);
     }
-    Fault { pointer, detail: text }.into()
+    Fault { pointer, detail: words::plain(&text) }
 }
 
 fn quoted_after<'t>(text: &'t str, opening: &str) -> Option<&'t str> {
@@ -140,6 +150,18 @@ mod tests {
         assert_eq!(refused(r#"{"list":[{"x":"1"}]}"#).0, "/list/0/x");
         assert_eq!(refused(r#"{"list":[{"x":1e400}]}"#).0, "/list/0/x");
         assert_eq!(refused(r#"{"list":[]} {}"#).0, "");
+    }
+
+    #[test]
+    fn no_word_of_the_programs_own_types_reaches_a_sender() {
+        for text in ["[]", "3", "null", "\"x\"", r#"{"list":{}}"#, r#"{"list":[[]]}"#, r#"{"list":[{"x":[]}]}"#] {
+            let (pointer, detail) = refused(text);
+            for word in ["struct", "Outer", "Inner", "f64", "enum", "element"] {
+                assert!(!detail.contains(word), "{text}: {pointer}: {detail}");
+            }
+        }
+        assert_eq!(refused("3").1, "invalid type: integer `3`, expected an object at line 1 column 1");
+        assert_eq!(refused(r#"{"list":[[]]}"#).0, "/list/0");
     }
 
     #[test]

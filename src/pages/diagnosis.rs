@@ -99,6 +99,7 @@ fn verdict_in_words(t: &Text, verdict: &str) -> &'static str {
 fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
     let answer = &stored.answer;
     let gap = |rms: f64, chi2: f64, p: f64| html! { td.n { (short(rms)) } td.n { (short(chi2)) } td.n { (short(p)) } };
+    let by_pattern = d.verdict != "no_gap" && d.gap.rms_deg_per_h <= d.gap.noise_alone_deg_per_h;
     html! {
         h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.note {
@@ -108,10 +109,14 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
             a href={ "/v1/campaigns/" (stored.row.id) "/diagnosis" } { "JSON" }
         }
         p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
+        @if by_pattern { p { (t.by_pattern) } }
         div.scroll tabindex="0" { table {
             thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { (t.adjusted_p) } } }
             tbody {
                 tr { th scope="row" { (t.gap_before) } (gap(d.gap.rms_deg_per_h, d.gap.reduced_chi2, d.gap.p_value)) }
+                tr {
+                    th scope="row" { (t.noise_alone) } td.n { (short(d.gap.noise_alone_deg_per_h)) } td colspan="2" {}
+                }
                 tr {
                     th scope="row" { (t.gap_after) }
                     (gap(d.remaining.rms_deg_per_h, d.remaining.reduced_chi2, d.remaining.p_value))
@@ -228,7 +233,9 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
                         tr {
                             td.words { (named(t, &candidate.effect)) } td { (candidate.gyros.join(", ")) }
                             td.nowrap {
-                                @if let Some(closure) = candidate.closure {
+                                @if candidate.closure.is_some() && candidate.within_noise {
+                                    (t.within_noise)
+                                } @else if let Some(closure) = candidate.closure {
                                     (residuals::closure_bar(closure, candidate.interval)) (percent(closure))
                                     @if let Some([low, high]) = candidate.interval { " (" (percent(low)) " – " (percent(high)) ")" }
                                 } @else { "–" }

@@ -5,7 +5,7 @@ mod plot;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
+use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody, ImpactBody};
 use crate::wire::split::SplitBody;
 
 /// Whose campaign it is, in words for the head of the report.
@@ -49,32 +49,59 @@ pub fn html(subject: &Subject, diagnosis: &DiagnosisBody) -> String {
     .into_string()
 }
 
-fn verdict_in_words(verdict: &str) -> &'static str {
-    match verdict {
-        "no_gap" => "The model predicts this campaign to within its noise: there is no gap to explain.",
+/// The verdict in a sentence or two.
+pub fn verdict_in_words(d: &DiagnosisBody) -> String {
+    let verdict = match d.verdict.as_str() {
+        "no_gap" => "The model predicts this campaign to within its noise: there is no gap, and nothing to explain.",
         "explained" => "There is a gap; what is named below explains it, and nothing significant remains.",
         "partly_explained" => {
             "There is a gap; what is named below explains part of it, and something significant remains."
         }
         _ => "There is a gap, and nothing in the catalogue earns the blame.",
+    };
+    if d.verdict == "no_gap" || d.gap.rms_deg_per_h > d.gap.noise_alone_deg_per_h {
+        return verdict.to_owned();
     }
+    format!("{verdict} {BY_PATTERN}")
+}
+
+/// Of a gap that is no larger than what noise alone would leave.
+const BY_PATTERN: &str = "As a whole the residuals are no larger than noise alone would leave them: the gap stands out by its \
+                          pattern over the dwells, not by its size.";
+
+/// The error model in use in words: its terms, and the effects that it holds beside them.
+pub fn model_in_words(d: &DiagnosisBody) -> String {
+    let beside = d.model.effects.iter().map(|e| format!("{} ({})", e.effect, e.gyros.join(" ")));
+    let effects: Vec<String> = beside.collect();
+    let terms = d.model.terms.join(", ");
+    if effects.is_empty() { terms } else { format!("{terms}; effects {}", effects.join(", ")) }
+}
+
+/// D_I and D_S of every gyro before and after the named effects entered the model, in order, and whether they moved beyond their noise.
+pub fn drift_before_and_after(d: &DiagnosisBody) -> Vec<(&ImpactBody, bool)> {
+    let moved = d.impact.iter().map(|one| (one, true));
+    let mut all: Vec<_> = moved.chain(d.impact_within_noise.iter().map(|one| (one, false))).collect();
+    all.sort_by_key(|(one, _)| (one.slot.as_str(), one.coefficient.as_str()));
+    all
 }
 
 fn head(subject: &Subject, d: &DiagnosisBody) -> Markup {
     html! {
-        p class="verdict" { strong { (d.verdict) } ": " (verdict_in_words(&d.verdict)) }
+        p class="verdict" { strong { (d.verdict) } ": " (verdict_in_words(d)) }
         table {
             tr { th { "Station" } td { (subject.station) } }
             tr { th { "Gyros" } td {
                 @for (i, (slot, serial)) in subject.gyros.iter().enumerate() { @if i > 0 { ", " } (slot) " " (serial) }
             } }
             tr { th { "Dwells" } td { (subject.dwells) } }
+            tr { th { "Model in use" } td { (model_in_words(d)) } }
             tr { th { "Noise floor" } td {
                 (figure(d.noise_floor.deg_per_h)) " deg/h, from " (d.noise_floor.source)
                 ", real over stated standard errors " (figure(d.noise_floor.sem_factor))
             } }
             tr { th { "Gap before" } td {
-                (figure(d.gap.rms_deg_per_h)) " deg/h rms, reduced chi-square " (figure(d.gap.reduced_chi2))
+                (figure(d.gap.rms_deg_per_h)) " deg/h rms, where noise alone would leave "
+                (figure(d.gap.noise_alone_deg_per_h)) "; reduced chi-square " (figure(d.gap.reduced_chi2))
                 ", adjusted p of all tests " (figure(d.gap.p_value))
             } }
             tr { th { "Left after" } td {
@@ -150,7 +177,7 @@ fn one_effect(effect: &EffectBody) -> Markup {
 fn closure(h: &HeldOutBody) -> Markup {
     html! {
         "On dwells that were held out the error falls from " (figure(h.before_deg_per_h)) " to "
-        (figure(h.after_deg_per_h)) " deg/h; closure " (figure(h.closure)) " (95 % interval " (figure(h.interval[0]))
+        (figure(h.after_deg_per_h)) " deg/h; it closes " (figure(h.closure)) " of the reducible gap" " (95 % interval " (figure(h.interval[0]))
         " to " (figure(h.interval[1])) ") "
         (PreEscaped(plot::bar(h.closure, Some(h.interval))))
     }
@@ -190,12 +217,14 @@ fn candidates(all: &[CandidateBody]) -> Markup {
     html! {
         h2 { "What else was tried" }
         table {
-            thead { tr { th { "Effect" } th { "Gyros" } th { "Closes alone" } th { "" } th { "Adjusted p" } th { "Why it was not taken" } } }
+            thead { tr { th { "Effect" } th { "Gyros" } th { "Closes alone, of the reducible gap" } th { "" } th { "Adjusted p" } th { "Why it was not taken" } } }
             tbody { @for c in all {
                 tr {
                     td { (c.effect) } td { (c.gyros.join(", ")) }
-                    td class="n" { @if let Some(x) = c.closure { (percent(x)) } @else { "-" } }
-                    td { @if let Some(x) = c.closure { (PreEscaped(plot::bar(x, c.interval))) } }
+                    td class="n" {
+                        @match c.closure { None => "-", Some(_) if c.within_noise => "within the noise", Some(x) => (percent(x)) }
+                    }
+                    td { @if let Some(x) = c.closure.filter(|_| !c.within_noise) { (PreEscaped(plot::bar(x, c.interval))) } }
                     td class="n" { (figure(c.p_value_adjusted)) } td { (c.why_not) }
                 }
             } }
@@ -205,20 +234,27 @@ fn candidates(all: &[CandidateBody]) -> Markup {
 
 fn impact(d: &DiagnosisBody) -> Markup {
     html! {
-        @if !d.impact.is_empty() {
+        @if !(d.impact.is_empty() && d.impact_within_noise.is_empty()) {
             h2 { "What it does to the drift coefficients" }
+            p { "Before and after the named effects entered the model, deg/(h g0)." }
             table {
-                thead { tr { th { "Gyro" } th { "Coefficient" } th { "Plain" } th { "With the effects" } th { "1 sigma" } th { "Shift, deg/(h g0)" } th { "Of the budget" } } }
-                tbody { @for i in &d.impact {
+                thead { tr { th { "Gyro" } th { "Coefficient" } th { "Before" } th { "After" } th { "1 sigma" } th { "Shift" } th { "Of the budget" } th { "Moved" } } }
+                tbody { @for (i, moved) in drift_before_and_after(d) {
                     tr {
                         td { (i.slot) } td { (i.coefficient) } td class="n" { (format!("{:.6}", i.plain)) }
                         td class="n" { (format!("{:.6}", i.augmented)) } td class="n" { (figure(i.augmented_sd)) }
                         td class="n" { (format!("{:+.6}", i.shift)) } td class="n" { (percent(i.of_budget)) }
+                        td { (moved_in_words(moved)) }
                     }
                 } }
             }
         }
     }
+}
+
+/// Whether a coefficient moved.
+pub fn moved_in_words(moved: bool) -> &'static str {
+    if moved { "yes" } else { "no: within its noise" }
 }
 
 fn blind_spots(d: &DiagnosisBody) -> Markup {

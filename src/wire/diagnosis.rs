@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::located::WhereBody;
 use super::split::SplitBody;
 use crate::core::diagnose as core;
 use crate::core::effects::Effect;
@@ -69,36 +70,13 @@ pub struct GyroFloorBody {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct GapBody {
+    /// Root mean square of the residuals.
     pub rms_deg_per_h: f64,
+    /// What noise alone would leave of that.
+    #[serde(default)]
+    pub noise_alone_deg_per_h: f64,
     pub reduced_chi2: f64,
     pub p_value: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct WhereBody {
-    pub gyros: Vec<GyroShareBody>,
-    pub phases: Vec<PhaseShareBody>,
-    pub dwells: Vec<DwellShareBody>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct GyroShareBody {
-    pub slot: String,
-    pub share: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct PhaseShareBody {
-    pub phase: String,
-    pub share: f64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct DwellShareBody {
-    pub index: usize,
-    pub slot: String,
-    pub residual_deg_per_h: f64,
-    pub share: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -137,6 +115,7 @@ pub struct EstimateBody {
 pub struct HeldOutBody {
     pub before_deg_per_h: f64,
     pub after_deg_per_h: f64,
+    /// Of the reducible gap: of what the error on held-out dwells exceeds the noise floor by (mean squares).
     pub closure: f64,
     pub interval: [f64; 2],
 }
@@ -165,6 +144,9 @@ pub struct CandidateBody {
     #[serde(default)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
+    /// Whether noise alone shows as much too often for a name: `closure` is then that of a chance pattern, and no finding.
+    #[serde(default)]
+    pub within_noise: bool,
     pub gyros: Vec<String>,
     pub why_not: String,
 }
@@ -250,6 +232,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             },
             gap: GapBody {
                 rms_deg_per_h: d.gap.rms_deg_per_h,
+                noise_alone_deg_per_h: d.gap.noise_alone_deg_per_h,
                 reduced_chi2: d.gap.reduced_chi2,
                 p_value: d.gap.p_value,
             },
@@ -272,25 +255,6 @@ impl From<&core::Diagnosis> for DiagnosisBody {
 impl From<&core::GyroFloor> for GyroFloorBody {
     fn from(g: &core::GyroFloor) -> Self {
         Self { slot: g.slot.name().to_owned(), deg_per_h: g.deg_per_h, repeat_dof: g.repeat_dof }
-    }
-}
-
-impl From<&core::Located> for WhereBody {
-    fn from(w: &core::Located) -> Self {
-        Self {
-            gyros: w.gyros.iter().map(|&(s, share)| GyroShareBody { slot: s.name().to_owned(), share }).collect(),
-            phases: w.phases.iter().map(|&(p, share)| PhaseShareBody { phase: p.name().to_owned(), share }).collect(),
-            dwells: w
-                .dwells
-                .iter()
-                .map(|d| DwellShareBody {
-                    index: d.index,
-                    slot: d.slot.name().to_owned(),
-                    residual_deg_per_h: d.residual_deg_per_h,
-                    share: d.share,
-                })
-                .collect(),
-        }
     }
 }
 
@@ -342,6 +306,7 @@ impl From<&core::Candidate> for CandidateBody {
             closure: c.closure,
             interval: c.interval,
             p_value_adjusted: c.p_value_adjusted,
+            within_noise: c.within_noise,
             gyros: names(&c.gyros),
             why_not: c.why_not.clone(),
         }

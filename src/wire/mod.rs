@@ -21,6 +21,7 @@ pub mod geometry;
 pub mod history;
 pub mod hook;
 pub mod json;
+pub mod located;
 pub mod model;
 pub mod numbers;
 pub mod problem;

@@ -81,7 +81,10 @@ pub struct GyroFloor {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gap {
+    /// Root mean square of the residuals.
     pub rms_deg_per_h: f64,
+    /// What that would be by noise alone: less than the noise floor, because the fit takes up part of the noise.
+    pub noise_alone_deg_per_h: f64,
     /// Residual sum of squares over the floor's variance and degrees of freedom.
     pub reduced_chi2: f64,
     /// That noise alone shows as much structure, over everything that was looked at.
@@ -169,6 +172,9 @@ pub struct Candidate {
     /// 95 % interval of that.
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
+    /// Whether it stands out from noise no more than a first name must. Its closure is then that of a gap which is not there: the share
+    /// of a chance pattern that an entry takes when its gyros and shape are chosen to take most, and no finding.
+    pub within_noise: bool,
     pub gyros: Vec<Slot>,
     pub why_not: String,
 }

@@ -84,7 +84,7 @@ impl GyroClosure {
             of_budget,
             p_value,
             stands_out,
-            clocking: if d_s == 0.0 { std::f64::consts::FRAC_PI_2.copysign(d_o) } else { (d_o / d_s).atan() },
+            clocking: rigid.clocking(),
             d_s_shift: d_s.hypot(d_o).copysign(d_s) - d_s,
             telling_change: Some(telling).filter(|change| stands_out && change.is_finite()),
         }

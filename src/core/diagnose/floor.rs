@@ -69,6 +69,20 @@ pub(super) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> N
     }
 }
 
+/// Root mean square that noise alone leaves in the residuals of the model in use, deg/h: with `Q` an orthonormal basis of the
+/// whitened design, the residual of dwell k has the variance `v sd_k^2 (1 - (Q Q')_kk)`.
+pub(super) fn expected_rms(frame: &Frame, variances: &[f64]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for (gyro, variance) in frame.gyros.iter().zip(variances) {
+        for (k, sd) in gyro.sd.iter().enumerate() {
+            let fitted: f64 = gyro.basis.vectors().iter().map(|q| q[k] * q[k]).sum();
+            sum += variance * sd * sd * (1.0 - fitted).max(0.0);
+            count += 1;
+        }
+    }
+    (sum / f64::from(count)).sqrt()
+}
+
 /// Root mean square of whitened residuals, deg/h.
 pub(super) fn rms<'a>(frame: &Frame, residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);

@@ -32,11 +32,13 @@ mod search;
 mod settle;
 mod small;
 mod tabled;
+mod why_not;
 
 pub use answer::*;
 pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
 
 pub use reference::{Moved, NoReference, Parts, Reference, Split, split};
+pub use settle::FALSE_ALARM;
 
 use frame::Frame;
 pub(crate) use frame::setting;
@@ -48,7 +50,7 @@ use super::model::Terms;
 use super::mounting::Slot;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 2;
+pub const METHOD: u32 = 3;
 
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]

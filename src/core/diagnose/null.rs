@@ -94,22 +94,33 @@ impl Null {
         Self { tail }
     }
 
-    /// Probability that noise alone reaches an evidence of `log_evidence` somewhere in the search.
-    ///
-    /// Between and beyond the draws `p e^x` is taken as constant, which is its behaviour in the tail.
+    /// Probability that noise alone reaches an evidence of `log_evidence` somewhere in the search: the largest `alpha` of which
+    /// [`Self::threshold`] is not reached, so that what a level refuses never has a smaller probability than that level.
     pub fn p_value(&self, log_evidence: f64) -> f64 {
-        // The few largest draws alone are a poor sum: start from the one that a tenth exceed.
-        let anchor =
-            self.tail.iter().skip(DRAWS / 10).find(|(top, _)| *top <= log_evidence.max(self.tail[DRAWS / 10].0));
-        let (top, p) = anchor.copied().unwrap_or(self.tail[DRAWS - 1]);
-        (p * (top - log_evidence).exp()).clamp(1e-300, 1.0)
+        let (mut below, mut largest) = (0.0, 0.0_f64);
+        for (i, &(top, p)) in self.reliable().iter().enumerate() {
+            // Levels between the draw before and this one, or above the last, are those that `threshold` anchors here.
+            let highest = if i + 1 == self.reliable().len() { 1.0 } else { p };
+            let anchored = p * (top - log_evidence).exp();
+            if anchored > below {
+                largest = anchored.min(highest);
+            }
+            below = p;
+        }
+        largest.clamp(1e-300, 1.0)
     }
 
     /// Evidence that noise alone exceeds with probability `alpha`.
+    ///
+    /// Between and beyond the draws `p e^x` is taken as constant, which is its behaviour in the tail.
     pub fn threshold(&self, alpha: f64) -> f64 {
-        let (top, p) =
-            self.tail.iter().skip(DRAWS / 10).find(|(_, p)| *p >= alpha).copied().unwrap_or(self.tail[DRAWS - 1]);
+        let (top, p) = self.reliable().iter().find(|(_, p)| *p >= alpha).copied().unwrap_or(self.tail[DRAWS - 1]);
         top + (p / alpha).ln()
+    }
+
+    /// The few largest draws alone are a poor sum: those from the one on that a tenth exceed.
+    fn reliable(&self) -> &[(f64, f64)] {
+        &self.tail[DRAWS / 10..]
     }
 }
 
@@ -180,6 +191,44 @@ impl Random {
                 let length = (-2.0 * square.ln() / square).sqrt();
                 self.spare = Some(y * length);
                 return x * length;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tail as draws make it: about e^-x, ragged.
+    fn ragged(seed: u64) -> Null {
+        let mut random = Random::new(seed);
+        let mut tops: Vec<f64> = (0..DRAWS).map(|_| -2.0 + 14.0 * random.uniform()).collect();
+        tops.sort_by(|a, b| b.total_cmp(a));
+        let mut sum = 0.0;
+        let tail = tops.into_iter().map(|top| {
+            sum += 14.0 / DRAWS as f64 * (-top).exp() * random.uniform();
+            (top, sum.min(1.0))
+        });
+        Null { tail: tail.collect() }
+    }
+
+    #[test]
+    fn what_a_level_refuses_never_has_a_smaller_probability_than_the_level() {
+        for seed in 0..50 {
+            let null = ragged(seed);
+            let mut before = 1.0;
+            for step in 0..300 {
+                let x = -3.0 + 0.06 * f64::from(step);
+                let p = null.p_value(x);
+                assert!(p <= before, "seed {seed}: {p} at {x} after {before}");
+                before = p;
+                for alpha in [0.3, 0.05, 0.01, 0.008, 0.005, 1e-4] {
+                    let refused = x < null.threshold(alpha);
+                    assert!(!refused || p >= alpha * (1.0 - 1e-9), "seed {seed}: {p} at {x}, level {alpha}");
+                    // What is taken may have a little more: the tail is ragged.
+                    assert!(refused || p < 3.0 * alpha, "seed {seed}: {p} at {x}, level {alpha}");
+                }
             }
         }
     }

@@ -16,6 +16,7 @@ use super::next;
 use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
 use super::settle::Settled;
+use super::why_not::WhyNot;
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
@@ -35,9 +36,9 @@ const LEAD_OVER_WANDERING: f64 = 10.0;
 const MOST_NAMED: usize = 2;
 
 /// One adopted contract entry with all that belongs to it.
-struct Named {
-    part: Part,
-    class: Vec<Effect>,
+pub(super) struct Named {
+    pub part: Part,
+    pub class: Vec<Effect>,
     wider_in: Vec<(usize, Vec<Effect>)>,
     evidence: f64,
     rival: Option<Kind>,
@@ -264,13 +265,14 @@ fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
 }
 
 fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
-    let best = search.scores(&[]).iter().map(|s| s.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
     let from_search = search.p_value(best);
     let remaining = if nothing_named { signs.p_value } else { 1.0 };
     let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
     let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
     Gap {
         rms_deg_per_h: floor::rms(&settled.frame, settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice())),
+        noise_alone_deg_per_h: floor::expected_rms(&settled.frame, variances),
         reduced_chi2: chi2 / dof as f64,
         p_value: from_search.min(remaining).clamp(0.0, 1.0),
     }
@@ -339,8 +341,8 @@ fn estimates(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<Estimate> {
 
 /// Every other entry that was tried, best first, with why it was not taken.
 fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64], frame: &Frame) -> Vec<Candidate> {
-    let given = search.scores(&settled.found);
     let known = search.scores(&[]);
+    let why_not = WhyNot { settled, search, named };
     let open = |score: &&Score| match score.kind {
         Kind::Effect(effect) => !named.iter().any(|n| n.part.effect == effect),
         Kind::Suspect(_) => false,
@@ -350,6 +352,7 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
     let judged = alone.iter().filter_map(|score| {
         let Kind::Effect(effect) = score.kind else { return None };
         let choice = search.choice(score);
+        let earned = search.earned(&[], score.kind);
         let part =
             Part { effect, shape: settled.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() };
         let visible = identify::visible(&settled.bank, effect) > super::bank::INVISIBLE;
@@ -357,39 +360,15 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
             let coefficients = part.columns(frame, 0).len() as f64;
             heldout::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
         });
-        let with_named = given.iter().find(|s| s.kind == score.kind).map_or(f64::NEG_INFINITY, |s| s.log_evidence);
         Some(Candidate {
             effect,
             closure: held_out.map(|h| h.closure),
             interval: held_out.map(|h| h.interval),
-            p_value_adjusted: search.p_value(score.log_evidence),
+            p_value_adjusted: search.p_value(earned),
+            within_noise: earned <= search.needed(0),
             gyros: slots(frame, &choice.members),
-            why_not: why_not(effect, score.log_evidence, with_named, search, named, visible),
+            why_not: why_not.of(effect, earned, visible),
         })
     });
     judged.collect()
-}
-
-fn why_not(effect: Effect, alone: f64, given: f64, search: &Search, named: &[Named], visible: bool) -> String {
-    if !visible {
-        return "the design does not show it".to_owned();
-    }
-    if let Some(twin) = named.iter().find(|n| n.class.contains(&effect)) {
-        return format!("this campaign cannot tell it from {}, which stands for both", twin.part.effect.id());
-    }
-    if alone <= search.needed(0) {
-        let p = search.p_value(alone);
-        // Two decimals, and more where they would show nothing.
-        let decimals = if p > 0.0 { (-p.log10().floor()).clamp(2.0, 9.0) as usize } else { 2 };
-        return format!("noise alone shows as much somewhere in {p:.decimals$} of campaigns");
-    }
-    match named.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence)) {
-        Some(best) if given <= search.needed(1) => {
-            format!("it explains the same dwells as {} less well, and nothing beside it", best.part.effect.id())
-        }
-        Some(best) => {
-            format!("{} explains more; beside it this entry does not pay for its coefficients", best.part.effect.id())
-        }
-        None => "structure outside the catalogue explains the same dwells better".to_owned(),
-    }
 }

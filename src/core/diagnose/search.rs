@@ -12,7 +12,7 @@ use super::null::Null;
 use crate::core::effects::suspects::{SUSPECTS, WANDERING};
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
-const MOST: usize = 4;
+pub(super) const MOST: usize = 4;
 
 /// ln of prior odds of a suspect against a contract entry.
 pub(super) const SUSPECT_ODDS: f64 = -2.0;
@@ -276,7 +276,7 @@ impl Search<'_> {
 
     /// Evidence with which `kind` is held against the threshold, given `choices`. Where nothing is named yet, a contract entry
     /// shares it with those that explain the same; beside a name, what is tied with much has been told from little.
-    fn earned(&self, choices: &[Choice], kind: Kind) -> f64 {
+    pub fn earned(&self, choices: &[Choice], kind: Kind) -> f64 {
         let scores = self.scores(choices);
         let own = evidence_of(&scores, kind);
         let contract = scores.iter().filter(|s| matches!(s.kind, Kind::Effect(_)));
@@ -289,6 +289,11 @@ impl Search<'_> {
     /// Evidence with which choice `i` is held against the threshold, given all others.
     pub fn earned_beside_others(&self, choices: &[Choice], i: usize) -> f64 {
         self.earned(&without(choices, i), choices[i].kind)
+    }
+
+    /// Evidence of `kind` given `choices`.
+    pub fn evidence(&self, choices: &[Choice], kind: Kind) -> f64 {
+        evidence_of(&self.scores(choices), kind)
     }
 
     /// Evidence of choice `i` given all others.

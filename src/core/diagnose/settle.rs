@@ -12,7 +12,7 @@ use super::null::Null;
 use super::search::{Choice, Known, Search, Threshold};
 
 /// Probability with which noise alone may get anything named.
-const FALSE_ALARM: f64 = 0.008;
+pub const FALSE_ALARM: f64 = 0.008;
 
 /// Probability with which noise may get anything named beside a name.
 const FALSE_ALARM_BESIDE: f64 = 0.005;

@@ -179,7 +179,7 @@ catalogue! {
     findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。台站：出现／该陀螺在此的试验。解释比例：留出位置段上可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
     or_as_well: "or just as well:", "或同样可能：";
     closed: "Closed", "解释比例";
-    not_explained: "Not explained by the catalogue", "目录不能解释的差异";
+    not_explained: "Not explained by the catalogue, or not wholly", "目录不能解释或不能完全解释的差异";
     doubts_note: "Something remains in these IMUs that no effect of the catalogue accounts for, or not wholly.", "这些惯性组合中仍有目录效应不能或不能完全解释的差异。";
     verdict_word: "Verdict", "结论";
     signs_word: "What shows it", "迹象";
@@ -206,11 +206,13 @@ catalogue! {
     // A diagnosis.
     diagnosis: "Diagnosis", "诊断";
     diagnosis_waiting: "Other diagnoses are being computed. This page loads itself again every few seconds.", "正在计算其他诊断，本页每隔几秒自动刷新。";
-    verdict_no_gap: "The model predicts this campaign to within its noise: there is no gap to explain.", "模型与试验数据在噪声范围内一致：没有需要解释的差异。";
+    verdict_no_gap: "The model predicts this campaign to within its noise: there is no gap, and nothing to explain.", "模型与试验数据在噪声范围内一致：没有差异，也没有需要解释的。";
     verdict_explained: "There is a gap; what is named below explains it, and nothing significant remains.", "存在差异；下列效应已解释，没有显著剩余。";
     verdict_partly_explained: "There is a gap; what is named below explains part of it, and something significant remains.", "存在差异；下列效应解释了一部分，仍有显著剩余。";
     verdict_unexplained: "There is a gap, and nothing in the catalogue earns the blame.", "存在差异，但目录中没有可以归因的效应。";
     gap_before: "Gap before", "解释前";
+    by_pattern: "As a whole the residuals are no larger than noise alone would leave them: the gap stands out by its pattern over the dwells, not by its size.", "残差总体并不大于噪声所应留下的残差：差异是凭其在各位置段上的形态显现的，而不是凭大小。";
+    noise_alone: "Noise alone would leave", "仅有噪声时应余";
     gap_after: "Left after", "解释后";
     noise_floor: "Noise floor", "噪声底";
     sign_of_more: "Sign of more", "还有其他迹象";
@@ -253,7 +255,8 @@ catalogue! {
     now: "Now", "本次";
     what_else: "What else was tried", "其他候选";
     effect: "Effect", "效应";
-    closes_alone: "Closes alone", "单独解释";
+    closes_alone: "Closes alone, of the reducible gap", "单独解释（占可消除差异）";
+    within_noise: "within the noise", "在噪声范围内";
     why_not: "Why it was not taken", "未采用原因";
     impact: "What it does to the drift coefficients", "对漂移系数的影响";
     impact_within_noise: "They move no drift coefficient beyond its noise.", "所有漂移系数的变化均在噪声范围内。";

@@ -32,16 +32,26 @@ pub(super) const SENTENCES: &[Sentence] = &[
     // Why a candidate was not taken.
     ("the design does not show it", "本次试验设计看不到该效应"),
     ("this campaign cannot tell it from {}, which stands for both", "本次试验无法将其与“{0}”区分，以后者代表两者"),
-    ("noise alone shows as much somewhere in {} of campaigns", "仅凭噪声，约有{0}的试验会在某处出现同样大小的迹象"),
+    (
+        "noise alone shows as much somewhere in {} of campaigns; a name asks for less than {}",
+        "仅凭噪声，约有{0}的试验会在某处出现同样大小的迹象；指名要求小于{1}",
+    ),
+    (
+        "several dwells stand out, each by itself: that is not one bad dwell",
+        "有数个位置段各自异常：这不是个别位置段异常",
+    ),
+    ("it did not hold with the growth of the noise with rate left open", "若不限定噪声随角速度的增长，它便不成立"),
+    ("it did not hold with everything fitted together", "全部一起拟合后它不成立"),
+    (
+        "{} causes are in the model already: what needs more has not been understood",
+        "模型中已有{0}个原因：需要更多原因的差异尚未弄清",
+    ),
+    ("beside {} it did not hold with everything fitted together", "在“{0}”之外，全部一起拟合后它不成立"),
     (
         "it explains the same dwells as {} less well, and nothing beside it",
         "它与“{0}”解释的是同样的位置段，但解释得较差，此外没有其他贡献",
     ),
-    (
-        "{} explains more; beside it this entry does not pay for its coefficients",
-        "“{0}”解释得更多；在其之外，增加本效应的系数得不偿失",
-    ),
-    ("structure outside the catalogue explains the same dwells better", "目录之外的结构能更好地解释同样的位置段"),
+    ("{}, outside the catalogue, explains the same dwells better", "目录之外的“{0}”能更好地解释同样的位置段"),
     // What cannot be told.
     (
         "g_linear takes {} % of its power in these dwells (principal angle {} deg): the two are hard to tell apart, and \
@@ -191,8 +201,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "模型没有与比力成正比的项：未拟合与加速度有关的漂移",
     ),
     (
-        "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s*g0) and D_I, D_S \
-         cannot be had in deg/(h*g0)",
+        "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s g0) and D_I, D_S \
+         cannot be had in deg/(h g0)",
         "E既未拟合（无标度项）也未给定（known_e_pulse_per_arcsec）：G只能以pulse/(s·g0)表示，得不到以°/(h·g0)表示的D_I、D_S",
     ),
     ("the dwells do not determine {}; {}", "这些位置段不能确定{0}；{1}"),

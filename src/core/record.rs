@@ -87,12 +87,19 @@ pub struct Plausibility {
 }
 
 impl Default for Plausibility {
+    /// Wide enough for floated gyros (1 to 3 pulse/arcsec) and for others (1 where a pulse is an arcsec), too narrow for pulses per
+    /// degree (3600 times as many) or per milliradian (206 times), and for drift in deg/s or per hour where it should be per second.
     fn default() -> Self {
-        Self { scale_factor: (1e-6, 1e6), max_misalignment: 5.0_f64.to_radians(), max_drift: 1e6 }
+        Self { scale_factor: (0.01, 100.0), max_misalignment: 5.0_f64.to_radians(), max_drift: 1e4 }
     }
 }
 
 impl Plausibility {
+    /// What every campaign that was ever stored satisfies: those that lie there are read with it, whatever the limits are today.
+    pub fn ever() -> Self {
+        Self { scale_factor: (1e-6, 1e6), max_drift: f64::INFINITY, ..Self::default() }
+    }
+
     /// Whether `e` (pulse/arcsec) is a possible row of E for a gyro mounted nominally as `triad`.
     ///
     /// # Errors
@@ -101,7 +108,11 @@ impl Plausibility {
         let norm = e.norm();
         let (low, high) = self.scale_factor;
         if !(low..=high).contains(&norm) {
-            return Err(format!("|E| = {norm} pulse/arcsec is outside {low} to {high}"));
+            return Err(format!(
+                "|E| = {} pulse/arcsec is outside {low} to {high}, the limits that `plausibility.min_scale_factor` and \
+                 `plausibility.max_scale_factor` set; is it in another unit?",
+                short(norm)
+            ));
         }
         let direction = e / norm;
         let angle = direction.cross(&triad.input()).norm().atan2(direction.dot(&triad.input()));
@@ -167,7 +178,19 @@ fn check_against_geometry(
     if norm > 0.0 && drift > limits.max_drift {
         faults.push(
             format!("/gyros/{i}/g_pulse_per_s_g0"),
-            format!("|G/E| = {drift} deg/(h g0) is beyond the accepted {}", limits.max_drift),
+            format!("|G/E| = {} {}", short(drift), beyond_drift(limits.max_drift)),
         );
     }
+}
+
+/// What is said of a drift beyond the limit `most`, deg/(h g0), after its figure.
+pub fn beyond_drift(most: f64) -> String {
+    format!(
+        "deg/(h g0) is beyond {most}, the limit that `plausibility.max_drift_deg_per_h_g0` sets; is it in another unit?"
+    )
+}
+
+/// A figure of any size in a message.
+pub fn short(x: f64) -> String {
+    if x == 0.0 || (1e-6..1e9).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }

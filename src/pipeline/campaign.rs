@@ -89,7 +89,9 @@ impl Pipeline {
         self.check_time("/measured_at", campaign.measured_at)?;
         let in_force = self.in_force(campaign.imu.as_str());
         let options = in_force.model.options_as_asked(&campaign);
-        let outcome = evaluate_with(&campaign, &options, &self.config.plausibility.limits())?;
+        let limits = self.config.plausibility.limits();
+        campaign.check_known_scales(&limits)?;
+        let outcome = evaluate_with(&campaign, &options, &limits)?;
         let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
         let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
         answer.imu_model = in_force.id.map(|id| id.to_string());

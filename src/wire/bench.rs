@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::{json, text, time};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::fault::Faults;
+use crate::core::record::{beyond_drift, short};
 
 /// A bench result as it stands on the wire.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -78,7 +79,7 @@ impl BenchBody {
         };
         for (pointer, value) in [("/d_i_deg_per_h_g0", result.d_i), ("/d_s_deg_per_h_g0", result.d_s)] {
             if value.abs() > max_drift {
-                faults.push(pointer, format!("{value} deg/(h g0) is beyond the accepted {max_drift}"));
+                faults.push(pointer, format!("{} {}", short(value), beyond_drift(max_drift)));
             }
         }
         faults.or(result)

@@ -33,7 +33,7 @@ impl Default for Limits {
             gravity_share: 0.02,
             attitude: 0.1_f64.to_radians(),
             static_rate_arcsec_s: 20.0,
-            plausibility: Plausibility::default(),
+            plausibility: Plausibility::ever(),
         }
     }
 }
@@ -56,6 +56,24 @@ impl Campaign {
             faults.push("/dwells", "must hold at least one dwell");
         }
         check_dwells(self.dwells.iter().enumerate(), self.site.as_ref(), limits, &mut faults);
+        faults.or(())
+    }
+}
+
+impl Campaign {
+    /// Whether each `known_e_pulse_per_arcsec` is a possible row of E within these limits.
+    ///
+    /// # Errors
+    /// All faults, by JSON pointer.
+    pub fn check_known_scales(&self, limits: &Plausibility) -> Result<(), Faults> {
+        let mut faults = Faults::default();
+        for (i, gyro) in self.gyros.iter().enumerate() {
+            if let (Some(e), Some(triad)) = (gyro.known_e, self.geometry.triad(gyro.slot))
+                && let Err(reason) = limits.check_scale(&e, &triad, gyro.slot)
+            {
+                faults.push(format!("/gyros/{i}/known_e_pulse_per_arcsec"), reason);
+            }
+        }
         faults.or(())
     }
 }

@@ -49,7 +49,7 @@ pub struct SeparationBody {
     pub d_s: FigureBody,
     /// The closure of the rigid method: zero but for the clocking of S about I, or a true output-axis term.
     pub d_o: FigureBody,
-    /// atan2(D_O, D_S): how far S is turned about I if D_O is zero in truth, degrees.
+    /// atan(D_O/D_S), from -90 to 90 degrees: how far S is turned about I if D_O is zero in truth.
     pub clocking_deg: FigureBody,
     /// |E|, pulse/arcsec.
     pub scale_factor: FigureBody,

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::outside::Outside;
+use super::outside::{FAMILIES, Outside};
 use super::programme::any_direction;
 use super::station::Moment;
 
@@ -98,6 +98,12 @@ pub const CATALOGUE: [(&str, f64); 23] = [
     ("output_axis_g", 0.1),     // deg/(h g0)
     ("mount_clocking", 1e-3),   // rad
 ];
+
+/// Everything that can be put into a campaign, by the name to ask for it, for messages.
+pub fn known() -> String {
+    let outside = FAMILIES.map(|family| format!("outside:{family}"));
+    format!("{}, and outside the catalogue {}", CATALOGUE.map(|(id, _)| id).join(", "), outside.join(", "))
+}
 
 /// Ids that act through the table on every gyro at once.
 pub const COMMON: [&str; 2] = ["levelling", "azimuth"];

@@ -68,12 +68,12 @@ impl TrueGyro {
     }
 }
 
-/// Draws what the choices leave open, in slot order so that each gyro's numbers depend on its own choices only.
+/// Draws what the choices leave open (another seed draws other gyros, with other serials), in slot order so that each gyro's numbers depend on its own choices only.
 pub fn gyros(
     choices: &[GyroChoice],
     geometry: &Geometry,
     population: &Population,
-    imu: &str,
+    (imu, seed): (&str, u64),
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<TrueGyro>, Faults> {
     if choices.is_empty() || choices.len() > 3 {
@@ -98,7 +98,7 @@ pub fn gyros(
             };
             Ok(TrueGyro {
                 slot,
-                serial: choice.serial.clone().unwrap_or_else(|| format!("LFG-{imu}-{}", k + 1)),
+                serial: choice.serial.clone().unwrap_or_else(|| format!("LFG-{imu}-{seed}-{}", k + 1)),
                 stated_e: stated.map(|input| input * scale_factor),
                 scale_factor,
                 axes: nominal.mat_gyro_body() * in_mount.matrix().transpose(),
@@ -178,7 +178,7 @@ mod tests {
         };
         let geometry = Geometry::Orthogonal;
         let mut rng = random(1, Stream::Population);
-        let gyro = &gyros(&[choice], &geometry, &Population::default(), "A", &mut rng).unwrap()[0];
+        let gyro = &gyros(&[choice], &geometry, &Population::default(), ("A", 1), &mut rng).unwrap()[0];
         assert!((gyro.axes * gyro.axes.transpose() - Matrix3::identity()).amax() < 1e-15);
         // Nominal I is Y; turned by +30' about Z it leans towards -X.
         assert!((degrees(gyro.input().angle(&Vector3::y())) - 0.5).abs() < 1e-12);
@@ -189,9 +189,9 @@ mod tests {
     fn a_fourth_gyro_or_an_unknown_slot_is_refused() {
         let mut rng = random(1, Stream::Population);
         let four = vec![GyroChoice { slot: "G1".into(), ..Default::default() }; 4];
-        assert!(gyros(&four, &Geometry::Skewed, &Population::default(), "A", &mut rng).is_err());
+        assert!(gyros(&four, &Geometry::Skewed, &Population::default(), ("A", 1), &mut rng).is_err());
         let odd = [GyroChoice { slot: "G9".into(), ..Default::default() }];
-        let faults = gyros(&odd, &Geometry::Skewed, &Population::default(), "A", &mut rng).unwrap_err();
+        let faults = gyros(&odd, &Geometry::Skewed, &Population::default(), ("A", 1), &mut rng).unwrap_err();
         assert_eq!(faults.0[0].pointer, "/gyros/0/slot");
     }
 }

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::core::fault::Faults;
 
-use super::cause::{CATALOGUE, COMMON, Cause, Effect, Kind, Particulars};
+use super::cause::{CATALOGUE, COMMON, Cause, Effect, Kind, Particulars, known};
 use super::detectability::norm;
 use super::outside::Outside;
 use super::scenario::{EffectChoice, fault, slot_named};
@@ -26,7 +26,10 @@ impl World {
         let fixed =
             Particulars { time_h: choice.time_h, dwell: choice.dwell, direction: choice.direction.map(Vector3::from) };
         self.check_particulars(choice, pointer)?;
-        let unknown = || fault(&format!("{pointer}/effect"), format!("{:?} is no known effect", choice.effect));
+        let unknown = || {
+            let detail = format!("{:?} is no known effect; they are {}", choice.effect, known());
+            fault(&format!("{pointer}/effect"), detail)
+        };
         let (kind, typical) = match choice.effect.strip_prefix("outside:") {
             Some(family) => (Kind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
             None => {

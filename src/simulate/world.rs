@@ -46,7 +46,8 @@ impl World {
         let mid_h: Vec<f64> = plan.iter().map(mid_h).collect();
         let temperature_c = temperatures(&scenario.temperature, &mid_h, &mut random(seed, Stream::Temperature))?;
         let mut rng = random(seed, Stream::Population);
-        let mut gyros = gyros(&scenario.gyros, &geometry, &scenario.population, &scenario.imu, &mut rng)?;
+        let mut gyros =
+            gyros(&scenario.gyros, &geometry, &scenario.population, (&scenario.imu, scenario.seed), &mut rng)?;
         if scenario.test_kind()? == TestKind::TurntableServo {
             // The table's own rate in arcsec/s is the output: the gyro's scale factor does not enter.
             gyros.iter_mut().for_each(|gyro| gyro.scale_factor = 1.0);

@@ -9,7 +9,7 @@ use super::numbers::in_range;
 use super::{json, text, time};
 use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
 use crate::core::diagnose::{Adopted, Estimate};
-use crate::core::effects::{Effect, Scope, Shape};
+use crate::core::effects::{self, Effect, Scope, Shape};
 use crate::core::fault::Faults;
 use crate::core::mounting::Slot;
 
@@ -181,7 +181,8 @@ impl KnownEffectBody {
         let place = format!("/effects/{i}");
         let before = faults.0.len();
         let Some(effect) = Effect::from_id(&self.effect) else {
-            faults.push(format!("{place}/effect"), format!("{:?} is no effect of the catalogue", self.effect));
+            let detail = format!("{:?} is no effect of the catalogue; they are {}", self.effect, effects::known());
+            faults.push(format!("{place}/effect"), detail);
             return None;
         };
         let slots = self.slots(&place, faults);

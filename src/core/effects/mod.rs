@@ -185,6 +185,11 @@ impl Effect {
     }
 }
 
+/// The names of all contract entries, for messages.
+pub fn known() -> String {
+    CATALOGUE.map(|entry| entry.id).join(", ")
+}
+
 /// The shapes of an entry without a non-linear parameter.
 fn linear(_: &Setting) -> Vec<(Shape, f64)> {
     vec![(Shape::Linear, 1.0)]
@@ -219,5 +224,36 @@ mod tests {
             assert!(!entry.typical.source.is_empty() && entry.typical.low <= entry.typical.high);
             assert!(!entry.confused_with.contains(&entry.effect));
         }
+    }
+
+    /// Some shape that the entry's regressors are made for: names and units of coefficients hang on its kind alone.
+    fn any_shape(effect: Effect) -> Shape {
+        let kinds = [
+            Shape::Linear,
+            Shape::Tau(1.0),
+            Shape::Instant(1.0),
+            Shape::Dwell(0),
+            Shape::Period(1.0),
+            Shape::Azimuth(0.0),
+            Shape::Clocking(0.0),
+            Shape::Tilt { with_rate: false },
+        ];
+        kinds.into_iter().find(|shape| effect.can_have(*shape)).unwrap()
+    }
+
+    #[test]
+    fn the_documentation_holds_the_catalogue_row_by_row() {
+        let row = |entry: &&Entry| {
+            let unit = (entry.coefficients)(any_shape(entry.effect))[0].unit;
+            let of = if entry.scope == Scope::Common { "all gyros alike" } else { "each gyro" };
+            let others: Vec<String> = entry.confused_with.iter().map(|other| format!("`{}`", other.id())).collect();
+            let equation = entry.equation.replace('|', "\\|");
+            let (id, cause, needs) = (entry.id, entry.cause, entry.needs);
+            format!("| `{id}` | {cause} | {equation} | {unit} | {of} | {needs} | {} |", others.join(", "))
+        };
+        let expected: Vec<String> = CATALOGUE.iter().map(row).collect();
+        let documented: Vec<&str> =
+            include_str!("../../../docs/diagnosis.md").lines().filter(|line| line.starts_with("| `")).collect();
+        assert_eq!(documented, expected, "docs/diagnosis.md should hold\n{}", expected.join("\n"));
     }
 }

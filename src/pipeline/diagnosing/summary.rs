@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::gist::{Gist, Named, REFUSED};
 use super::program;
-use crate::core::effects::{CATALOGUE, Effect};
+use crate::core::effects::{self, Effect};
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Pipeline;
@@ -299,8 +299,7 @@ impl Pipeline {
         let campaigns = self.campaign_filter(asked, &mut faults);
         let known = effect.and_then(Effect::from_id);
         if let (Some(id), None) = (effect, known) {
-            let ids: Vec<&str> = CATALOGUE.iter().map(|entry| entry.id).collect();
-            faults.push("/effect", format!("{id} is no effect of the catalogue; they are {}", ids.join(", ")));
+            faults.push("/effect", format!("{id} is no effect of the catalogue; they are {}", effects::known()));
         }
         faults.or(SummaryFilter { campaigns, effect: known })
     }

@@ -28,7 +28,7 @@ async fn the_papers_record_is_separated_by_both_methods_to_the_golden_figures() 
     }
     let step = verdict(&answer, "LFG-0101", "D_I", "step");
     assert_eq!(step["state"], "indeterminate");
-    assert!(step["reason"].as_str().unwrap().contains("needs 2 records, 1 are there"), "{step}");
+    assert!(step["reason"].as_str().unwrap().contains("needs 2 records, 1 is there"), "{step}");
     let requirement = verdict(&answer, "LFG-0103", "G", "requirement");
     assert_eq!(requirement["state"], "within", "Table 4 calls all three gyros conforming");
 }

@@ -183,7 +183,7 @@ fn measurements(out: &[&GyroClosure]) -> Vec<MeasurementBody> {
     let mut list = Vec::new();
     if !changes.is_empty() {
         list.push(format!(
-            "another calibration after D_S has changed ({} deg/(h*g0)): a clocked D_O moves in proportion to D_S, a true one stays; \
+            "another calibration after D_S has changed ({} deg/(h g0)): a clocked D_O moves in proportion to D_S, a true one stays; \
              the gyro's own diagnosis asks its history for this",
             changes.join(", ")
         ));

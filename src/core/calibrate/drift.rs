@@ -15,7 +15,7 @@ pub enum NotSeparated {
     #[error("the model has no g_linear term: no acceleration-sensitive drift was fitted")]
     NoDrift,
     #[error(
-        "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s*g0) and D_I, D_S cannot be had in deg/(h*g0)"
+        "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s g0) and D_I, D_S cannot be had in deg/(h g0)"
     )]
     NoScale,
     #[error("the dwells do not determine {}; {}", .parameters.join(", "), .needs)]

@@ -152,7 +152,8 @@ impl Verdict {
         match self.finding {
             Finding::TooFew { have, need } => {
                 let what = if self.rule == Rule::Agreement { "results" } else { "records" };
-                write!(f, "{name}: the rule {} needs {need} {what}, {have} are there", self.rule.name())
+                let are = if have == 1 { "is" } else { "are" };
+                write!(f, "{name}: the rule {} needs {need} {what}, {have} {are} there", self.rule.name())
             }
             Finding::Step { since, before, now, confirms } => {
                 let (step, before, date) = (Decimal(now - before), Decimal(before), since.date());
@@ -235,6 +236,7 @@ impl Verdict {
                 write!(f, "{figure} = {value:.p$} {where_it_lies} {:.p$} to {:.p$}", Decimal(low), Decimal(high))?;
                 match others_outside {
                     0 => Ok(()),
+                    1 => write!(f, ", and so does 1 more figure of {name}"),
                     n => write!(f, ", and so do {n} more figures of {name}"),
                 }
             }

@@ -34,7 +34,9 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("standard deviations", "倍标准差"),
     ("deg/(h g0)", "°/(h·g0)"),
     // What each rule saw.
+    ("{}: the rule {} needs {} records, {} is there.", "{0}：规则需要{2}个记录，现有{3}个。"),
     ("{}: the rule {} needs {} records, {} are there.", "{0}：规则需要{2}个记录，现有{3}个。"),
+    ("{}: the rule {} needs {} results, {} is there.", "{0}：规则需要{2}个结果，现有{3}个。"),
     ("{}: the rule {} needs {} results, {} are there.", "{0}：规则需要{2}个结果，现有{3}个。"),
     (
         "{} changed by {} from {} on {} to {} and lies {} from {} on {}",
@@ -104,6 +106,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("{} = {} lies within {} to {}", "{0} = {1}，在{2}至{3}范围"),
     (
         "{} = {} lies outside {} to {}, and so do {} more figures of {}",
+        "{0} = {1}，超出{2}至{3}范围，{5}另有{4}项同样超出",
+    ),
+    (
+        "{} = {} lies outside {} to {}, and so does {} more figure of {}",
         "{0} = {1}，超出{2}至{3}范围，{5}另有{4}项同样超出",
     ),
     ("{} = {} lies outside {} to {}", "{0} = {1}，超出{2}至{3}范围"),

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use assert_cmd::Command;
+use gyrowatch::core::effects::{CATALOGUE, Effect};
 use serde_json::Value;
 
 const PAPER: &str = "tests/data/paper.json";
@@ -141,4 +142,181 @@ fn import_says_which_address_does_not_answer() {
     let output = gyrowatch(&["import", "--url", "127.0.0.1:9", "--no-retry", PAPER]).assert().code(1);
     let stderr = String::from_utf8_lossy(&output.get_output().stderr).into_owned();
     assert!(stderr.contains("127.0.0.1:9") && stderr.contains(PAPER), "{stderr}");
+}
+
+/// What is on standard error of a command that succeeds.
+fn told(command: &mut Command) -> String {
+    String::from_utf8(command.assert().success().get_output().stderr.clone()).unwrap()
+}
+
+#[test]
+fn help_and_refusals_name_the_effects_that_there_are() {
+    let known = CATALOGUE.iter().filter(|entry| entry.effect != Effect::Scale).map(|entry| entry.id);
+    let dir = tempfile::tempdir().unwrap();
+    let model = dir.path().join("model.json");
+    std::fs::write(&model, r#"{"terms": [], "effects": [{"effect": "gremlins", "gyros": ["G1"], "estimates": []}]}"#)
+        .unwrap();
+    let scenario = dir.path().join("scenario.toml");
+    std::fs::write(&scenario, "[[effects]]\neffect = \"gremlins\"\n").unwrap();
+    let (model, scenario) = (model.to_str().unwrap(), scenario.to_str().unwrap());
+    let texts = [
+        printed(&["blindcheck", "--help"]),
+        printed(&["simulate", "--help"]),
+        complaint(&mut gyrowatch(&["blindcheck", "--effect", "gremlins"]), 2),
+        complaint(&mut gyrowatch(&["simulate", "--scenario", scenario]), 1),
+        complaint(&mut gyrowatch(&["simulate", "--model", model]), 1),
+    ];
+    for id in known {
+        // Help wraps its lines.
+        assert!(texts.iter().all(|text| text.contains(id)), "{id} is missing in one of {texts:#?}");
+    }
+    assert!(texts[4].contains("/effects/0/effect") && texts[4].contains(model), "{}", texts[4]);
+}
+
+#[test]
+fn a_diagnosis_for_people_says_how_sure_a_name_is_and_what_it_does_to_each_gyro() {
+    let file = "tests/data/practice/campaign-09.json";
+    let dir = tempfile::tempdir().unwrap();
+    let page = dir.path().join("report.html");
+    let table = printed(&["diagnose", file, "--report", page.to_str().unwrap()]);
+    let page = std::fs::read_to_string(page).unwrap();
+    let answer: Value = serde_json::from_str(&printed(&["diagnose", file, "--format", "json"])).unwrap();
+    for effect in answer["effects"].as_array().unwrap() {
+        let (p, d) = (effect["p_value_adjusted"].as_f64().unwrap(), effect["detectability"].as_f64().unwrap());
+        let id = effect["effect"].as_str().unwrap();
+        let row = table.lines().find(|line| line.starts_with(&format!("│ {id} "))).unwrap();
+        assert!(row.contains(&format!("{p:.1e}")) && row.contains(&format!("{d:.1}")), "{row}");
+    }
+    let list = |name: &str| answer[name].as_array().cloned().unwrap_or_default();
+    let told = [list("impact"), list("impact_within_noise")].concat();
+    assert_eq!(told.len(), 6, "D_I and D_S of three gyros");
+    for one in &told {
+        let [before, after] = ["plain", "augmented"].map(|name| one[name].as_f64().unwrap());
+        let (slot, coefficient) = (one["slot"].as_str().unwrap(), one["coefficient"].as_str().unwrap());
+        let mut rows = table.lines().filter(|line| line.contains(slot) && line.contains(coefficient));
+        assert!(rows.any(|row| row.contains(&format!("{before:+.6}")) && row.contains(&format!("{after:+.6}"))));
+        assert!(page.contains(&format!("{before:.6}")) && page.contains(&format!("{after:.6}")), "{one}");
+    }
+    for text in [&table, &page] {
+        assert!(text.contains("bias, g_linear, g_squared, scale"), "the model in use is not in\n{text}");
+        assert!(text.contains("of the reducible gap"), "{text}");
+    }
+    // What explains the same and is not named has its reason, and is told from what is chance.
+    let rival = table.lines().find(|line| line.starts_with("│ bias_step")).unwrap();
+    assert!(rival.contains("it explains the same dwells as warmup less well"), "{rival}");
+}
+
+#[test]
+fn a_clean_campaign_shows_no_finding_and_says_that_what_was_tried_is_chance() {
+    let file = "tests/data/practice/campaign-00.json";
+    let table = printed(&["diagnose", file]);
+    assert!(table.contains("no gap, and nothing to explain"), "{table}");
+    assert!(table.contains("within the noise: no finding") && !table.contains("Also beyond the noise"), "{table}");
+    let answer: Value = serde_json::from_str(&printed(&["diagnose", file, "--format", "json"])).unwrap();
+    let gap = &answer["gap"];
+    let alone = gap["noise_alone_deg_per_h"].as_f64().unwrap();
+    assert!((gap["rms_deg_per_h"].as_f64().unwrap() / alone - 1.0).abs() < 0.1, "{gap}");
+    assert!(alone < answer["noise_floor"]["deg_per_h"].as_f64().unwrap(), "the fit takes up part of the noise");
+    for candidate in answer["candidates"].as_array().unwrap() {
+        assert_eq!(candidate["within_noise"], true, "{candidate}");
+        assert!(candidate["p_value_adjusted"].as_f64().unwrap() >= 0.008, "{candidate}");
+    }
+}
+
+#[test]
+fn files_are_replaced_whole_and_in_so_many_words_and_adopting_spares_what_is_no_model() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+    let (campaign, model) = (path("campaign.json"), path("model.json"));
+    let simulate = ["simulate", "--preset", "24-bare", "--seed", "3", "--out", &campaign];
+    assert_eq!(told(&mut gyrowatch(&simulate)), "");
+    let first = std::fs::read(&campaign).unwrap();
+    assert_eq!(told(&mut gyrowatch(&simulate)), format!("replaced {campaign}\n"));
+    assert_eq!(std::fs::read(&campaign).unwrap(), first);
+
+    let folder = path("many");
+    let many = ["simulate", "--preset", "24-bare", "--count", "2", "--dir", &folder];
+    assert_eq!(told(&mut gyrowatch(&many)), "");
+    let again = told(&mut gyrowatch(&many));
+    assert_eq!(again, format!("replaced 2 files in {folder}\nreplaced {folder}/key.json\n"));
+
+    let refused = complaint(&mut gyrowatch(&["diagnose", &campaign, "--adopt", &campaign]), 1);
+    assert!(refused.contains(&campaign) && refused.contains("holds no model"), "{refused}");
+    assert_eq!(std::fs::read(&campaign).unwrap(), first, "the campaign is as it was");
+    let adopt = ["diagnose", &campaign, "--adopt", &model];
+    assert!(!told(&mut gyrowatch(&adopt)).contains("replaced"));
+    assert!(told(&mut gyrowatch(&adopt)).contains(&format!("replaced {model}")));
+    // Nothing is left beside them.
+    let mut names: Vec<_> = std::fs::read_dir(dir.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["campaign.json", "many", "model.json"]);
+}
+
+#[test]
+fn a_scale_factor_in_another_unit_is_refused_by_place_value_limit_and_key() {
+    let paper: Value = serde_json::from_str(&std::fs::read_to_string(PAPER).unwrap()).unwrap();
+    let scaled = |factor: f64| {
+        let mut record = paper.clone();
+        for e in record["gyros"][1]["e_pulse_per_arcsec"].as_array_mut().unwrap() {
+            *e = (e.as_f64().unwrap() * factor).into();
+        }
+        record.to_string()
+    };
+    for factor in [3600.0, 1e3, 206.265, 1e-3, 1.0 / 3600.0] {
+        let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(scaled(factor)), 1);
+        for there in ["/gyros/1/e_pulse_per_arcsec", "0.01 to 100", "plausibility.max_scale_factor"] {
+            assert!(refused.contains(there), "{there} is not in {refused}");
+        }
+    }
+    // MEMS units, whose pulse is an arcsec, and whoever says that his gyros are of another kind.
+    gyrowatch(&["separate", "-"]).write_stdin(scaled(1.0 / 1.47)).assert().success();
+    let mut other = gyrowatch(&["separate", "-"]);
+    other.env("GYROWATCH_PLAUSIBILITY__MAX_SCALE_FACTOR", "1e4").write_stdin(scaled(3600.0)).assert().success();
+
+    let campaign = std::fs::read_to_string("tests/data/measured/xsens-mti.json").unwrap();
+    let mut campaign: Value = serde_json::from_str(&campaign).unwrap();
+    campaign["gyros"][0]["known_e_pulse_per_arcsec"] = serde_json::json!([3600.0, 0, 0]);
+    for command in ["calibrate", "diagnose"] {
+        let refused = complaint(gyrowatch(&[command, "-"]).write_stdin(campaign.to_string()), 1);
+        assert!(refused.contains("/gyros/0/known_e_pulse_per_arcsec"), "{refused}");
+    }
+}
+
+#[test]
+fn a_document_of_a_wrong_form_is_told_all_of_it_in_words_of_json() {
+    let paper = std::fs::read_to_string(PAPER).unwrap();
+    let mut record: Value = serde_json::from_str(&paper).unwrap();
+    record["colour"] = "red".into();
+    record["gyros"][0]["e_pulse_per_arcsec"] = "0.8".into();
+    record["gyros"][2]["slot"] = 3.into();
+    let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(record.to_string()), 1);
+    for there in ["/colour", "/gyros/0/e_pulse_per_arcsec", "expected an array of 3 numbers", "/gyros/2/slot"] {
+        assert!(refused.contains(there), "{there} is not in {refused}");
+    }
+    for text in [record.to_string(), "[]".to_owned(), "7".to_owned(), format!("[{paper}]")] {
+        let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(text), 1);
+        assert!(!refused.contains("struct") && !refused.contains("Body") && !refused.contains("enum"), "{refused}");
+    }
+}
+
+#[test]
+fn the_clocking_is_the_small_turn_also_where_d_s_is_negative() {
+    let answer: Value = serde_json::from_str(&printed(&["separate", PAPER, "--format", "json"])).unwrap();
+    for (separation, golden) in answer["separations"].as_array().unwrap().iter().zip(GOLDEN) {
+        let expected = (golden[2] / golden[1]).atan().to_degrees();
+        let clocking = separation["clocking_deg"]["value"].as_f64().unwrap();
+        assert!((clocking - expected).abs() < 1e-4 && clocking.abs() < 4.0, "{clocking} against {expected}");
+    }
+}
+
+#[test]
+fn simulated_gyros_of_another_seed_are_other_gyros() {
+    let serials = |seed: &str| {
+        let campaign: Value =
+            serde_json::from_str(&printed(&["simulate", "--preset", "24-bare", "--seed", seed])).unwrap();
+        campaign["gyros"].as_array().unwrap().iter().map(|gyro| gyro["serial"].clone()).collect::<Vec<_>>()
+    };
+    let (first, other) = (serials("1"), serials("2"));
+    assert_eq!(first, serials("1"));
+    assert!(first.iter().all(|serial| !other.contains(serial)), "{first:?} and {other:?}");
 }

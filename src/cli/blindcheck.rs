@@ -9,7 +9,7 @@ use clap::Args;
 use comfy_table::Table;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::document::{Format, print, print_json, table};
+use super::document::{Format, print, print_json, table, write, write_all};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::report::{Goal, Report};
@@ -32,13 +32,12 @@ pub struct Blindcheck {
     /// Number of campaigns to draw.
     #[arg(long, default_value_t = 1000, conflicts_with = "campaigns")]
     count: usize,
+    /// Other seeds draw other campaigns.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Only these cases; all in their usual shares where left out.
-    #[arg(long, value_delimiter = ',', value_parser = case, conflicts_with = "campaigns")]
+    #[arg(long, value_delimiter = ',', value_parser = case, conflicts_with = "campaigns", help = cases_help())]
     case: Vec<Case>,
-    /// Only these effects, by catalogue id.
-    #[arg(long, value_delimiter = ',', value_parser = effect, conflicts_with = "campaigns")]
+    #[arg(long, value_delimiter = ',', value_parser = effect, conflicts_with = "campaigns", help = effects_help())]
     effect: Vec<String>,
     /// Detectability d of the case "one".
     #[arg(long, value_delimiter = ',', default_values_t = [8.0, 12.0, 20.0, 30.0], conflicts_with = "campaigns")]
@@ -65,7 +64,20 @@ fn case(text: &str) -> Result<Case, String> {
 
 fn effect(text: &str) -> Result<String, String> {
     let known = CATALOGUE.iter().any(|(id, _)| *id == text);
-    known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", CATALOGUE.map(|(id, _)| id).join(", ")))
+    known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", effects()))
+}
+
+fn effects() -> String {
+    CATALOGUE.map(|(id, _)| id).join(", ")
+}
+
+fn effects_help() -> String {
+    format!("Only these effects of the catalogue (docs/diagnosis.md says what each is): {}", effects())
+}
+
+fn cases_help() -> String {
+    let cases = Case::ALL.map(Case::name).join(", ");
+    format!("Only these cases; all in their usual shares where left out: {cases}")
 }
 
 impl Blindcheck {
@@ -107,7 +119,7 @@ impl Blindcheck {
         bar.finish_and_clear();
         if let Some(folder) = &self.keep {
             let path = folder.join("key.json");
-            std::fs::write(&path, key).with_context(|| path.display().to_string())?;
+            write(&path, &key)?;
             eprintln!("key revealed: {}", path.display());
         }
         Ok((seal, scores))
@@ -140,13 +152,8 @@ fn diagnosed(text: &str) -> Result<Answer, String> {
 }
 
 fn keep_campaigns(draw: &Draw, count: usize, folder: &Path) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    for number in 0..count {
-        let path = folder.join(file_name(number));
-        let text = wire::campaign::to_json(&draw.trial(number).simulated.campaign);
-        std::fs::write(&path, text).with_context(|| path.display().to_string())?;
-    }
-    Ok(())
+    let drawn = |number| Ok((file_name(number), wire::campaign::to_json(&draw.trial(number).simulated.campaign)));
+    write_all(folder, (0..count).map(drawn))
 }
 
 fn progress(count: usize) -> ProgressBar {

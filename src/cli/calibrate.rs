@@ -10,7 +10,6 @@ use super::separate::{Method, drift_and_mounting, figure};
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::mounting::Slot;
-use crate::core::record::Plausibility;
 use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
 use crate::wire::campaign::parse;
 
@@ -46,7 +45,9 @@ impl Calibrate {
         if campaign.test != TestKind::Imu && !options.adopted.is_empty() {
             bail!("{}: the effects of a model file are fitted to campaigns of an IMU, this is a bench test", file());
         }
-        let outcome = evaluate_with(&campaign, &options, &Plausibility::default()).with_context(file)?;
+        let limits = document::plausibility()?;
+        campaign.check_known_scales(&limits).with_context(file)?;
+        let outcome = evaluate_with(&campaign, &options, &limits).with_context(file)?;
         let answer = CampaignAnswer::of(&campaign, &outcome, self.method.into());
         match self.format {
             Format::Table => document::print(&tables(&campaign, &outcome, &answer)),
@@ -120,7 +121,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
                 Slot::from(gyro.slot).name().to_owned(),
                 p.name.clone(),
                 figure(p.value, p.sd),
-                p.unit.clone(),
+                document::unit(&p.unit),
                 remark.to_owned(),
             ]);
         }
@@ -129,7 +130,7 @@ fn parameter_table(gyros: &[GyroFitBody]) -> String {
                 Slot::from(gyro.slot).name().to_owned(),
                 format!("{} {}", e.effect, e.name),
                 e.sd.map_or(format!("{:+.3e}", e.value), |sd| format!("{:+.3e} ± {sd:.1e}", e.value)),
-                e.unit.clone(),
+                document::unit(&e.unit),
                 "effect".to_owned(),
             ]);
         }

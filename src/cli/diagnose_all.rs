@@ -40,7 +40,7 @@ pub struct Fleet {
     #[arg(long, value_name = "TIME", conflicts_with = "campaign")]
     until: Option<String>,
 
-    /// Also those whose diagnosis is of this version of the program and the model in force
+    /// Also those whose diagnosis is up to date: made by this version of the program, against the model in force
     #[arg(long, conflicts_with = "campaign")]
     again: bool,
 
@@ -90,7 +90,7 @@ async fn all(fleet: &Fleet, service: &Service, format: Format) -> anyhow::Result
         eprintln!("{} of {} ({}): {}", failure.campaign, failure.imu, failure.measured_at, failure.reason);
     }
     if ended.job.state == "canceled" {
-        bail!("order {} was canceled with {} campaigns to go", ended.job.id, ended.job.counts.canceled);
+        bail!("order {} was canceled; campaigns still to go: {}", ended.job.id, ended.job.counts.canceled);
     }
     let summary: SummaryBody = ask(service, &format!("/v1/diagnoses/summary?{}", fleet.query())).await?;
     match format {
@@ -177,19 +177,25 @@ fn tables(summary: &SummaryBody) -> String {
 }
 
 fn coverage(c: &CoverageBody) -> String {
-    let counts = [
-        (c.no_gap, "without a gap"),
-        (c.explained, "explained"),
-        (c.partly_explained, "partly explained"),
-        (c.unexplained, "unexplained"),
-        (c.refused, "with nothing to diagnose"),
+    let said = |counts: &[(u64, &str)]| {
+        let some = counts.iter().filter(|(count, _)| *count > 0);
+        some.map(|(count, what)| format!("{count} {what}")).collect::<Vec<_>>().join(", ")
+    };
+    let outcomes = said(&[
+        (c.no_gap, "within the noise, nothing to explain"),
+        (c.explained, "with a gap that is explained"),
+        (c.partly_explained, "with a gap that is partly explained"),
+        (c.unexplained, "with a gap that nothing in the catalogue explains"),
+    ]);
+    let beside = said(&[
+        (c.outdated, "of them diagnosed by another version of the program"),
+        (c.refused, "left out, with nothing to diagnose"),
         (c.waiting, "not diagnosed yet"),
-        (c.outdated, "by another version of the program"),
-    ];
-    let said: Vec<String> =
-        counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
-    let rest = if said.is_empty() { String::new() } else { format!(": {}", said.join(", ")) };
-    format!("{} campaigns diagnosed{rest}", c.diagnosed)
+    ]);
+    let campaigns = if c.diagnosed == 1 { "campaign" } else { "campaigns" };
+    let outcomes = if outcomes.is_empty() { outcomes } else { format!(": {outcomes}") };
+    let beside = if beside.is_empty() { beside } else { format!("; {beside}") };
+    format!("{} {campaigns} diagnosed{outcomes}{beside}", c.diagnosed)
 }
 
 fn findings(all: &[FindingBody]) -> Option<String> {
@@ -202,7 +208,7 @@ fn findings(all: &[FindingBody]) -> Option<String> {
         "first with",
         "last with",
         "campaigns",
-        "closure",
+        "closes",
         "D_I",
         "D_S",
     ];
@@ -232,7 +238,8 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             shift("D_S"),
         ]);
     }
-    let note = "campaigns: with the effect / since the first one with it, of all of the gyro; D_I, D_S: largest shift, deg/(h g0), and its part of the budget";
+    let note = "campaigns: with the effect / since the first one with it, of all of the gyro; closes: of the reducible gap on held-out dwells, median (least \
+                to greatest);\nD_I, D_S: largest shift, deg/(h g0), and its part of the budget";
     (!all.is_empty()).then(|| format!("Named effects\n{rows}\n{note}"))
 }
 
@@ -250,7 +257,7 @@ fn doubts(all: &[DoubtBody]) -> Option<String> {
             day(&d.last.measured_at),
         ]);
     }
-    (!all.is_empty()).then(|| format!("Not explained by the catalogue\n{rows}"))
+    (!all.is_empty()).then(|| format!("Not explained by the catalogue, or not wholly\n{rows}"))
 }
 
 /// The date of an RFC 3339 time.

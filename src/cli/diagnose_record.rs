@@ -2,7 +2,6 @@
 
 use super::document::{self, Format, table};
 use crate::core::diagnose::closures;
-use crate::core::record::Plausibility;
 use crate::core::separate::{diagonal_covariance, separate};
 use crate::wire::closure::ClosureBody;
 use crate::wire::record::parse_record;
@@ -10,7 +9,7 @@ use crate::wire::time;
 
 /// Prints the diagnosis of a record.
 pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
-    let record = parse_record(bytes, &Plausibility::default())?;
+    let record = parse_record(bytes, &document::plausibility()?)?;
     let separations = record
         .gyros
         .iter()

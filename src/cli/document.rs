@@ -1,11 +1,15 @@
 //! What the subcommands that read one document and print one result have in common.
 
+use std::fs::File;
 use std::io::{Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
+
+use crate::config::Config;
+use crate::core::record::Plausibility;
 
 /// Largest document that is read: far above any campaign, far below memory.
 const MAX_BYTES: u64 = 16 << 20;
@@ -26,16 +30,84 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     let read = if path == Path::new("-") {
         std::io::stdin().take(MAX_BYTES + 1).read_to_end(&mut bytes)
     } else {
-        std::fs::File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
+        File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
     };
     read.with_context(|| name(path))?;
     ensure!(bytes.len() as u64 <= MAX_BYTES, "{}: is larger than {MAX_BYTES} bytes", name(path));
     Ok(bytes)
 }
 
+/// What is refused as impossible, as the configuration in force says: files in `config` and the environment.
+pub fn plausibility() -> anyhow::Result<Plausibility> {
+    Ok(Config::load(&[], std::env::vars())?.plausibility.limits())
+}
+
 /// The file as messages name it.
 pub fn name(path: &Path) -> String {
     if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// Writes a file as [`put`] does, and says on standard error where it took the place of another.
+pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    if put(path, text)? {
+        eprintln!("replaced {}", path.display());
+    }
+    Ok(())
+}
+
+/// Writes files into a folder, which is made where it is missing, and says on standard error how many took the place of others.
+pub fn write_all(dir: &Path, files: impl Iterator<Item = anyhow::Result<(String, String)>>) -> anyhow::Result<()> {
+    std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
+    let mut replaced = 0;
+    for file in files {
+        let (name, text) = file?;
+        replaced += u32::from(put(&dir.join(name), &text)?);
+    }
+    match replaced {
+        0 => {}
+        1 => eprintln!("replaced 1 file in {}", dir.display()),
+        many => eprintln!("replaced {many} files in {}", dir.display()),
+    }
+    Ok(())
+}
+
+/// Writes a file whole or not at all; whether there was one before.
+///
+/// The text is written beside the file and renamed onto it: whoever reads the file sees the old one or the new one, also where the disk
+/// is full. What is no regular file (a pipe, `/dev/stdout`) is written to as it is.
+fn put(path: &Path, text: &str) -> anyhow::Result<bool> {
+    let replaced = match std::fs::metadata(path) {
+        Ok(there) if !there.is_file() => {
+            return std::fs::write(path, text).map(|()| false).with_context(|| name(path));
+        }
+        Ok(_) => true,
+        Err(_) => false,
+    };
+    // A link stays one: what it leads to is replaced.
+    let target = if replaced { std::fs::canonicalize(path).with_context(|| name(path))? } else { path.to_owned() };
+    let mut part = target.clone().into_os_string();
+    part.push(format!(".{}.part", std::process::id()));
+    let part = PathBuf::from(part);
+    let written = write_beside(&part, &target, text, replaced);
+    if written.is_err() {
+        let _may_not_be_there = std::fs::remove_file(&part);
+    }
+    written.with_context(|| name(path))?;
+    Ok(replaced)
+}
+
+fn write_beside(part: &Path, target: &Path, text: &str, replaces: bool) -> std::io::Result<()> {
+    let mut file = File::create_new(part)?;
+    if replaces {
+        file.set_permissions(std::fs::metadata(target)?.permissions())?;
+    }
+    file.write_all(text.as_bytes())?;
+    std::fs::rename(part, target)
+}
+
+/// A unit as people read it: where JSON has `deg/(h*g0)`, all texts have `deg/(h g0)`.
+pub fn unit(of_json: &str) -> String {
+    of_json.replace('*', " ")
 }
 
 /// Prints a result as JSON, alone on standard output.

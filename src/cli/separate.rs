@@ -6,7 +6,7 @@ use anyhow::{Context, anyhow};
 use comfy_table::Table;
 
 use super::document::{self, Format, table};
-use crate::core::record::{GyroParameters, Plausibility, Record};
+use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{NotPublished, Published, Separation, diagonal_covariance, separate};
 use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody};
 use crate::wire::record::parse_record;
@@ -48,7 +48,7 @@ impl Separate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.record)?;
         let file = || document::name(&self.record);
-        let record = parse_record(&bytes, &Plausibility::default()).with_context(file)?;
+        let record = parse_record(&bytes, &document::plausibility()?).with_context(file)?;
         let separations = separate_all(&record).with_context(file)?;
         match self.format {
             Format::Table => document::print(&tables(&record, &separations)),

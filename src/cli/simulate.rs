@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::{experiment, model};
+use super::{document, experiment, model};
 use crate::core::augmented::AugmentedModel;
 use crate::simulate::augment::augment;
+use crate::simulate::cause::known;
 use crate::simulate::experiment::{Test, tests};
 use crate::simulate::presets::{PRESETS, preset};
 use crate::simulate::truth::Key;
@@ -26,6 +27,7 @@ const PAPER_EXPERIMENT: &str = "paper-experiment";
 /// --preset paper-experiment is the paper's Table 5: six bench tests around one campaign of the IMU. It prints the
 /// range of the three results over --count experiments (200), or writes the files of each into --dir.
 #[derive(Debug, Args)]
+#[command(after_long_help = effects_help())]
 pub struct Simulate {
     /// Start from a ready scenario (see --list).
     #[arg(long, value_name = "NAME", default_value = "24-position", conflicts_with = "scenario")]
@@ -60,6 +62,14 @@ pub struct Simulate {
     /// Print the scenario in TOML, every key with its value, and simulate nothing.
     #[arg(long, conflicts_with_all = ["count", "out", "truth"])]
     print_scenario: bool,
+}
+
+fn effects_help() -> String {
+    format!(
+        "Causes of a scenario, as [[effects]] with effect = NAME and size or detectability (docs/simulation.md; \
+         docs/diagnosis.md says what each is): {}.",
+        known()
+    )
 }
 
 impl Simulate {
@@ -166,13 +176,13 @@ fn write_all(
     model: &AugmentedModel,
     dir: &Path,
 ) -> anyhow::Result<()> {
-    std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
     let mut key = Key::new();
-    for (name, scenario) in scenarios {
+    let campaigns = scenarios.map(|(name, scenario)| {
         let simulated = made(&scenario, model)?;
-        write(&dir.join(&name), &wire::campaign::to_json(&simulated.campaign))?;
-        key.insert(name, simulated.truth);
-    }
+        key.insert(name.clone(), simulated.truth);
+        Ok((name, wire::campaign::to_json(&simulated.campaign) + "\n"))
+    });
+    document::write_all(dir, campaigns)?;
     write_key(&dir.join("key.json"), &key)
 }
 
@@ -181,5 +191,5 @@ fn write_key(path: &Path, key: &Key) -> anyhow::Result<()> {
 }
 
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, format!("{text}\n")).with_context(|| path.display().to_string())
+    document::write(path, &format!("{text}\n"))
 }

@@ -1,10 +1,11 @@
-//! The service's answer to one record or campaign in the two or three lines that an operator reads.
+//! The service's answer to one record or campaign in the few lines that an operator reads.
 
 use std::fmt;
 
 use serde_json::Value;
 
-/// Displays D_I and D_S of each gyro and what was judged out of bounds or undecided; nothing for other answers.
+/// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each state, what was judged out of bounds, and
+/// what could not be checked; nothing for other answers.
 pub struct Gist<'a>(pub &'a Value);
 
 impl fmt::Display for Gist<'_> {
@@ -14,11 +15,23 @@ impl fmt::Display for Gist<'_> {
             let (slot, serial) = (text(separation, "slot"), text(separation, "serial"));
             writeln!(f, "  {slot} {serial}  D_I {:+.6}  D_S {:+.6} deg/(h g0)", value("d_i"), value("d_s"))?;
         }
-        let verdicts = members(self.0, "verdicts");
-        for verdict in verdicts.filter(|v| text(v, "state") != "within") {
+        for gyro in members(self.0, "not_separated") {
+            let (slot, serial, reason) = (text(gyro, "slot"), text(gyro, "serial"), text(gyro, "reason"));
+            writeln!(f, "  {slot} {serial}  no D_I and D_S: {reason}")?;
+        }
+        let of = |state: &str| members(self.0, "verdicts").filter(|verdict| text(verdict, "state") == state).count();
+        let counts = ["exceeded", "indeterminate", "within"].map(|state| (of(state), state));
+        if counts.iter().any(|(count, _)| *count > 0) {
+            let counts: Vec<String> = counts.iter().map(|(count, state)| format!("{count} {state}")).collect();
+            writeln!(f, "  verdicts: {}", counts.join(", "))?;
+        }
+        for verdict in members(self.0, "verdicts").filter(|verdict| text(verdict, "state") == "exceeded") {
             let (serial, coefficient) = (text(verdict, "serial"), text(verdict, "coefficient"));
-            let (state, rule, reason) = (text(verdict, "state"), text(verdict, "rule"), text(verdict, "reason"));
-            writeln!(f, "  {serial} {coefficient} {rule} {state}: {reason}")?;
+            let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
+            writeln!(f, "  {serial} {coefficient} {rule} exceeded: {reason}")?;
+        }
+        for note in members(self.0, "notes").filter_map(Value::as_str) {
+            writeln!(f, "  note: {note}")?;
         }
         Ok(())
     }
@@ -38,16 +51,24 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn an_operator_reads_the_coefficients_and_what_is_not_within() {
+    fn an_operator_reads_the_coefficients_what_is_exceeded_and_what_there_is_not() {
         let answer = json!({"id": "r1",
             "separations": [{"slot": "G1", "serial": "LFG-1", "d_i": {"value": 2.957643}, "d_s": {"value": -4.618005}}],
+            "not_separated": [{"slot": "G2", "serial": "LFG-2", "reason": "the dwells do not determine G_x"}],
             "verdicts": [
                 {"serial": "LFG-1", "coefficient": "D_I", "rule": "step", "state": "exceeded", "reason": "too far"},
-                {"serial": "LFG-1", "coefficient": "D_S", "rule": "step", "state": "within", "reason": "close"}]});
-        assert_eq!(
-            Gist(&answer).to_string(),
-            "  G1 LFG-1  D_I +2.957643  D_S -4.618005 deg/(h g0)\n  LFG-1 D_I step exceeded: too far\n"
-        );
+                {"serial": "LFG-1", "coefficient": "D_I", "rule": "trend", "state": "indeterminate", "reason": "too few"},
+                {"serial": "LFG-1", "coefficient": "D_S", "rule": "trend", "state": "indeterminate", "reason": "too few"},
+                {"serial": "LFG-1", "coefficient": "D_S", "rule": "step", "state": "within", "reason": "close"}],
+            "notes": ["no temperature column"]});
+        let lines = [
+            "  G1 LFG-1  D_I +2.957643  D_S -4.618005 deg/(h g0)",
+            "  G2 LFG-2  no D_I and D_S: the dwells do not determine G_x",
+            "  verdicts: 1 exceeded, 2 indeterminate, 1 within",
+            "  LFG-1 D_I step exceeded: too far",
+            "  note: no temperature column",
+        ];
+        assert_eq!(Gist(&answer).to_string(), lines.map(|line| format!("{line}\n")).concat());
         assert_eq!(Gist(&json!({"id": "b1"})).to_string(), "");
     }
 }

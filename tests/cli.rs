@@ -262,9 +262,9 @@ fn a_scale_factor_in_another_unit_is_refused_by_place_value_limit_and_key() {
         }
         record.to_string()
     };
-    for factor in [3600.0, 1e3, 206.265, 1e-3, 1.0 / 3600.0] {
+    for factor in [3600.0, 1e3, 1.0 / 3600.0] {
         let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(scaled(factor)), 1);
-        for there in ["/gyros/1/e_pulse_per_arcsec", "0.01 to 100", "plausibility.max_scale_factor"] {
+        for there in ["/gyros/1/e_pulse_per_arcsec", "0.001 to 1000", "plausibility.max_scale_factor"] {
             assert!(refused.contains(there), "{there} is not in {refused}");
         }
     }

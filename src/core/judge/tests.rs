@@ -267,7 +267,7 @@ fn tables_3_and_4_meet_their_requirements_and_what_does_not_is_named() {
     let e = Vector3::new(0.86, -0.7, 1.0367);
     let [Some(of_e), Some(of_g)] = requirement(required, &e, &g, None, None, 0.95) else { panic!("both are required") };
     assert_eq!((of_e.state, of_g.state), (State::Exceeded, State::Exceeded));
-    assert!(of_e.reason().starts_with("E_y = -0.7000 lies outside -0.6052 to -0.5935, and so do 1 more"), "{of_e}");
+    assert!(of_e.reason().starts_with("E_y = -0.7000 lies outside -0.6052 to -0.5935, and so does 1 more"), "{of_e}");
     assert!(of_g.reason().starts_with("G_z = -13.50 lies outside"), "{of_g}");
     let sd = Vector3::repeat(1e-3);
     let near = Vector3::new(0.8473, -0.6050, 1.0367);

@@ -30,7 +30,8 @@ pub(super) fn faults<T: DeserializeOwned>(bytes: &[u8], first: Fault) -> Faults 
         if !faults.0.iter().any(named) {
             faults.0.push(fault);
         }
-        if !(unknown && reader.remove(&place)) && !reader.mend::<T>(&place, &stand_ins) {
+        let mended = unknown && reader.remove(&place) || reader.mend::<T>(&place, &stand_ins);
+        if !mended {
             break;
         }
     }

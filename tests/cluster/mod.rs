@@ -111,6 +111,19 @@ impl Cluster {
         format!("postgres://postgres@127.0.0.1:{}/{database}", self.port)
     }
 
+    /// From now on connections may be encrypted, under this certificate.
+    pub async fn speaks_tls(&self, certificate: &Path, key: &Path) {
+        for (from, name) in [(certificate, "server.crt"), (key, "server.key")] {
+            let mut put = as_postgres(&["install", "-m", "600", "/dev/stdin"]);
+            put.arg(self.dir.join("data").join(name)).stdin(File::open(from).unwrap());
+            assert!(put.status().unwrap().success(), "{name}");
+        }
+        let mut connection = PgConnection::connect(&self.url("postgres")).await.unwrap();
+        for sql in ["ALTER SYSTEM SET ssl = on", "SELECT pg_reload_conf()"] {
+            sqlx::query(sql).execute(&mut connection).await.unwrap();
+        }
+    }
+
     /// The address of an empty database.
     pub async fn fresh_database(&self) -> String {
         let name = format!("t{}", self.databases.fetch_add(1, Ordering::Relaxed));

@@ -1,25 +1,27 @@
 //! What waits to be diagnosed, worked off: newly stored campaigns first, then what orders wait for.
 //!
 //! The queue is the database. What a crash or a stop interrupts is still waiting there, and is taken up again; what was done
-//! has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what comes in.
+//! has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what comes in. Servers that
+//! share a database claim what they make, a few at a time.
 
 use std::collections::HashSet;
 use std::future::ready;
 use std::time::Duration;
 
-use futures::StreamExt;
-use futures::stream;
+use futures::{StreamExt, stream};
 use tokio::sync::watch;
 
 use super::{Diagnoser, Made, Outcome};
 use crate::pipeline::background::Awaited;
-use crate::store::{Duty, Id, Kind, StoreError};
+use crate::store::{Id, Kind, StoreError};
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;
-/// How many tasks of orders: few, so that a canceled order ends soon and a campaign that has just been stored comes soon.
-const TASKS: u32 = 16;
-/// How long to wait where the database takes no diagnoses or cannot be read.
+/// How many tasks of orders: more than a dozen other servers can have claimed.
+const TASKS: u32 = 256;
+/// How many are claimed at once, for each that is computed at the same time: few, for others to have their share.
+const CLAIMED_EACH: usize = 4;
+/// How long to wait where the database takes no diagnoses or cannot be read, or where other servers are at all that is left.
 const PAUSE: Duration = Duration::from_secs(5);
 /// A diagnosis begins when nothing has come in for this long,
 const QUIET: Duration = Duration::from_millis(100);
@@ -32,16 +34,12 @@ impl Diagnoser {
         let mut hopeless = HashSet::new();
         loop {
             due.mark_unchanged();
-            let made = if self.is_on_duty() {
-                match self.make_due(&due, &mut hopeless).await {
-                    Ok(()) => self.work_off(&due).await,
-                    Err(error) => Err(error),
-                }
-            } else {
-                Ok(Worked::Nothing)
+            let made = match self.make_due(&due, &mut hopeless).await {
+                Ok(due_left) => self.work_off(&due).await.map(|orders_left| due_left.max(orders_left)),
+                Err(error) => Err(error),
             };
             let changed = match made {
-                Ok(Worked::Off) => due.changed().await,
+                Ok(Left::Nothing) => due.changed().await,
                 stuck => {
                     if let Err(error) = stuck {
                         tracing::warn!(%error, "what is to be diagnosed cannot be read; it is tried again");
@@ -55,58 +53,69 @@ impl Diagnoser {
         }
     }
 
-    /// Whether no other server makes what nobody waits for.
-    fn is_on_duty(&self) -> bool {
-        self.store.is_on_duty(Duty::Diagnoses)
-    }
-
     /// One pass over all campaigns that are due; what cannot be diagnosed is told once and left alone.
-    async fn make_due(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<(), StoreError> {
-        let mut before = Id(i64::MAX);
+    async fn make_due(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<Left, StoreError> {
+        let (mut before, mut left) = (Id(i64::MAX), Left::Nothing);
         loop {
             let mut page = self.store.diagnoses_due(before, PAGE).await?;
-            let Some(last) = page.last() else { return Ok(()) };
+            let Some(last) = page.last() else { return Ok(left) };
             before = *last;
             page.retain(|id| !hopeless.contains(id));
-            let mut made = stream::iter(page)
-                .take_while(|_| ready(self.is_on_duty() && due.has_changed().is_ok()))
-                .map(|id| async move {
-                    self.bustle.lull(QUIET, GIVES_WAY).await;
-                    (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
-                })
-                .buffer_unordered(self.at_once);
-            while let Some((id, made)) = made.next().await {
-                if let Err(error) = made {
-                    tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
-                    hopeless.insert(id);
+            while !page.is_empty() {
+                let claimed = self.store.claim(&page, self.claimed_at_once()).await?;
+                if claimed.is_empty() {
+                    left = Left::Something;
+                    break;
                 }
-            }
-            if due.has_changed().is_err() || !self.is_on_duty() {
-                return Ok(());
+                page.retain(|id| !claimed.contains(id));
+                let made = stream::iter(claimed.iter().copied())
+                    .take_while(|_| ready(due.has_changed().is_ok()))
+                    .map(|id| async move {
+                        self.bustle.lull(QUIET, GIVES_WAY).await;
+                        (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
+                    })
+                    .buffer_unordered(self.at_once)
+                    .collect();
+                let made: Vec<_> = self.store.while_claimed(&claimed, made).await;
+                for (id, made) in made {
+                    if let Err(error) = made {
+                        tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
+                        hopeless.insert(id);
+                    }
+                }
+                if due.has_changed().is_err() {
+                    return Ok(left);
+                }
             }
         }
     }
 
     /// What orders wait for, until something else is due.
-    async fn work_off(&self, due: &watch::Receiver<u64>) -> Result<Worked, StoreError> {
+    async fn work_off(&self, due: &watch::Receiver<u64>) -> Result<Left, StoreError> {
         let mut before = Vec::new();
         loop {
             let page = self.store.tasks_waiting(TASKS).await?;
-            if page.is_empty() || due.has_changed().unwrap_or(true) || !self.is_on_duty() {
-                return Ok(Worked::Off);
+            if page.is_empty() || due.has_changed().unwrap_or(true) {
+                return Ok(Left::Nothing);
             }
-            // Nothing of it could be kept.
-            if page == before {
-                return Ok(Worked::Nothing);
+            let claimed = self.store.claim(&page, self.claimed_at_once()).await?;
+            // Others are at it, or nothing of it could be kept.
+            if claimed.is_empty() || claimed == before {
+                self.store.while_claimed(&claimed, ready(())).await;
+                return Ok(Left::Something);
             }
-            stream::iter(page.iter().copied())
-                .take_while(|_| ready(self.is_on_duty() && due.has_changed().is_ok()))
+            let settled = stream::iter(claimed.iter().copied())
+                .take_while(|_| ready(due.has_changed().is_ok()))
                 .map(|id| self.settle(id))
                 .buffer_unordered(self.at_once)
-                .for_each(ready)
-                .await;
-            before = page;
+                .for_each(ready);
+            self.store.while_claimed(&claimed, settled).await;
+            before = claimed;
         }
+    }
+
+    fn claimed_at_once(&self) -> usize {
+        CLAIMED_EACH * self.at_once
     }
 
     /// Makes a diagnosis that orders wait for, whether or not there is one. Where the database cannot be read now it goes on
@@ -136,10 +145,11 @@ impl Diagnoser {
     }
 }
 
-/// How far orders were worked off.
-enum Worked {
+/// What a pass leaves behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Left {
     /// Nothing waits, or something else comes first.
-    Off,
-    /// Nothing could be kept, or another server is at it: it is tried again after a pause.
     Nothing,
+    /// What other servers are at, or what could not be kept: it is looked at again after a pause.
+    Something,
 }

@@ -16,26 +16,23 @@ use crate::store::error::StoreError;
 pub enum Duty {
     /// Telling hooks what the outbox holds.
     Deliveries,
-    /// Diagnosing what nobody waits for.
-    Diagnoses,
     /// Letting alerts follow the clock.
     Clock,
 }
 
 impl Duty {
-    const ALL: [Duty; 3] = [Duty::Deliveries, Duty::Diagnoses, Duty::Clock];
+    const ALL: [Duty; 2] = [Duty::Deliveries, Duty::Clock];
 
     fn name(self) -> &'static str {
         match self {
             Duty::Deliveries => "deliveries",
-            Duty::Diagnoses => "diagnoses",
             Duty::Clock => "clock",
         }
     }
 }
 
 /// Until when each duty is this server's.
-pub(super) type Held = [Option<Instant>; 3];
+pub(super) type Held = [Option<Instant>; Duty::ALL.len()];
 
 pub(super) fn is_held(held: &Held, duty: Duty) -> bool {
     let place = Duty::ALL.iter().position(|other| *other == duty);

@@ -2,8 +2,9 @@
 //!
 //! Reading is the same as everywhere. Who writes takes its turn first ([`turn`]); what others have written shows in the turn's
 //! row, which every server looks at a few times a second ([`neighbours`]); work in the background belongs to whoever holds its
-//! lease ([`lease`]).
+//! lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
 
+mod claim;
 mod lease;
 mod names;
 mod neighbours;
@@ -27,8 +28,10 @@ use super::open::{Options, Place, Store};
 use super::tail::SharedTail;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 1] =
-    [(1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
+    (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
+];
 
 /// How long a database that does not answer yet is waited for at the start.
 const COMES_UP: Duration = Duration::from_secs(10);

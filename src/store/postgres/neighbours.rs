@@ -6,8 +6,8 @@ use sqlx::PgPool;
 use tokio::sync::watch;
 
 use super::lease::{self, Duty, Held};
-use super::names;
 use super::turn::{LOOK, Missed, Standing};
+use super::{claim, names};
 use crate::store::error::StoreError;
 use crate::store::names::Names;
 use crate::store::open::{Place, Store};
@@ -20,14 +20,14 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 pub(in crate::store) struct Neighbours {
     standing: watch::Receiver<Standing>,
     held: watch::Receiver<Held>,
-    /// This server among them.
-    number: i64,
+    /// This server among them, and how long what it takes is its own; none where it takes nothing.
+    lease: Option<(i64, Duration)>,
 }
 
 impl Neighbours {
     /// Nobody is watched, and nothing is this server's duty.
     pub fn none() -> Self {
-        Self { standing: watch::channel(Standing::default()).1, held: watch::channel(Held::default()).1, number: 0 }
+        Self { standing: watch::channel(Standing::default()).1, held: watch::channel(Held::default()).1, lease: None }
     }
 
     pub async fn watch(readers: PgPool, names: Names, number: i64, lease: Duration) -> Result<Self, StoreError> {
@@ -36,15 +36,19 @@ impl Neighbours {
         let (keeper, held) = watch::channel(Held::default());
         tokio::spawn(look_around(readers.clone(), names, told));
         tokio::spawn(lease::keep(readers, number, lease, keeper));
-        Ok(Self { standing, held, number })
+        Ok(Self { standing, held, lease: Some((number, lease)) })
     }
-}
 
-impl Neighbours {
+    pub fn lease(&self) -> Option<(i64, Duration)> {
+        self.lease
+    }
+
     /// Gives up every duty, for others to take over at once.
     pub async fn part(&self, readers: &PgPool) {
-        if let Err(error) = lease::give_back(readers, self.number).await {
-            tracing::debug!(%error, "leases could not be given back; they end by themselves");
+        let Some((number, _)) = self.lease else { return };
+        let leases = lease::give_back(readers, number).await;
+        if let Err(error) = leases.and(claim::release_all(readers, number).await) {
+            tracing::debug!(%error, "leases and claims could not be given back; they end by themselves");
         }
     }
 }
@@ -84,7 +88,7 @@ impl Moves {
             changed = self.neighbours.standing.changed() => changed.ok()?,
             changed = self.neighbours.held.changed() => {
                 changed.ok()?;
-                return Some(Missed { outbox: true, diagnoses: true, ..Missed::default() });
+                return Some(Missed { outbox: true, ..Missed::default() });
             }
         }
         let found = *self.neighbours.standing.borrow_and_update();

@@ -71,18 +71,20 @@ impl Errors {
     pub fn held_out(&self, floor_deg_per_h: f64, coefficients: f64, unseen: f64) -> HeldOut {
         let n = (self.count as f64).max(1.0);
         let gain = (self.without - self.with).max(0.0);
+        // Of n squares of noise alone, and of as many with a structure of power `over` in them (non-central chi-square).
         let scatter = (2.0 * n).sqrt();
         let over = self.with - self.floor;
         let significant = over > 2.5 * scatter;
+        let over_scatter = (2.0 * n + 4.0 * over.max(0.0)).sqrt();
         let left = if significant { over } else { coefficients };
         let closure = if gain > 0.0 { gain / (gain + left) } else { 0.0 };
         // Selected because it was large: the lower end takes off what selection adds.
         let low_gain = (gain.sqrt() - 2.0).max(0.0).powi(2);
         let high_left =
-            if significant { over + 2.0 * scatter } else { coefficients + unseen + over.max(0.0).min(scatter) };
+            if significant { over + 2.0 * over_scatter } else { coefficients + unseen + over.max(0.0).min(scatter) };
         let low = if low_gain > 0.0 { low_gain / (low_gain + high_left) } else { 0.0 };
         let high_gain = (gain.sqrt() + 2.0).powi(2);
-        let low_left = if significant { (over - 2.0 * scatter).max(0.0) } else { 0.0 };
+        let low_left = if significant { (over - 2.0 * over_scatter).max(0.0) } else { 0.0 };
         let high = high_gain / (high_gain + low_left);
         let rms = |structure: f64| floor_deg_per_h * (1.0 + structure / n).sqrt();
         HeldOut {

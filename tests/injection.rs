@@ -72,8 +72,9 @@ async fn holdings(server: &Server) -> BTreeMap<String, i64> {
 
 fn assert_nothing_gone(before: &BTreeMap<String, i64>, after: &BTreeMap<String, i64>, what: &str) {
     assert_eq!(before.keys().collect::<Vec<_>>(), after.keys().collect::<Vec<_>>(), "{what}");
-    // Deliveries and what is due come and go by themselves.
-    let less: Vec<_> = before.iter().filter(|(table, rows)| after[*table] < **rows).collect();
+    // What a server is at comes and goes by itself.
+    let stays = |table: &str| table != "diagnosis_claim";
+    let less: Vec<_> = before.iter().filter(|(table, rows)| stays(table) && after[*table] < **rows).collect();
     assert!(less.is_empty(), "{what}: {less:?} are {after:?}");
 }
 

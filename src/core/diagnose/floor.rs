@@ -75,8 +75,7 @@ pub(super) fn expected_rms(frame: &Frame, variances: &[f64]) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (gyro, variance) in frame.gyros.iter().zip(variances) {
         for (k, sd) in gyro.sd.iter().enumerate() {
-            let fitted: f64 = gyro.basis.vectors().iter().map(|q| q[k] * q[k]).sum();
-            sum += variance * sd * sd * (1.0 - fitted).max(0.0);
+            sum += variance * sd * sd * (1.0 - gyro.basis.leverage(k)).max(0.0);
             count += 1;
         }
     }

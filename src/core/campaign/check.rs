@@ -58,9 +58,7 @@ impl Campaign {
         check_dwells(self.dwells.iter().enumerate(), self.site.as_ref(), limits, &mut faults);
         faults.or(())
     }
-}
 
-impl Campaign {
     /// Whether each `known_e_pulse_per_arcsec` is a possible row of E within these limits.
     ///
     /// # Errors

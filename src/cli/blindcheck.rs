@@ -18,7 +18,7 @@ use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
 use crate::core::diagnose::{Options, diagnose};
-use crate::simulate::cause::CATALOGUE;
+use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
 use crate::wire;
 
@@ -64,15 +64,11 @@ fn case(text: &str) -> Result<Case, String> {
 
 fn effect(text: &str) -> Result<String, String> {
     let known = CATALOGUE.iter().any(|(id, _)| *id == text);
-    known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", effects()))
-}
-
-fn effects() -> String {
-    CATALOGUE.map(|(id, _)| id).join(", ")
+    known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", listed()))
 }
 
 fn effects_help() -> String {
-    format!("Only these effects of the catalogue (docs/diagnosis.md says what each is): {}", effects())
+    format!("Only these effects of the catalogue (docs/diagnosis.md says what each is): {}", listed())
 }
 
 fn cases_help() -> String {

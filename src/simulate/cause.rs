@@ -102,7 +102,12 @@ pub const CATALOGUE: [(&str, f64); 23] = [
 /// Everything that can be put into a campaign, by the name to ask for it, for messages.
 pub fn known() -> String {
     let outside = FAMILIES.map(|family| format!("outside:{family}"));
-    format!("{}, and outside the catalogue {}", CATALOGUE.map(|(id, _)| id).join(", "), outside.join(", "))
+    format!("{}, and outside the catalogue {}", listed(), outside.join(", "))
+}
+
+/// The effects of the catalogue by name.
+pub fn listed() -> String {
+    CATALOGUE.map(|(id, _)| id).join(", ")
 }
 
 /// Ids that act through the table on every gyro at once.

@@ -254,18 +254,17 @@ fn signs(d: &DiagnosisBody) -> Option<String> {
 
 fn candidates(d: &DiagnosisBody) -> Option<String> {
     let mut rows = table(["candidate", "gyros", "closes alone", "adjusted p", "not taken because"], 2..4);
-    let outstanding: Vec<_> = d.candidates.iter().filter(|c| !c.within_noise && c.closure.is_some()).collect();
-    for c in &outstanding {
-        let closure = c.closure.map_or("-".to_owned(), |x| format!("{x:.2}"));
+    for c in d.candidates.iter().filter(|c| !c.within_noise) {
+        let Some(closure) = c.closure else { continue };
         rows.add_row([
             c.effect.clone(),
             c.gyros.join(" "),
-            closure,
+            format!("{closure:.2}"),
             format!("{:.1e}", c.p_value_adjusted),
             c.why_not.clone(),
         ]);
     }
-    (!outstanding.is_empty()).then(|| format!("Also beyond the noise\n{rows}"))
+    (!rows.is_empty()).then(|| format!("Also beyond the noise\n{rows}"))
 }
 
 /// What was tried and is no finding, in a few lines.

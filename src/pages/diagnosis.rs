@@ -99,7 +99,6 @@ fn verdict_in_words(t: &Text, verdict: &str) -> &'static str {
 fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
     let answer = &stored.answer;
     let gap = |rms: f64, chi2: f64, p: f64| html! { td.n { (short(rms)) } td.n { (short(chi2)) } td.n { (short(p)) } };
-    let by_pattern = d.verdict != "no_gap" && d.gap.rms_deg_per_h <= d.gap.noise_alone_deg_per_h;
     html! {
         h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.note {
@@ -109,7 +108,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
             a href={ "/v1/campaigns/" (stored.row.id) "/diagnosis" } { "JSON" }
         }
         p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
-        @if by_pattern { p { (t.by_pattern) } }
+        @if d.stands_out_by_pattern() { p { (t.by_pattern) } }
         div.scroll tabindex="0" { table {
             thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { (t.adjusted_p) } } }
             tbody {

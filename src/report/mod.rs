@@ -59,10 +59,7 @@ pub fn verdict_in_words(d: &DiagnosisBody) -> String {
         }
         _ => "There is a gap, and nothing in the catalogue earns the blame.",
     };
-    if d.verdict == "no_gap" || d.gap.rms_deg_per_h > d.gap.noise_alone_deg_per_h {
-        return verdict.to_owned();
-    }
-    format!("{verdict} {BY_PATTERN}")
+    if d.stands_out_by_pattern() { format!("{verdict} {BY_PATTERN}") } else { verdict.to_owned() }
 }
 
 /// Of a gap that is no larger than what noise alone would leave.

@@ -39,6 +39,13 @@ pub struct DiagnosisBody {
     pub reference: Option<SplitBody>,
 }
 
+impl DiagnosisBody {
+    /// Whether there is a gap although the residuals are no larger than what noise alone would leave.
+    pub fn stands_out_by_pattern(&self) -> bool {
+        self.verdict != "no_gap" && self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h
+    }
+}
+
 /// The error model in use.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct InUseBody {

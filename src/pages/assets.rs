@@ -1,7 +1,6 @@
 //! Style sheet, script and plot library, held compressed. Their names carry a hash of their content, so that a browser may
 //! keep them for ever and a new version is another name.
 
-use std::borrow::Cow;
 use std::io::{Read, Write};
 use std::sync::{LazyLock, OnceLock};
 
@@ -21,41 +20,31 @@ pub(super) struct Asset {
     /// Path on this service.
     pub path: String,
     media_type: &'static str,
-    content: fn() -> Cow<'static, str>,
+    content: &'static str,
     /// Made when it is first asked for: a page names it, and is not to wait for that.
     compressed: OnceLock<Bytes>,
 }
 
 pub(super) static STYLE: LazyLock<Asset> =
-    LazyLock::new(|| Asset::new("style", "css", "text/css; charset=utf-8", || include_str!("static/style.css").into()));
-pub(super) static SCRIPT: LazyLock<Asset> = LazyLock::new(|| {
-    Asset::new("pages", "js", "text/javascript; charset=utf-8", || include_str!("static/pages.js").into())
+    LazyLock::new(|| Asset::new("style", "css", "text/css; charset=utf-8", include_str!("static/style.css")));
+pub(super) static SCRIPT: LazyLock<Asset> =
+    LazyLock::new(|| Asset::new("pages", "js", "text/javascript; charset=utf-8", include_str!("static/pages.js")));
+/// The bundle of plotly.js without maps, three dimensions and WebGL (npm's `plotly.js-basic-dist-min`), word for word.
+pub(super) static PLOTLY: LazyLock<Asset> = LazyLock::new(|| {
+    Asset::new("plotly", "js", "text/javascript; charset=utf-8", include_str!("static/plotly-basic.min.js"))
 });
-pub(super) static PLOTLY: LazyLock<Asset> =
-    LazyLock::new(|| Asset::new("plotly", "js", "text/javascript; charset=utf-8", plot_library));
-
-/// Plotly, the first of the scripts that its crate carries for pages without a network.
-fn plot_library() -> Cow<'static, str> {
-    first_script(&plotly::Plot::offline_js_sources()).to_owned().into()
-}
-
-/// The content of the first of several script elements. Within it the end tag cannot occur: it would end there.
-fn first_script(elements: &str) -> &str {
-    let content = elements.split_once('>').map_or("", |(_, rest)| rest);
-    content.split_once("</script>").map_or(content, |(script, _)| script)
-}
 
 impl Asset {
-    fn new(stem: &str, ending: &str, media_type: &'static str, content: fn() -> Cow<'static, str>) -> Self {
-        let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content().as_bytes()));
+    fn new(stem: &str, ending: &str, media_type: &'static str, content: &'static str) -> Self {
+        let path = format!("/assets/{stem}-{:08x}.{ending}", crc32fast::hash(content.as_bytes()));
         Self { path, media_type, content, compressed: OnceLock::new() }
     }
 
-    /// Takes half a second for the plot library, the first time.
+    /// Takes a tenth of a second for the plot library, the first time.
     fn compressed(&self) -> Bytes {
         let compress = || {
             let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-            let compressed = encoder.write_all((self.content)().as_bytes()).and_then(|()| encoder.finish());
+            let compressed = encoder.write_all(self.content.as_bytes()).and_then(|()| encoder.finish());
             compressed.expect("writing to memory cannot fail").into()
         };
         self.compressed.get_or_init(compress).clone()
@@ -89,17 +78,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_plot_library_is_plotly_alone() {
-        let sources = plotly::Plot::offline_js_sources();
-        let script = first_script(&sources);
-        assert!(script.trim_start().starts_with("/**\n* plotly.js v"), "{:?}", &script[..80]);
-        assert!(script.len() > 3_000_000 && !script.contains("MathJax-script"), "{} bytes", script.len());
+    fn the_plot_library_is_plotly_and_needs_no_network() {
+        let script = PLOTLY.content;
+        assert!(script.starts_with("/**\n* plotly.js (basic - minified) v"), "{:?}", &script[..80]);
+        assert!(!script.contains("MathJax-script") && !script.contains("eval("));
     }
 
     #[test]
     fn another_content_has_another_name() {
-        let path = |content: fn() -> Cow<'static, str>| Asset::new("style", "css", "text/css", content).path;
-        assert_ne!(path(|| "a{}".into()), path(|| "b{}".into()));
-        assert_eq!(path(|| "a{}".into()), path(|| "a{}".into()));
+        let path = |content| Asset::new("style", "css", "text/css", content).path;
+        assert_ne!(path("a{}"), path("b{}"));
+        assert_eq!(path("a{}"), path("a{}"));
     }
 }

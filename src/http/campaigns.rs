@@ -15,7 +15,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
-use super::answer::Answer;
+use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
 use super::query::{Parameters, bad};
@@ -75,7 +75,7 @@ async fn post_campaign(
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
     let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
-    let ReadCampaign { fitted, answer, body } = read.map_err(|faults| match form {
+    let ReadCampaign { fitted, mut answer, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
         Form::Json => Document::problem(&bytes, faults),
     })?;
@@ -90,15 +90,13 @@ async fn post_campaign(
     let accepted = app.pipeline.submit(submission).await?;
     let id = app.pipeline.settle(&accepted, sent).await?;
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
+    answer.id = Some(id.to_string());
     match &accepted {
         Accepted::Stored { judged, .. } => {
-            let answer = app.pipeline.campaign_answer(id, answer, judged);
-            Ok((StatusCode::CREATED, location, Answer(answer)).into_response())
+            Ok((StatusCode::CREATED, location, JustJudged { answer, judged }).into_response())
         }
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        Accepted::There { .. } if is_bench => {
-            Ok((location, Json(app.pipeline.campaign_answer(id, answer, &[]))).into_response())
-        }
+        Accepted::There { .. } if is_bench => Ok((location, Json(answer)).into_response()),
         Accepted::There { .. } => {
             let answer = stored(&app, id).await?.answer;
             let standing = standing(&app, id).await?.unless_valid();

@@ -12,7 +12,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
-use super::answer::Answer;
+use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
@@ -58,8 +58,9 @@ async fn post_record(
     let accepted = app.pipeline.submit(submission).await?;
     match &accepted {
         Accepted::Stored { id, judged } => {
-            let answer = app.pipeline.answer(*id, separations, judged);
-            Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
+            let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts: Vec::new() };
+            let location = [(LOCATION, format!("/v1/records/{id}"))];
+            Ok((StatusCode::CREATED, location, JustJudged { answer, judged }).into_response())
         }
         Accepted::There { .. } => {
             let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;

@@ -1,10 +1,10 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
+use super::Pipeline;
 use super::admit::figures_of;
 use super::campaign::FittedAgain;
 use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
-use super::{Judged, Pipeline};
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::Verdict;
@@ -31,11 +31,6 @@ pub(super) struct Reread {
 }
 
 impl Pipeline {
-    /// The answer to a calibration that has just been stored.
-    pub fn answer(&self, id: Id, separations: Vec<SeparationBody>, judged: &[Judged]) -> RecordAnswer {
-        RecordAnswer { id: Some(id.to_string()), separations, verdicts: verdict_bodies(judged) }
-    }
-
     pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
         let method = self.method();
         gyros.iter().map(|gyro| SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method)).collect()
@@ -123,10 +118,6 @@ impl Pipeline {
         }
         Ok(bodies.into_iter().unzip())
     }
-}
-
-pub(super) fn verdict_bodies(judged: &[Judged]) -> Vec<VerdictBody> {
-    judged.iter().flat_map(|gyro| gyro.verdicts.iter().map(|v| VerdictBody::of(&gyro.serial, v))).collect()
 }
 
 /// What is said where judging again finds other figures.

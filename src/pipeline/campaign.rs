@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::answer::{Reread, verdict_bodies};
+use super::Pipeline;
+use super::answer::Reread;
 use super::models::InForce;
 use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
-use super::{Judged, Pipeline};
 use crate::config::JudgedMethod;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
@@ -165,13 +165,6 @@ impl Pipeline {
             body_sha256,
             idempotency_key: None,
         }
-    }
-
-    /// The answer to a campaign that has just been stored.
-    pub fn campaign_answer(&self, id: Id, mut answer: CampaignAnswer, judged: &[Judged]) -> CampaignAnswer {
-        answer.verdicts = verdict_bodies(judged);
-        answer.id = Some(id.to_string());
-        answer
     }
 
     /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.

@@ -1,5 +1,7 @@
 //! What the service answers to a record, and the command line prints: separations and verdicts.
 
+mod judged;
+
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
@@ -9,6 +11,8 @@ use super::record::SlotBody;
 use super::triple::Triple;
 use crate::core::judge::Verdict;
 use crate::core::separate::{self, Separation};
+
+pub use judged::with_verdicts;
 
 /// The answer to one record or campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -41,9 +41,9 @@ pub struct CampaignAnswer {
     /// Of a single-gyro bench test: what is stored and compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bench_result: Option<BenchBody>,
-    pub verdicts: Vec<VerdictBody>,
     /// What could not be checked, and how the figures came about, in words.
     pub notes: Vec<String>,
+    pub verdicts: Vec<VerdictBody>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

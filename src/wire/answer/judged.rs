@@ -1,0 +1,148 @@
+//! An answer with the verdicts that were just decided: what serde writes of [`VerdictBody`](super::VerdictBody), byte for byte, in a fraction
+//! of the time. A record has 45 of them, and serde looks through every word of each for what has to be escaped.
+
+use std::io::{self, Write};
+
+use serde::Serialize;
+
+use crate::core::judge::Verdict;
+
+/// Three gyros with all their verdicts take about 17 kB; growing would copy them again and again.
+const CAPACITY: usize = 20 * 1024;
+
+/// The JSON of `answer`, whose last member is `verdicts` and empty, with those of every gyro in it.
+///
+/// # Errors
+/// Where `answer` cannot be put into JSON, or ends otherwise.
+pub fn with_verdicts<'v>(
+    answer: &impl Serialize,
+    gyros: impl Iterator<Item = (&'v str, &'v [Verdict])>,
+) -> io::Result<Vec<u8>> {
+    let mut text = Vec::with_capacity(CAPACITY);
+    serde_json::to_writer(&mut text, answer)?;
+    if !text.ends_with(b",\"verdicts\":[]}") {
+        return Err(io::Error::other("the answer does not end with the place of its verdicts"));
+    }
+    text.truncate(text.len() - 2);
+    let mut between: &[u8] = b"";
+    for (serial, verdicts) in gyros {
+        let mut head = b"{\"serial\":".to_vec();
+        serde_json::to_writer(&mut head, serial)?;
+        for verdict in verdicts {
+            text.extend_from_slice(between);
+            text.extend_from_slice(&head);
+            write_rest(verdict, &mut text)?;
+            between = b",";
+        }
+    }
+    text.extend_from_slice(b"]}");
+    Ok(text)
+}
+
+/// All but the serial. Names and reasons are the program's own words, in which nothing has to be escaped.
+fn write_rest(verdict: &Verdict, text: &mut Vec<u8>) -> io::Result<()> {
+    let words: [(&[u8], &str); 3] = [
+        (b",\"coefficient\":\"", verdict.coefficient.name()),
+        (b"\",\"rule\":\"", verdict.rule.name()),
+        (b"\",\"state\":\"", verdict.state.name()),
+    ];
+    for (before, word) in words {
+        text.extend_from_slice(before);
+        text.extend_from_slice(word.as_bytes());
+    }
+    let figures: [(&[u8], Option<f64>); 4] = [
+        (b"\",\"value\":", verdict.value),
+        (b",\"limit\":", Some(verdict.limit)),
+        (b",\"sd\":", verdict.sd),
+        (b",\"probability\":", verdict.probability),
+    ];
+    for (before, figure) in figures {
+        text.extend_from_slice(before);
+        serde_json::to_writer(&mut *text, &figure)?;
+    }
+    text.extend_from_slice(b",\"confirmed\":");
+    text.extend_from_slice(if verdict.confirmed { b"true" } else { b"false" });
+    text.extend_from_slice(b",\"reason\":\"");
+    write!(text, "{verdict}")?;
+    text.extend_from_slice(b"\"}");
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{RecordAnswer, VerdictBody};
+    use super::*;
+    use crate::core::judge::history::{History, Measured, Sample};
+    use crate::core::judge::limits::Limits;
+    use crate::core::judge::{Coefficient, Finding, Rule, State, judge};
+    use crate::core::time::UtcMicros;
+
+    /// Of histories that lie still, drift and step, without and with standard deviations, from one record on.
+    fn judged() -> Vec<Verdict> {
+        let mut verdicts = Vec::new();
+        for (drift, step, sd) in
+            [(0.0, 0.0, None), (1e-3, 0.0, Some(2e-4)), (1e-5, 0.02, Some(1e-3)), (-2e-3, -0.05, None)]
+        {
+            let samples: Vec<Sample> = (0..14)
+                .map(|k| {
+                    let value = drift * f64::from(k) + if k > 8 { step } else { 0.0 } + 1e-4 * f64::from(k * 7 % 5);
+                    let at = UtcMicros(i64::from(k) * 9 * UtcMicros::DAY);
+                    Sample { at, d: [3.0, -5.0, 0.0].map(|level| Measured { value: level + value, sd }) }
+                })
+                .collect();
+            for k in 0..samples.len() {
+                let baseline = &samples[..samples.len().min(3).min(k + 1)];
+                judge(&History { samples: &samples, baseline, marks: &[] }, k, &Limits::default(), &mut verdicts);
+            }
+        }
+        let requirement = Finding::Requirement { figure: "E_x", low: 0.1, high: 2.5, others_outside: 2 };
+        let beside = [(Rule::Overdue, Finding::Overdue { last: UtcMicros(5) }), (Rule::Requirement, requirement)];
+        verdicts.extend(beside.map(|(rule, finding)| Verdict {
+            coefficient: Coefficient::E,
+            rule,
+            state: State::Exceeded,
+            value: Some(-0.0),
+            limit: 1e-300,
+            sd: Some(f64::NAN),
+            probability: Some(1.0),
+            confirmed: true,
+            finding,
+        }));
+        verdicts
+    }
+
+    #[test]
+    fn it_is_byte_for_byte_what_serde_writes() {
+        let verdicts = judged();
+        for rule in
+            [Rule::Step, Rule::Range, Rule::Baseline, Rule::Trend, Rule::Cusum, Rule::RmsSuccessive, Rule::Closure]
+        {
+            let of_rule = || verdicts.iter().filter(|verdict| verdict.rule == rule);
+            assert!(
+                of_rule().any(|verdict| verdict.value.is_some()) && of_rule().any(|verdict| verdict.value.is_none())
+            );
+        }
+        let gyros = [("LFG-\"1\"\\", verdicts.as_slice()), ("陀螺", &[]), ("G", &verdicts[..1])];
+        for count in 0..=gyros.len() {
+            let gyros = &gyros[..count];
+            let of = |&(serial, verdicts): &(&str, &[Verdict])| -> Vec<VerdictBody> {
+                verdicts.iter().map(|verdict| VerdictBody::of(serial, verdict)).collect()
+            };
+            let whole = RecordAnswer {
+                id: Some("7".into()),
+                separations: vec![],
+                verdicts: gyros.iter().flat_map(of).collect(),
+            };
+            let text =
+                with_verdicts(&RecordAnswer { verdicts: vec![], ..whole.clone() }, gyros.iter().copied()).unwrap();
+            assert_eq!(String::from_utf8(text).unwrap(), serde_json::to_string(&whole).unwrap());
+        }
+    }
+
+    #[test]
+    fn an_answer_that_has_verdicts_already_is_refused() {
+        let verdicts = judged();
+        let whole = RecordAnswer { id: None, separations: vec![], verdicts: vec![VerdictBody::of("G", &verdicts[0])] };
+        assert!(with_verdicts(&whole, [].into_iter()).is_err());
+    }
+}

@@ -149,7 +149,7 @@ impl Running {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
         let address = listener.local_addr().expect("an address");
         let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
-        let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
+        let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::new(pipeline) };
         let router = http::router(app, axum::Router::new());
         let served = tokio::spawn(async move {
             let stop = async move { drop(stopped.await) };

@@ -345,6 +345,7 @@ impl Service {
         let router = runtime.block_on(async {
             let (store, writer) = store::open(&config.database.options()).await.unwrap();
             let (pipeline, _) = Pipeline::start(store, writer, config.clone(), clock.clone()).await.unwrap();
+            let pipeline = Arc::new(pipeline);
             let pages = Pages { config: config.clone(), clock: clock.clone(), pipeline: pipeline.clone() };
             http::router(App { config, clock, pipeline }, pages::router(pages))
         });

@@ -62,7 +62,8 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
          make one first: gyrowatch token create NAME --role admin"
     );
     let outbox = Outbox::start(&pipeline).context("cannot deliver to hooks")?;
-    let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: pipeline.clone() };
+    let pipeline = Arc::new(pipeline);
+    let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::clone(&pipeline) };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
     let router = http::router(app, pages::router(pages));
     tracing::info!(%address, database = %config.database.options().shown(), "listening");

@@ -117,7 +117,7 @@ async fn import(app: App, caller: Caller, body: Body, answers: Answers) {
 }
 
 /// Puts a chunk into the queue of writes; what is returned waits for the disk and gives the answers as text.
-async fn queue(chunk: Option<Chunk>, pipeline: Pipeline) -> BoxFuture<'static, Option<Bytes>> {
+async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>) -> BoxFuture<'static, Option<Bytes>> {
     let Some(mut chunk) = chunk else { return async { None }.boxed() };
     let replies = pipeline.enqueue(std::mem::take(&mut chunk.items)).await;
     async move { Some(chunk.answered(replies.await, &pipeline).await) }.boxed()

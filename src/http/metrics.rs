@@ -3,9 +3,8 @@
 use std::time::Instant;
 
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::Method;
 use axum::http::header::CONTENT_TYPE;
-use axum::middleware::Next;
+use axum::http::{Method, StatusCode};
 use axum::response::{IntoResponse, Response};
 use metrics::{counter, gauge, histogram};
 use utoipa_axum::router::OpenApiRouter;
@@ -38,16 +37,26 @@ async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     Ok(([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response())
 }
 
-/// Counts a request under its route, so that names in paths do not make a series each.
-pub async fn count(request: Request, next: Next) -> Response {
-    let method = known(request.method());
-    let route = request.extensions().get::<MatchedPath>().map_or("none", MatchedPath::as_str).to_owned();
-    let begun = Instant::now();
-    let response = next.run(request).await;
-    let status = response.status().as_u16().to_string();
-    histogram!(telemetry::REQUEST_TIME, "method" => method, "route" => route.clone()).record(begun.elapsed());
-    counter!(telemetry::REQUESTS, "method" => method, "route" => route, "status" => status).increment(1);
-    response
+/// A request that is counted when it has been answered, under its route, so that names in paths do not make a series each.
+pub struct Counted {
+    method: &'static str,
+    route: Option<MatchedPath>,
+    begun: Instant,
+}
+
+impl Counted {
+    pub fn begin(request: &Request) -> Self {
+        let route = request.extensions().get::<MatchedPath>().cloned();
+        Self { method: known(request.method()), route, begun: Instant::now() }
+    }
+
+    pub fn end(self, status: StatusCode) {
+        let (method, status) = (self.method, status.as_str().to_owned());
+        let route = self.route.as_ref().map_or("none", MatchedPath::as_str).to_owned();
+        let took = self.begun.elapsed();
+        histogram!(telemetry::REQUEST_TIME, "method" => method, "route" => route.clone()).record(took);
+        counter!(telemetry::REQUESTS, "method" => method, "route" => route, "status" => status).increment(1);
+    }
 }
 
 /// A client may invent methods without end; they share one series.

@@ -2,7 +2,7 @@
 //!
 //! A handler is a short story: read, act (one call of the pipeline), answer. Whatever goes wrong leaves as
 //! `application/problem+json`; what axum and its layers refuse by themselves is put into that form in one place
-//! ([`problem::as_problem`]).
+//! ([`problem::in_form`]).
 
 mod access;
 mod agreement;
@@ -17,6 +17,7 @@ mod diagnoses;
 mod docs;
 mod document;
 mod events;
+mod gate;
 mod gyro_diagnosis;
 mod gyros;
 mod health;
@@ -57,7 +58,7 @@ use crate::system::Clock;
 pub struct App {
     pub config: Arc<Config>,
     pub clock: Clock,
-    pub pipeline: Pipeline,
+    pub pipeline: Arc<Pipeline>,
 }
 
 /// The whole service as one router, the web `pages` included.
@@ -71,11 +72,9 @@ pub fn router(app: App, pages: Router) -> Router {
     router.merge(docs::router(openapi)).with_state(app).merge(pages).fallback(problem::no_such_path).layer(
         // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
         ServiceBuilder::new()
-            .layer(middleware::from_fn(metrics::count))
             .layer(CompressionLayer::new())
-            .layer(middleware::from_fn(problem::as_problem))
+            .layer(middleware::from_fn_with_state(guarded, gate::pass))
             .layer(CatchPanicLayer::new())
-            .layer(middleware::from_fn_with_state(guarded, access::admit))
             .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
             .layer(DefaultBodyLimit::max(server.max_body_bytes)),
     )

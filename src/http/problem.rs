@@ -1,10 +1,8 @@
 //! Every error leaves as problem details (RFC 9457).
 
 use axum::body::Body;
-use axum::extract::Request;
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, RETRY_AFTER};
 use axum::http::{HeaderValue, StatusCode, Uri};
-use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use http_body_util::{BodyExt, Limited};
 
@@ -36,8 +34,7 @@ pub async fn no_such_path(uri: Uri) -> Problem {
 
 /// Puts refusals that are not ours (of axum's extractors and of the layers) into the common form. Headers such as
 /// `Allow` and `Retry-After` stay.
-pub async fn as_problem(request: Request, next: Next) -> Response {
-    let response = next.run(request).await;
+pub async fn in_form(response: Response) -> Response {
     let status = response.status();
     let is_error = status.is_client_error() || status.is_server_error();
     let content_type = response.headers().get(CONTENT_TYPE).and_then(|t| t.to_str().ok()).unwrap_or_default();

@@ -50,7 +50,7 @@ use crate::system::Clock;
 pub struct Pages {
     pub config: Arc<Config>,
     pub clock: Clock,
-    pub pipeline: Pipeline,
+    pub pipeline: Arc<Pipeline>,
 }
 
 /// Every page, and what they load.

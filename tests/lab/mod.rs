@@ -84,7 +84,7 @@ impl Lab {
         let outbox = Outbox::start(&pipeline).expect("the delivery worker starts");
         let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
         let address = listener.local_addr().expect("an address");
-        let app = App { config: config.clone(), clock: self.clock.clone(), pipeline };
+        let app = App { config: config.clone(), clock: self.clock.clone(), pipeline: Arc::new(pipeline) };
         let router = http::router(app, axum::Router::new());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(async move {

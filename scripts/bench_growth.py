@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""How cost grows: with the history, the gyros, the connections, the dwells and the processors.
+"""How cost grows: with the history, the gyros, the connections, the dwells, the processors and the servers on one PostgreSQL.
 
     scripts/bench_growth.py [--program target/release/gyrowatch] [--values 1000000]
 
 Every figure is a ratio to the first of its row as well. `--values` is the largest history, in coefficient values (two a gyro
-and calibration): 10^7 take some minutes to import. Standard library only; the client shares the machine.
+and calibration): 10^7 take some minutes to import. Standard library only; the client shares the machine, and so does PostgreSQL,
+which is left out where Debian's is not installed.
 """
-import argparse, http.client, json, multiprocessing, os, socket, subprocess, sys, tempfile, time
+import argparse, glob, http.client, json, multiprocessing, os, shutil, socket, subprocess, sys, tempfile, time
 from datetime import datetime, timedelta, timezone
 
 START = datetime(2000, 1, 1, 8, tzinfo=timezone.utc)
@@ -14,14 +15,20 @@ PAPER = json.load(open("tests/data/paper.json"))
 SECONDS = 3
 
 
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 class Service:
-    def __init__(self, program, processors=None):
+    """The service on a database of its own, or as one of several on `database`."""
+
+    def __init__(self, program, processors=None, database=None):
         self.dir = tempfile.TemporaryDirectory(prefix="gyrowatch-growth-")
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         environment = dict(os.environ, GYROWATCH_LISTEN=f"127.0.0.1:{self.port}",
-                           GYROWATCH_DATABASE_URL=f"sqlite://{self.dir.name}/g.db")
+                           GYROWATCH_DATABASE_URL=database or f"sqlite://{self.dir.name}/g.db")
         command = [program, "serve"] if processors is None else ["taskset", "-c", f"0-{processors - 1}", program, "serve"]
         self.log = open(f"{self.dir.name}/log", "w")
         self.process = subprocess.Popen(command, env=environment, stdout=self.log, stderr=self.log)
@@ -172,6 +179,54 @@ def with_processors(program):
     row("processors of the service (the client has both): records over 16 connections", "/s", rates)
 
 
+class PostgreSQL:
+    """A cluster of its own, as the user postgres where this one is root: the server refuses root."""
+
+    def __init__(self, bin):
+        self.bin, self.port, self.dir = bin, free_port(), tempfile.mkdtemp(prefix="gyrowatch-growth-pg-")
+        self.user = ["runuser", "-u", "postgres", "--"] if os.geteuid() == 0 else []
+        if self.user:
+            shutil.chown(self.dir, "postgres")
+        data = f"{self.dir}/data"
+        subprocess.run([*self.user, f"{bin}/initdb", "--pgdata", data, "--username", "bench", "--auth", "trust"], check=True,
+                       stdout=subprocess.DEVNULL)
+        self.control("start", "--wait", "--log", f"{self.dir}/log", "--options",
+                     f"-p {self.port} -k {self.dir} -c listen_addresses=127.0.0.1 -c max_connections=200")
+
+    def control(self, *command):
+        command = [*self.user, f"{self.bin}/pg_ctl", "--pgdata", f"{self.dir}/data", *command]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+    def database(self, name):
+        subprocess.run([f"{self.bin}/createdb", "-h", "127.0.0.1", "-p", str(self.port), "-U", "bench", name], check=True)
+        return f"postgres://bench@127.0.0.1:{self.port}/{name}"
+
+    def stop(self):
+        self.control("stop", "--mode", "immediate")
+        shutil.rmtree(self.dir)
+
+
+def with_servers(program):
+    """Records over 24 connections, each to one of the servers by turns."""
+    installed = sorted(glob.glob("/usr/lib/postgresql/*/bin"))
+    if not installed:
+        return print("servers: postgresql is not installed")
+    cluster, rates, tails = PostgreSQL(installed[-1]), [], []
+    for count in (1, 2, 3):
+        database = cluster.database(f"servers{count}")
+        services = [Service(program, database=database) for _ in range(count)]
+        with multiprocessing.Pool(24) as pool:
+            work = [(services[imu % count].port, imu, SECONDS) for imu in range(24)]
+            times = sorted(sum(pool.starmap(sender, work), []))
+        rates.append((str(count), len(times) / SECONDS))
+        tails.append((str(count), 1e3 * times[int(0.99 * len(times))]))
+        for service in services:
+            service.stop()
+    cluster.stop()
+    row("servers on one PostgreSQL: records over 24 connections", "/s", rates)
+    row("servers on one PostgreSQL: p99", "ms", tails)
+
+
 # Presets of the simulator, and what is changed in them.
 DESIGNS = (("24-bare", {}), ("24-position", {}), ("24-position", {"repeats": 20, "cycles": 3}), ("long", {}))
 
@@ -214,6 +269,7 @@ def main():
     with_dwells(asked.program)
     with_connections(asked.program)
     with_processors(asked.program)
+    with_servers(asked.program)
     with_gyros(asked.program)
     with_history(asked.program, asked.values)
 

@@ -1,11 +1,15 @@
 //! Raw campaigns are fitted: figures against another program's, errors against sigmas, measured data against what
 //! others found in them.
 
+use gyrowatch::core::calibrate::outcome::evaluate;
 use gyrowatch::core::calibrate::{Calibration, GyroCalibration, calibrate};
 use gyrowatch::core::campaign::Campaign;
+use gyrowatch::core::diagnose::{Options, diagnose};
 use gyrowatch::core::model::{Term, Terms};
 use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::separate::Separation;
+use gyrowatch::wire::answer::MethodBody;
+use gyrowatch::wire::calibration::CampaignAnswer;
 use gyrowatch::wire::campaign::parse;
 
 fn read(name: &str) -> Campaign {
@@ -159,5 +163,26 @@ fn measured_campaigns_take_any_set_of_terms() {
                 assert!(gyro.parameters.iter().all(|p| p.value.is_finite() && p.sd.is_none_or(f64::is_finite)));
             }
         }
+    }
+}
+
+#[test]
+fn standard_errors_that_are_far_too_large_are_told() {
+    let campaign = read("practice/campaign-00.json");
+    let told = |times: f64| {
+        let mut campaign = campaign.clone();
+        for sem in campaign.dwells.iter_mut().filter_map(|dwell| dwell.output_sem_pulse_s.as_mut()).flatten() {
+            *sem *= times;
+        }
+        let answer =
+            CampaignAnswer::of(&campaign, &evaluate(&campaign, &Plausibility::default()).unwrap(), MethodBody::Rigid);
+        let diagnosis = diagnose(&campaign, &Options::default()).unwrap();
+        [answer.notes, diagnosis.notes].map(|notes| {
+            notes.into_iter().filter(|note| note.contains("larger than the dwells scatter")).collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(told(1.0), [vec![], vec![]] as [Vec<String>; 2]);
+    for notes in told(10.0) {
+        assert!(matches!(&notes[..], [note] if note.contains("G1 ") && note.contains("G3 ")), "{notes:?}");
     }
 }

@@ -102,6 +102,11 @@ fn rows(scores: &[Score]) -> Vec<Row> {
         Row::new("  and its gyros right", at_least(0.95), Tally::of(of(Case::One).filter(stated).map(gyros))),
         Row::new("  and nothing else named", None, Tally::of(of(Case::One).filter(stated).map(alone))),
         Row::new(
+            "  and nothing said to remain",
+            None,
+            Tally::of(of(Case::One).filter(stated).filter(|s| s.all_found()).map(|s| s.verdict == "explained")),
+        ),
+        Row::new(
             "  its class no wider than the design forces",
             None,
             Tally::of(of(Case::One).filter(stated).flat_map(|s| s.classes.clone())),
@@ -116,6 +121,11 @@ fn rows(scores: &[Score]) -> Vec<Row> {
             "clean: an effect named",
             Some(Goal::AtMost(0.01)),
             Tally::of(of(Case::Clean).map(Score::false_alarm)),
+        ),
+        Row::new(
+            "  said to have a gap",
+            Some(Goal::AtMost(0.03)),
+            Tally::of(of(Case::Clean).map(|s| s.verdict != "no_gap")),
         ),
         Row::new("two effects, d = 12 each: both named", at_least(0.95), found(&mut of(Case::Pair))),
         Row::new("  and nothing else named", at_least(0.95), Tally::of(of(Case::Pair).map(alone))),

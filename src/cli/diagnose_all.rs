@@ -238,8 +238,8 @@ fn findings(all: &[FindingBody]) -> Option<String> {
             shift("D_S"),
         ]);
     }
-    let note = "campaigns: with the effect / since the first one with it, of all of the gyro; closes: of the reducible gap on held-out dwells, median (least \
-                to greatest);\nD_I, D_S: largest shift, deg/(h g0), and its part of the budget";
+    let note = "campaigns: with the effect / since the first one with it, of all of the gyro; closes: of the reducible gap that what was named before it in \
+                the campaign has left, on held-out dwells, median (least to greatest);\nD_I, D_S: largest shift, deg/(h g0), and its part of the budget";
     (!all.is_empty()).then(|| format!("Named effects\n{rows}\n{note}"))
 }
 

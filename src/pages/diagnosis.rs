@@ -144,6 +144,7 @@ fn effects(t: &Text, d: &DiagnosisBody) -> Markup {
             @if d.effects.is_empty() { p { (t.no_effect) } }
             @for effect in &d.effects { (one_effect(t, effect)) }
             @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) {
+                p.note { (t.in_order) }
                 p { (t.all_together) ": " } (closure(t, all))
             }
         }

@@ -147,6 +147,7 @@ fn effects(d: &DiagnosisBody) -> Markup {
         @if d.effects.is_empty() { p { "No effect is named." } }
         @for effect in &d.effects { (one_effect(effect)) }
         @if let Some(all) = d.closure.as_ref().filter(|_| d.effects.len() > 1) {
+            p { "Each closes of what those above it have left: their closures do not compare, their detectabilities do." }
             p { "All together: " (closure(all)) }
         }
     }
@@ -174,7 +175,7 @@ fn one_effect(effect: &EffectBody) -> Markup {
 fn closure(h: &HeldOutBody) -> Markup {
     html! {
         "On dwells that were held out the error falls from " (figure(h.before_deg_per_h)) " to "
-        (figure(h.after_deg_per_h)) " deg/h; it closes " (figure(h.closure)) " of the reducible gap" " (95 % interval " (figure(h.interval[0]))
+        (figure(h.after_deg_per_h)) " deg/h; it closes " (figure(h.closure)) " of the reducible gap (95 % interval " (figure(h.interval[0]))
         " to " (figure(h.interval[1])) ") "
         (PreEscaped(plot::bar(h.closure, Some(h.interval))))
     }

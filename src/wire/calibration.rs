@@ -10,7 +10,7 @@ use super::record::SlotBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
-use crate::core::calibrate::noise::Noise;
+use crate::core::calibrate::noise::{Noise, overstated, overstated_note};
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{Campaign, unchecked};
@@ -333,6 +333,10 @@ fn notes(calibration: &Calibration) -> Vec<String> {
         notes.push(
             "no repeated dwells: nothing but the fit itself tells noise from what the model leaves out".to_owned(),
         );
+    }
+    if calibration.has_sem {
+        let gyros = calibration.gyros.iter().filter_map(|g| Some((g.slot.name(), overstated(g.chi2, g.dof)?)));
+        notes.extend(overstated_note(gyros));
     }
     let scattering = calibration.gyros.iter().filter(|g| g.p_value.is_some_and(|p| p < 1e-3)).map(|g| g.slot.name());
     let scattering: Vec<&str> = scattering.collect();

@@ -220,6 +220,26 @@ pub fn chi2_tail(chi2: f64, dof: usize) -> Option<f64> {
     (dof > 0).then(|| ChiSquared::new(dof as f64).expect("positive dof").sf(chi2))
 }
 
+/// How many times the stated standard errors are too large for the scatter of the dwells: sqrt(dof/chi2), where the residuals are smaller
+/// by more than standard errors are usually wrong and chance would have it once in a million campaigns.
+pub fn overstated(chi2: f64, dof: usize) -> Option<f64> {
+    const USUAL: f64 = 0.5;
+    const CHANCE: f64 = 1e-6;
+    let less = chi2_tail(chi2, dof)? > 1.0 - CHANCE && chi2 < USUAL * dof as f64;
+    less.then(|| (dof as f64 / chi2).sqrt())
+}
+
+/// Gyros whose standard errors are too large, and how much, in words.
+pub fn overstated_note(gyros: impl Iterator<Item = (&'static str, f64)>) -> Option<String> {
+    let each: Vec<String> = gyros
+        .map(|(slot, times)| if times < 1e3 { format!("{slot} {times:.1} times") } else { format!("{slot} by far") })
+        .collect();
+    (!each.is_empty()).then(|| {
+        let each = each.join(", ");
+        format!("the stated standard errors are larger than the dwells scatter ({each}): where they are wrong, every sigma is as much too large, and a gap below them is not seen")
+    })
+}
+
 /// P(F > the ratio of the two mean squares), each given as (sum of squares, dof); none where either has no dof, or
 /// the denominator is zero.
 pub fn f_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {

@@ -1,9 +1,10 @@
 //! What is left after adoption, tested by means that know no catalogue.
 //!
-//! Each test is a quadratic form `r' W r` of the residuals, whose mean and variance under noise follow exactly from the
-//! projector `P = 1 - Q Q'` of the model: `E = s^2 tr(PW)`, `Var = 2 s^4 tr(PWPW)`. `W` says which dwells ought to be
-//! strangers: neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
+//! Each test is a quadratic form `r' W r` of the residuals ([`likeness`]). `W` says which dwells ought to be strangers:
+//! neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
 //! Beside them stand the spread against the noise floor and repeats against the rest.
+
+mod likeness;
 
 use nalgebra::DMatrix;
 use statrs::function::beta::checked_beta_reg;
@@ -17,6 +18,7 @@ use super::frame::Frame;
 use crate::core::campaign::Phase;
 use crate::core::effects::Setting;
 use crate::core::mounting::Slot;
+use likeness::{Score, Weights};
 
 /// What one test says of one gyro, or of all together where `gyro` is none.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,15 +59,18 @@ impl Left<'_> {
         let bases: Vec<DMatrix<f64>> = (0..self.residuals.len()).map(|j| self.basis(j)).collect();
         let mut tests = Vec::new();
         for (kind, weights) in strangers(&self.frame.setting) {
-            let scores: Vec<f64> = (0..bases.len())
-                .filter_map(|j| likeness(&weights, &bases[j], &self.residuals[j], self.dof(j)))
+            let scores: Vec<Score> = (0..bases.len())
+                .map(|j| {
+                    weights.likeness(&bases[j], self.dof(j)).map_or(Score::NONE, |it| it.score(&self.residuals[j]))
+                })
                 .collect();
-            for (j, z) in scores.iter().enumerate() {
-                tests.push(Tested { kind, gyro: Some(j), p_value: upper_tail(*z) });
-            }
+            tests.extend(scores.iter().enumerate().map(|(j, score)| Tested {
+                kind,
+                gyro: Some(j),
+                p_value: score.p_value(),
+            }));
             if scores.len() > 1 {
-                let together = scores.iter().sum::<f64>() / (scores.len() as f64).sqrt();
-                tests.push(Tested { kind, gyro: None, p_value: upper_tail(together) });
+                tests.push(Tested { kind, gyro: None, p_value: Score::together(&scores).p_value() });
             }
         }
         tests.extend(self.spread());
@@ -203,35 +208,11 @@ pub(super) fn signs(tests: &[Tested], slots: &[Slot], level: f64) -> Vec<Sign> {
     signs
 }
 
-/// Standardised `r' W r`; none where too little is left to say.
-fn likeness(weights: &DMatrix<f64>, basis: &DMatrix<f64>, residual: &[f64], dof: f64) -> Option<f64> {
-    if dof < 4.0 {
-        return Some(0.0);
-    }
-    let r = nalgebra::DVector::from_column_slice(residual);
-    let form = r.dot(&(weights * &r));
-    let scale = r.norm_squared() / dof;
-    if scale.is_nan() || scale <= 0.0 {
-        return Some(0.0);
-    }
-    let across = weights * basis;
-    let inner = basis.tr_mul(&across);
-    // tr W = 0 by construction; tr(PWPW) = tr WW - 2 tr(Q'WWQ) + tr((Q'WQ)^2).
-    let mean = -inner.trace();
-    let square = weights.norm_squared() - 2.0 * across.norm_squared() + inner.dot(&inner.transpose());
-    // The scale is estimated from the same residuals: r'Wr/s^2 loses the part along 1.
-    let variance = 2.0 * (square - mean * mean / dof);
-    if variance.is_nan() || variance <= 1e-9 * weights.norm_squared() {
-        return Some(0.0);
-    }
-    Some((form / scale - mean) / variance.sqrt())
-}
-
 /// Pairs of dwells that a gap would make alike, row by row; zero diagonal.
-fn strangers(s: &Setting) -> Vec<(&'static str, DMatrix<f64>)> {
+fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
     let n = s.dwells();
     let pairs = |like: &dyn Fn(usize, usize) -> f64| {
-        DMatrix::from_fn(n, n, |a, b| if a == b { 0.0 } else { like(a.min(b), a.max(b)) })
+        Weights::new(DMatrix::from_fn(n, n, |a, b| if a == b { 0.0 } else { like(a.min(b), a.max(b)) }))
     };
     let rested = |k: usize| s.phase[k] == Phase::Static;
     let mut kinds = vec![

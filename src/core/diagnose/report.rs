@@ -17,6 +17,7 @@ use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
 use super::settle::Settled;
 use super::why_not::WhyNot;
+use crate::core::calibrate::noise;
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
@@ -24,7 +25,7 @@ use crate::core::mounting::Slot;
 /// Probability below which what remains is significant where nothing was named, and beside a name. A name speaks for
 /// a cause of nearly its form as well: there what it leaves has to be looked at more closely.
 const REMAINS: f64 = 0.01;
-const REMAINS_BESIDE_A_NAME: f64 = 0.03;
+const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
 const UNSEEN: f64 = 10.0;
@@ -102,8 +103,16 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
         impact: impact::impact(frame, &parts, &fit),
         next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
         residuals: located::residuals(frame, &fit.residuals, &variances),
-        notes: frame.notes.clone(),
+        notes: frame.notes.iter().cloned().chain(overstated(frame)).collect(),
     }
+}
+
+/// What is to be known of standard errors that are stated too large.
+fn overstated(frame: &Frame) -> Option<String> {
+    let gyros = frame.gyros.iter().zip(&frame.setting.gyros).filter(|_| frame.noise.stated);
+    noise::overstated_note(
+        gyros.filter_map(|(gyro, setting)| Some((setting.slot.name(), noise::overstated(gyro.rss(), gyro.dof())?))),
+    )
 }
 
 /// Contract entries among the choices; one that needs several dwells or shapes at once in a gyro is not that entry.
@@ -240,7 +249,7 @@ fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded
     let all_slots = all_slots(frame);
     let p_value = remaining::combined(&tests);
     if list.is_empty() && p_value < level(named) {
-        list = remaining::signs(&tests, &all_slots, 10.0 * level(named));
+        list = remaining::signs(&tests, &all_slots, level(named));
         if list.is_empty() {
             list.push(Sign { kind: "tests_together", slots: all_slots, p_value });
         }
@@ -274,7 +283,8 @@ fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, not
         rms_deg_per_h: floor::rms(&settled.frame, settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice())),
         noise_alone_deg_per_h: floor::expected_rms(&settled.frame, variances),
         reduced_chi2: chi2 / dof as f64,
-        p_value: from_search.min(remaining).clamp(0.0, 1.0),
+        // The smaller of two.
+        p_value: 1.0 - (1.0 - from_search.min(remaining).clamp(0.0, 1.0)).powi(2),
     }
 }
 

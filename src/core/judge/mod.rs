@@ -16,7 +16,7 @@ pub use history::{
     BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, baseline_since, stated_level,
 };
 pub use limits::{Bounds, CusumLimits, DriftLimits, Limits, Requirement, TrendLimits};
-pub use reason::Finding;
+pub use reason::{Finding, turn_arcmin};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
 
 use rules::Case;

@@ -175,7 +175,14 @@ impl Verdict {
                 let moved = Decimal(now - level);
                 write!(f, "The closure {name} moved by {moved:+.p$} from its baseline {:.p$}", Decimal(level))?;
                 write_origin(f, since)?;
-                write_turn(f, now - level, d_s)
+                if let Some(turn) = turn_arcmin(now - level, d_s) {
+                    write!(f, ", as a turn of {turn:+.1} arcmin about the input axis would")?;
+                }
+                // What lies within its limit is not said to have a cause.
+                f.write_str(match self.state {
+                    State::Exceeded => ": mounting, or an output-axis term, rather than D_I or D_S",
+                    State::Within | State::Indeterminate => "",
+                })
             }
             Finding::NoTrend { records, since, step } => {
                 write!(f, "{name}: the {records} records since {} establish no slope", since.date())?;
@@ -270,18 +277,10 @@ fn write_origin(f: &mut Formatter<'_>, since: Option<UtcMicros>) -> fmt::Result 
     }
 }
 
-/// D_O moves by D_S psi when the spin axis turns by psi about the input axis.
-fn write_turn(f: &mut Formatter<'_>, moved: f64, d_s: Option<f64>) -> fmt::Result {
-    let turn = d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0).filter(|turn| turn.is_finite());
-    match turn {
-        Some(turn) => {
-            write!(
-                f,
-                ", as a turn of {turn:+.1} arcmin about the input axis would: mounting rather than mass unbalance"
-            )
-        }
-        None => f.write_str(": mounting rather than mass unbalance"),
-    }
+/// The turn of the spin axis about the input axis that moves D_O by as much, arc minutes: D_O moves by D_S psi when it turns by psi.
+/// None where it would not show.
+pub fn turn_arcmin(moved: f64, d_s: Option<f64>) -> Option<f64> {
+    d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0).filter(|turn| turn.is_finite() && turn.abs() >= 0.05)
 }
 
 fn write_percent(f: &mut Formatter<'_>, probability: f64) -> fmt::Result {

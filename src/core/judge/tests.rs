@@ -221,8 +221,25 @@ fn a_closure_that_moved_is_told_as_a_turn_of_the_mounting() {
     judge(&history, 4, &Limits::default(), &mut verdicts);
     let v = verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit");
     assert_eq!((v.coefficient, v.state), (Coefficient::DO, State::Exceeded));
-    assert!(v.reason().contains("as a turn of +10.0 arcmin about the input axis would"), "{}", v.reason());
+    let cause = "as a turn of +10.0 arcmin about the input axis would: mounting, or an output-axis term, rather than D_I or D_S";
+    assert!(v.reason().contains(cause), "{}", v.reason());
     assert!(verdicts.iter().filter(|v| v.coefficient != Coefficient::DO).all(|v| v.state != State::Exceeded));
+}
+
+#[test]
+fn a_closure_within_its_limit_is_given_no_cause_and_no_turn_that_rounds_to_nothing() {
+    for (moved, turn) in [(0.002, Some("as a turn of +1.4 arcmin")), (1e-5, None)] {
+        let mut points = samples(Some(1e-3), &series(5, |_| 3.0));
+        points[4].d[2].value = moved;
+        let history = History { samples: &points, baseline: &points[..3], marks: &[] };
+        let mut verdicts = Vec::new();
+        judge(&history, 4, &Limits::default(), &mut verdicts);
+        let v = verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit");
+        assert_eq!(v.state, State::Within);
+        assert!(!v.reason().contains("mounting"), "{}", v.reason());
+        assert_eq!(v.reason().contains("arcmin"), turn.is_some(), "{}", v.reason());
+        assert!(v.reason().contains(turn.unwrap_or_default()), "{}", v.reason());
+    }
 }
 
 #[test]

@@ -123,6 +123,12 @@ impl Text {
             "similar_rates" => self.sign_similar_rates,
             "same_orientation_before" => self.sign_orientation_before,
             "similar_temperatures" => self.sign_temperatures,
+            "harmonics" => self.sign_harmonics,
+            "several_bad_dwells" => self.sign_bad_dwells,
+            "one_shape_is_not_enough" => self.sign_one_shape,
+            "wandering_in_time" => self.sign_wandering,
+            "many_causes_at_once" => self.sign_many_causes,
+            "tests_together" => self.sign_together,
             other => other,
         }
     }

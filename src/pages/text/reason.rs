@@ -2,9 +2,8 @@
 //! the same order.
 
 use super::words::CHINESE;
-use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Verdict, turn_arcmin};
 use crate::core::time::UtcMicros;
-use crate::core::units::degrees;
 
 /// One or two sentences.
 pub(in crate::pages) fn in_chinese(verdict: &Verdict) -> String {
@@ -48,12 +47,14 @@ fn finding(verdict: &Verdict) -> String {
         }
         Finding::Closure { level, since, now, d_s } => {
             let moved = now - level;
-            let turn = d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0).filter(|turn| turn.is_finite());
+            let turn = turn_arcmin(moved, d_s);
             let turn = turn.map_or_else(String::new, |turn| format!("，相当于绕输入轴转动{turn:+.1}角分"));
-            format!(
-                "闭合差{name}偏离基线{level:.p$}{}，相差{moved:+.p$}{turn}：属安装变化，不是质量不平衡",
-                origin(since)
-            )
+            let cause = if verdict.state == State::Exceeded {
+                "：更可能是安装变化或输出轴项，而非D_I或D_S"
+            } else {
+                ""
+            };
+            format!("闭合差{name}偏离基线{level:.p$}{}，相差{moved:+.p$}{turn}{cause}", origin(since))
         }
         Finding::NoTrend { records, since, step } => {
             let mut text = format!("{name}：自{}以来的{records}个记录未显示斜率", since.date());

@@ -176,7 +176,7 @@ catalogue! {
     last_seen_in: "Last with it", "最近出现";
     last_clear: "Last without it before", "此前最后一次未出现";
     gyro_by_gyro: "Gyro by gyro", "逐个陀螺";
-    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。台站：出现／该陀螺在此的试验。解释比例：留出位置段上可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
+    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap that effects named before it in the campaign have left, on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。台站：出现／该陀螺在此的试验。解释比例：留出位置段上，该次试验中先命名的效应所余可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
     or_as_well: "or just as well:", "或同样可能：";
     closed: "Closed", "解释比例";
     not_explained: "Not explained by the catalogue, or not wholly", "目录不能解释或不能完全解释的差异";
@@ -225,6 +225,12 @@ catalogue! {
     sign_similar_rates: "dwells of similar rates err alike", "角速度相近的位置段误差相似";
     sign_orientation_before: "dwells after one and the same orientation err alike", "前一姿态相同的位置段误差相似";
     sign_temperatures: "dwells of similar temperatures err alike", "温度相近的位置段误差相似";
+    sign_harmonics: "a named sinusoid has harmonics", "已命名的正弦含有谐波";
+    sign_bad_dwells: "more than one dwell stands out", "不止一个位置段异常";
+    sign_one_shape: "one entry would be needed twice, with two instants or periods", "同一效应需以两个时刻或周期出现两次";
+    sign_wandering: "two courses in time that one wandering replaces nearly as well", "两种随时间的变化几乎可由一种漂移代替";
+    sign_many_causes: "more names than a gap that is explained would need", "命名的效应多于解释差异所需";
+    sign_together: "no test alone, but all of them together", "单项检验均不显著，但合起来显著";
     what_parts_them: "What parts them", "差异来源";
     no_effect: "No effect is named.", "没有指出任何效应。";
     all_together: "All together", "合计";
@@ -237,6 +243,7 @@ catalogue! {
     unit_word: "Unit", "单位";
     all_gyros: "all", "全部";
     held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的位置段上得到解释：";
+    in_order: "Each closes of what those above it have left: their closures do not compare, their detectabilities do.", "每项的解释比例以前面各项所余差异为基准：解释比例不可相互比较，可检测度则可以。";
     located: "Where", "位置";
     heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×位置段；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
     heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各位置段残差与不确定度之比";

@@ -63,6 +63,20 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "The closure {} moved by {} from its baseline {}: mounting rather than mass unbalance",
         "闭合差{0}偏离基线{2}，相差{1}：更可能是安装变化，而非质量不平衡",
     ),
+    (
+        "The closure {} moved by {} from its baseline {}, as a turn of {} arcmin about the input axis would: mounting, or an \
+         output-axis term, rather than D_I or D_S",
+        "闭合差{0}偏离基线{2}，相差{1}，相当于绕输入轴转动{3}角分：更可能是安装变化或输出轴项，而非D_I或D_S",
+    ),
+    (
+        "The closure {} moved by {} from its baseline {}: mounting, or an output-axis term, rather than D_I or D_S",
+        "闭合差{0}偏离基线{2}，相差{1}：更可能是安装变化或输出轴项，而非D_I或D_S",
+    ),
+    (
+        "The closure {} moved by {} from its baseline {}, as a turn of {} arcmin about the input axis would",
+        "闭合差{0}偏离基线{2}，相差{1}，相当于绕输入轴转动{3}角分",
+    ),
+    ("The closure {} moved by {} from its baseline {}", "闭合差{0}偏离基线{2}，相差{1}"),
     ("{} lies {} from its baseline {}", "{0}偏离基线{2}，相差{1}"),
     ("{} (mean of the first records from {})", "{0}（自{1}起最初几个记录的平均）"),
     ("{} (fixed)", "{0}（固定）"),

@@ -1,0 +1,225 @@
+//! How alike residuals are that ought to be strangers: a quadratic form of them, and its distribution under noise.
+//!
+//! Residuals `r = P e` of white noise `e` with the projector `P = 1 - Q Q'` of the model (`Q` an orthonormal basis of its
+//! whitened design, `d` degrees of freedom) give `T = r'Wr / (r'r/d)`. With `A = PWP`, `m = tr(A)/d` and the traces
+//! `a2 = tr(A^2)`, `a3 = tr(A^3)`:
+//!
+//! ```text
+//! mean      tr(A)
+//! variance  2 (a2 - m^2 d)
+//! third     8 (a3 - 3 m a2 + 2 m^3 d)        third central moment
+//! ```
+//!
+//! for the scale is estimated from the same residuals, which takes off the part along 1. A form with a few large
+//! eigenvalues is far from normal: beyond 0.1 % of the normal distribution lie 0.7 % of it. The tail is that of the gamma
+//! distribution with the same three moments (Pearson type III).
+
+use nalgebra::{DMatrix, DVector};
+use statrs::function::erf::erfc;
+use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
+
+use crate::core::diagnose::basis::dot;
+
+/// Skewness below which the gamma distribution is the normal one for all purposes.
+const STRAIGHT: f64 = 1e-3;
+
+/// More dwells than this have the trace of their cubed weights estimated: it takes a product of matrices otherwise.
+const MOST_EXACT: usize = 300;
+
+/// Vectors of random signs for that: the skewness is off by a fourth at the most, and by far less where no single eigenvalue rules.
+const PROBES: usize = 64;
+
+/// Which dwells ought to be strangers: symmetric, n x n, nothing on the diagonal.
+pub(super) struct Weights {
+    matrix: DMatrix<f64>,
+    /// tr(W^3).
+    cubed: f64,
+}
+
+impl Weights {
+    pub fn new(matrix: DMatrix<f64>) -> Self {
+        let n = matrix.nrows();
+        let cubed = if n <= MOST_EXACT {
+            (&matrix * &matrix).dot(&matrix)
+        } else {
+            let signs = DMatrix::from_fn(n, PROBES, |k, c| sign(k * PROBES + c));
+            let once = &matrix * signs;
+            once.dot(&(&matrix * &once)) / PROBES as f64
+        };
+        Self { matrix, cubed }
+    }
+
+    /// The form and its moments for residuals with `dof` degrees of freedom of a model with the orthonormal `basis` (n x p); none
+    /// where too little is left to say.
+    pub fn likeness(&self, basis: &DMatrix<f64>, dof: f64) -> Option<Likeness<'_>> {
+        if dof < 4.0 {
+            return None;
+        }
+        let across = &self.matrix * basis;
+        let inner = basis.tr_mul(&across);
+        let twice = &inner * &inner;
+        // tr W = 0 by construction; with B = Q'WQ: tr(A^2) = tr WW - 2 tr(Q'WWQ) + tr(BB), and
+        // tr(A^3) = tr WWW - 3 tr(Q'WWWQ) + 3 tr(B Q'WWQ) - tr(BBB).
+        let mean = -inner.trace();
+        let square = self.matrix.norm_squared() - 2.0 * across.norm_squared() + twice.trace();
+        let cube = self.cubed - 3.0 * across.dot(&(&self.matrix * &across)) + 3.0 * inner.dot(&across.tr_mul(&across))
+            - inner.dot(&twice);
+        let m = mean / dof;
+        let variance = 2.0 * (square - m * mean);
+        if variance.is_nan() || variance <= 1e-9 * self.matrix.norm_squared() {
+            return None;
+        }
+        let third = 8.0 * (cube - 3.0 * m * square + 2.0 * m * m * mean);
+        Some(Likeness { weights: &self.matrix, dof, mean, sd: variance.sqrt(), skewness: third / variance.powf(1.5) })
+    }
+}
+
+/// 1 or -1, as good as random (the finalizer of MurmurHash3).
+fn sign(number: usize) -> f64 {
+    let mut bits = number as u64 ^ 0x9e37_79b9_7f4a_7c15;
+    bits = (bits ^ (bits >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+    bits = (bits ^ (bits >> 33)).wrapping_mul(0xc4ce_b9fe_1a85_ec53);
+    if (bits ^ (bits >> 33)) & 1 == 0 { 1.0 } else { -1.0 }
+}
+
+pub(super) struct Likeness<'w> {
+    weights: &'w DMatrix<f64>,
+    dof: f64,
+    mean: f64,
+    sd: f64,
+    skewness: f64,
+}
+
+impl Likeness<'_> {
+    /// Of whitened residuals, n.
+    pub fn score(&self, residual: &[f64]) -> Score {
+        let scale = dot(residual, residual) / self.dof;
+        if scale.is_nan() || scale <= 0.0 {
+            return Score::NONE;
+        }
+        let r = DVector::from_column_slice(residual);
+        let form = r.dot(&(self.weights * &r));
+        Score { z: (form / scale - self.mean) / self.sd, skewness: self.skewness }
+    }
+}
+
+/// A figure with mean 0, variance 1 and a skewness under noise.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Score {
+    z: f64,
+    skewness: f64,
+}
+
+impl Score {
+    /// Of a test that says nothing.
+    pub const NONE: Self = Self { z: 0.0, skewness: 0.0 };
+
+    /// Of independent scores together.
+    pub fn together(scores: &[Self]) -> Self {
+        let n = scores.len() as f64;
+        let (z, third) = scores.iter().fold((0.0, 0.0), |(z, third), score| (z + score.z, third + score.skewness));
+        Self { z: z / n.sqrt(), skewness: third / n.powf(1.5) }
+    }
+
+    /// Probability of a larger one.
+    pub fn p_value(self) -> f64 {
+        let Self { z, skewness } = self;
+        if skewness.abs() < STRAIGHT {
+            return 0.5 * erfc(z / std::f64::consts::SQRT_2);
+        }
+        let shape = 4.0 / (skewness * skewness);
+        let at = shape + z * skewness.signum() * shape.sqrt();
+        match (at > 0.0, skewness > 0.0) {
+            (true, true) => checked_gamma_ur(shape, at).unwrap_or(0.0),
+            (true, false) => checked_gamma_lr(shape, at).unwrap_or(0.0),
+            // Beyond the end of the distribution.
+            (false, true) => 1.0,
+            (false, false) => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    use super::*;
+
+    const N: usize = 60;
+
+    fn pairs(like: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+        DMatrix::from_fn(N, N, |a, b| if a == b { 0.0 } else { like(a.min(b), a.max(b)) })
+    }
+
+    /// Runs in time, neighbours, groups of repeats, and values of a slow wave.
+    fn weights() -> [DMatrix<f64>; 4] {
+        [
+            pairs(|a, b| (-((b - a) as f64 / 5.0)).exp()),
+            pairs(|a, b| f64::from(u8::from(b - a == 1))),
+            pairs(|a, b| f64::from(u8::from(a % 20 == b % 20))),
+            pairs(|a, b| (-(((a as f64 / 12.0).sin() - (b as f64 / 12.0).sin()) / 0.1).powi(2)).exp()),
+        ]
+    }
+
+    /// A basis of 14 columns: powers and waves over the dwells.
+    fn basis() -> DMatrix<f64> {
+        let raw = DMatrix::from_fn(N, 14, |k, c| {
+            let t = k as f64 / N as f64;
+            if c < 4 { t.powi(c as i32) } else { (t * 3.0 * c as f64 + c as f64).sin() }
+        });
+        raw.qr().q()
+    }
+
+    fn noise(random: &mut ChaCha8Rng, basis: &DMatrix<f64>) -> DVector<f64> {
+        let e = DVector::from_fn(N, |_, _| StandardNormal.sample(random));
+        &e - basis * basis.tr_mul(&e)
+    }
+
+    #[test]
+    fn noise_has_each_probability_as_often_as_it_says() {
+        let (basis, mut random) = (basis(), ChaCha8Rng::seed_from_u64(20_261_122));
+        let dof = (N - basis.ncols()) as f64;
+        for (i, matrix) in weights().into_iter().enumerate() {
+            let weights = Weights::new(matrix);
+            let likeness = weights.likeness(&basis, dof).expect("enough is left");
+            const DRAWS: usize = 20_000;
+            let mut p_values: Vec<f64> =
+                (0..DRAWS).map(|_| likeness.score(noise(&mut random, &basis).as_slice()).p_value()).collect();
+            p_values.sort_by(f64::total_cmp);
+            // Binomial scatter is 2 %, 7 % and 22 % of these; the approximation takes the rest.
+            for (level, low, high) in [(0.1, 0.85, 1.1), (0.01, 0.7, 1.25), (0.001, 0.3, 1.9)] {
+                let share = p_values.partition_point(|p| *p < level) as f64 / DRAWS as f64 / level;
+                assert!((low..high).contains(&share), "form {i}: {share} of what {level} promises");
+            }
+        }
+    }
+
+    #[test]
+    fn the_moments_are_those_of_the_projected_form() {
+        let basis = basis();
+        let projector = DMatrix::identity(N, N) - &basis * basis.transpose();
+        let dof = (N - basis.ncols()) as f64;
+        for matrix in weights() {
+            let a = &projector * &matrix * &projector;
+            // What a constant takes off, taken off the form itself.
+            let centred = &a - &projector * (a.trace() / dof);
+            let (square, cube) = ((&centred * &centred).trace(), (&centred * &centred * &centred).trace());
+            let weights = Weights::new(matrix);
+            let found = weights.likeness(&basis, dof).expect("enough is left");
+            assert!((found.mean - a.trace()).abs() < 1e-9);
+            assert!((found.sd.powi(2) / (2.0 * square) - 1.0).abs() < 1e-9);
+            let skewness = 8.0 * cube / (2.0 * square).powf(1.5);
+            assert!((found.skewness - skewness).abs() < 1e-6, "{} {skewness}", found.skewness);
+        }
+    }
+
+    #[test]
+    fn many_dwells_have_their_trace_estimated_closely() {
+        let n = MOST_EXACT + 60;
+        let matrix = DMatrix::from_fn(n, n, |a, b| if a == b { 0.0 } else { (-(a.abs_diff(b) as f64 / 5.0)).exp() });
+        let exact = (&matrix * &matrix).dot(&matrix);
+        assert!((Weights::new(matrix).cubed / exact - 1.0).abs() < 0.1);
+    }
+}

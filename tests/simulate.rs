@@ -414,6 +414,19 @@ fn many_campaigns_go_into_a_folder_with_one_key() {
 }
 
 #[test]
+fn the_documented_table_of_the_papers_experiment_is_what_the_command_prints() {
+    let table = printed(&gyrowatch(&["--preset", "paper-experiment"]).success());
+    let cells = |line: &str| {
+        line.trim_matches('│').split('┆').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>().join(" | ")
+    };
+    let printed: Vec<String> =
+        table.lines().filter(|line| line.starts_with("│ G")).map(|line| format!("| {} |", cells(line))).collect();
+    let documented =
+        include_str!("../docs/simulation.md").lines().filter(|line| line.starts_with("| G")).collect::<Vec<_>>();
+    assert_eq!((printed.len(), documented), (12, printed.iter().map(String::as_str).collect()));
+}
+
+#[test]
 fn the_paper_s_experiment_is_seven_campaigns_or_one_table() {
     let dir = tempfile::tempdir().unwrap();
     gyrowatch(&["--preset", "paper-experiment", "--dir", dir.path().to_str().unwrap()]).success();

@@ -124,7 +124,7 @@ fn rows(scores: &[Score]) -> Vec<Row> {
         ),
         Row::new(
             "  said to have a gap",
-            Some(Goal::AtMost(0.03)),
+            Some(Goal::AtMost(0.05)),
             Tally::of(of(Case::Clean).map(|s| s.verdict != "no_gap")),
         ),
         Row::new("two effects, d = 12 each: both named", at_least(0.95), found(&mut of(Case::Pair))),

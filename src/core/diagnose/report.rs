@@ -24,7 +24,7 @@ use crate::core::mounting::Slot;
 
 /// Probability below which what remains is significant where nothing was named, and beside a name. A name speaks for
 /// a cause of nearly its form as well: there what it leaves has to be looked at more closely.
-const REMAINS: f64 = 0.01;
+const REMAINS: f64 = 0.02;
 const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.

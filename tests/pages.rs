@@ -183,6 +183,30 @@ async fn a_record_is_shown_with_what_was_separated_from_it() {
 }
 
 #[tokio::test]
+async fn a_gyro_that_was_replaced_is_in_its_imu_no_more() {
+    let server = Server::start().await;
+    let sends = async |imu: &str, serial: &str, day: u32| {
+        let answer = server.post_json("/v1/records", &record(imu, "ST-1", serial, day, [1.0, 2.0])).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+    };
+    sends("IMU-A", "FIRST", 0).await;
+    sends("IMU-A", "SECOND", 7).await;
+    for path in ["/imus/IMU-A", "/imus/IMU-A/report"] {
+        let shown = page(&server, path, &[]).await;
+        let before = place(&shown, "In it before");
+        assert!(place(&shown, "/gyros/SECOND") < before && before < place(&shown, "/gyros/FIRST"), "{shown}");
+        assert!(place(&shown[before..], "Last calibrated in it") < place(&shown[before..], "2026-01-01"), "{shown}");
+        assert!(!shown.contains("<h2>Gyro FIRST"), "a report has a sheet for each gyro that is in it");
+    }
+    // The slot does not fall back to the first when the second goes on to another IMU.
+    sends("IMU-B", "SECOND", 14).await;
+    let left = page(&server, "/imus/IMU-A", &[("accept-language", "zh")]).await;
+    let seats = &left[..place(&left, "最新参数")];
+    assert!(!seats.contains("/gyros/SECOND") && place(seats, "曾装陀螺") < place(seats, "/gyros/FIRST"), "{left}");
+    assert!(page(&server, "/imus/IMU-B", &[]).await.contains("/gyros/SECOND"));
+}
+
+#[tokio::test]
 async fn a_station_is_shown_with_what_it_does_to_results() {
     let server = Server::start().await;
     for (day, station, d_i) in [(0, "ST-1", 1.0), (7, "ST-1", 1.002), (14, "ST-1", 1.0), (21, "ST-2", 1.5)] {

@@ -11,7 +11,7 @@ use super::parameters::{self, Parameters};
 use super::standing::Grade;
 use super::text::Text;
 use super::viewer::Viewer;
-use crate::pipeline::{Kind, RecordHead, Standing, sample_of};
+use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 
@@ -24,8 +24,7 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Pa
 
 /// What is known of an IMU.
 pub(super) struct Facts {
-    /// In the order of their slots.
-    pub gyros: Vec<Standing>,
+    pub seats: Seats,
     /// Newest first.
     pub records: Vec<RecordHead>,
     /// The newest, as tables.
@@ -38,23 +37,22 @@ impl Facts {
         let number =
             number.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU with the name {imu} is known")))?;
         let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
-        let mut gyros = pages.pipeline.seated_in(number).await?;
-        gyros.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
+        let seats = pages.pipeline.seated_in(number).await?;
         let parameters = match records.first() {
             Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),
             None => None,
         };
-        Ok(Self { gyros, records, parameters })
+        Ok(Self { seats, records, parameters })
     }
 }
 
 async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Problem> {
     let t = viewer.text();
-    let Facts { gyros, records, parameters } = Facts::of(pages, viewer, imu).await?;
+    let Facts { seats, records, parameters } = Facts::of(pages, viewer, imu).await?;
     let body = html! {
         h1 { (imu) }
         p.actions { a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) } }
-        section { h2 { (t.gyros_in_it) } (seated(pages, t, &gyros)) }
+        (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
         section { h2 { (t.records) } (list(pages, t, &records)) }
     };
@@ -85,12 +83,29 @@ async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result
     Ok(tables.unwrap_or_default())
 }
 
-pub(super) fn seated(pages: &Pages, t: &Text, gyros: &[Standing]) -> Markup {
+/// The gyros that are in it, and apart from them those that another one has replaced.
+pub(super) fn seated(pages: &Pages, t: &Text, seats: &Seats) -> Markup {
+    html! {
+        section {
+            h2 { (t.gyros_in_it) }
+            @if seats.now.is_empty() { p { (t.none_in_it) } } @else { (standings(pages, t, &seats.now, t.calibrated)) }
+        }
+        @if !seats.before.is_empty() {
+            section {
+                h2 { (t.gyros_before) }
+                p.note { (t.gyros_before_note) }
+                (standings(pages, t, &seats.before, t.last_calibrated_in_it))
+            }
+        }
+    }
+}
+
+fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup {
     html! {
         div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.slot) } th { (t.serial) } th { (t.state) }
-                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.calibrated) }
+                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (when) }
             } }
             tbody { @for gyro in gyros {
                 @if let Some(newest) = &gyro.newest {

@@ -59,7 +59,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let found = imu::Facts::of(pages, viewer, name).await?;
     let shown = Shown::asked(None, pages.config.judging.method);
     let mut gyros = Vec::new();
-    for standing in &found.gyros {
+    for standing in &found.seats.now {
         gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, shown).await?));
     }
     let tables = pages.pipeline.store().names().read();
@@ -77,7 +77,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                     dt { (t.judged_by) } dd { (t.method_of(shown.separation())) }
                 }
             }
-            section { h2 { (t.gyros_in_it) } (imu::seated(pages, t, &found.gyros)) }
+            (imu::seated(pages, t, &found.seats))
             @if let Some(newest) = &found.parameters { section { h2 { (t.newest_parameters) } (newest) } }
             @for (serial, facts) in &gyros {
                 section.sheet {

@@ -1,12 +1,14 @@
 //! The fleet at a glance: every gyro's newest figures, how it stands, and its last few values.
 
-use std::collections::{HashMap, HashSet};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::Pipeline;
 use super::line::{marks_of, sample_of};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Rule, State, overdue};
+use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{Figures, Span, StoreError, StoredVerdict, Stretch, Tables};
 use crate::wire::answer::VerdictBody;
@@ -29,6 +31,15 @@ pub struct Standing {
     pub overdue_days: Option<f64>,
 }
 
+/// The gyros whose newest calibration was made in one IMU.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Seats {
+    /// In it, in the order of their slots: nothing has been calibrated in their slot since.
+    pub now: Vec<Standing>,
+    /// Another gyro has been calibrated in their slot since; the last to leave first.
+    pub before: Vec<Standing>,
+}
+
 /// A gyro's last few values, and what they are held against.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glimpse {
@@ -46,11 +57,31 @@ impl Pipeline {
         self.standings(self.store.newest_of_gyros(0, u32::MAX).await?).await
     }
 
-    /// The gyros whose newest calibration was made in this IMU.
-    pub async fn seated_in(&self, imu: u32) -> Result<Vec<Standing>, StoreError> {
+    /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
+    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StoreError> {
         let mut newest = self.store.newest_of_gyros(0, u32::MAX).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
-        self.standings(newest).await
+        let mut last = BTreeMap::<Slot, UtcMicros>::new();
+        for figures in newest.iter().filter_map(|(_, figures)| *figures).chain(self.newest_rows_of(imu).await?) {
+            let used = last.entry(figures.slot).or_insert(figures.at);
+            *used = figures.at.max(*used);
+        }
+        let is_last = |figures: Figures| last.get(&figures.slot) == Some(&figures.at);
+        let standings = self.standings(newest).await?.into_iter();
+        let (mut now, mut before): (Vec<_>, Vec<_>) =
+            standings.partition(|standing| standing.newest.is_some_and(is_last));
+        now.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
+        before.sort_by_key(|standing| standing.newest.map(|newest| (Reverse(newest.at), newest.slot)));
+        Ok(Seats { now, before })
+    }
+
+    /// The rows of an IMU's newest record: a gyro that has gone on to another IMU since has left its slot all the same.
+    async fn newest_rows_of(&self, imu: u32) -> Result<Vec<Figures>, StoreError> {
+        let Some(head) = self.store.records_of_imu(imu, 1).await?.pop() else { return Ok(Vec::new()) };
+        let sheet = self.store.verdict_sheet(head.id).await?.unwrap_or_default();
+        let then = Span { from: head.calibrated_at, to: head.calibrated_at };
+        let stretches: Vec<Stretch> = sheet.0.iter().map(|(gyro, _)| (*gyro, then)).collect();
+        Ok(self.store.histories(&stretches, 1).await?.concat())
     }
 
     /// How gyros stand with these newest calibrations.

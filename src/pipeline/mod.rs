@@ -60,7 +60,7 @@ pub use compare::Sent;
 pub use course::{Baseline, Course};
 pub use diagnosing::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
 pub use document::{Origin, ReadDocument};
-pub use fleet::{Glimpse, Standing};
+pub use fleet::{Glimpse, Seats, Standing};
 pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
 pub use line::sample_of;

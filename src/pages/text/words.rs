@@ -288,6 +288,10 @@ catalogue! {
 
     // An IMU; stations.
     gyros_in_it: "Gyros in it", "所装陀螺";
+    none_in_it: "None: what was calibrated in it last has been calibrated in another IMU since.", "无：最后在其中标定的陀螺此后已在其他惯性组合中标定。";
+    gyros_before: "In it before", "曾装陀螺";
+    gyros_before_note: "Another gyro has been calibrated in their slot since; they themselves nowhere.", "此后同一位置已标定其他陀螺，而这些陀螺未再标定。";
+    last_calibrated_in_it: "Last calibrated in it", "最后在其中标定";
     newest_parameters: "Newest parameters", "最新参数";
     records: "Calibrations", "历次标定";
     kind: "Kind", "类型";

@@ -183,6 +183,36 @@ async fn a_record_is_shown_with_what_was_separated_from_it() {
 }
 
 #[tokio::test]
+async fn the_diagnoses_of_a_record_and_of_a_gyro_are_found_from_their_pages() {
+    let server = Server::start().await;
+    let sends = async |day: u32, d_o: f64| {
+        let mut body = record("IMU-A", "ST-1", "TURNED/1", day, [1.0, 2.0]);
+        // O = I x S of the triad above.
+        for (k, o) in [-0.8164965809277261, -0.2886751345948129, 0.5].into_iter().enumerate() {
+            let g = &mut body["gyros"][0]["g_pulse_per_s_g0"][k];
+            *g = json!(g.as_f64().unwrap() + d_o * o);
+        }
+        let answer = server.post_json("/v1/records", &body).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+        answer.json()["id"].as_str().unwrap().to_owned()
+    };
+    let (straight, turned) = (sends(0, 0.0).await, sends(7, 0.3).await);
+    for (id, verdict, said) in [
+        (straight, "no_gap", "D_I and D_S explain G"),
+        (turned, "partly_explained", "<strong>G1</strong>: D_O is larger than its noise"),
+    ] {
+        let shown = page(&server, &format!("/records/{id}"), &[]).await;
+        let address = format!("/v1/records/{id}/diagnosis");
+        assert!(shown.contains(said) && shown.contains(&format!("href=\"{address}\"")), "{shown}");
+        assert_eq!(server.get(&address).await.json()["verdict"], verdict);
+    }
+    let address = "/v1/gyros/TURNED%2F1/diagnosis";
+    let gyro = page(&server, "/gyros/TURNED%2F1", &[("accept-language", "zh")]).await;
+    assert!(gyro.contains("变化原因") && gyro.contains(&format!("href=\"{address}\"")), "{gyro}");
+    assert_eq!(server.get(address).await.json()["serial"], "TURNED/1");
+}
+
+#[tokio::test]
 async fn a_gyro_that_was_replaced_is_in_its_imu_no_more() {
     let server = Server::start().await;
     let sends = async |imu: &str, serial: &str, day: u32| {

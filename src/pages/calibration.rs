@@ -11,8 +11,10 @@ use super::layout::{Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::residuals;
 use super::separation;
+use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
+use crate::core::diagnose::ClosureDiagnosis;
 use crate::core::judge::Verdict;
 use crate::core::mounting::Slot;
 use crate::pipeline::{Id, Kind, StoredCampaign, StoredRecord};
@@ -72,9 +74,26 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (standing.said)
         (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
+        (closure(t, row.id, pages.pipeline.closures(row.id).await?.as_ref()))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
     };
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
+}
+
+/// What D_O says by itself.
+fn closure(t: &Text, id: Id, closures: Option<&ClosureDiagnosis>) -> Markup {
+    let gyros = closures.map_or(&[][..], |diagnosis| &diagnosis.gyros);
+    let slots: Vec<&str> = gyros.iter().filter(|gyro| gyro.stands_out).map(|gyro| gyro.slot.name()).collect();
+    html! {
+        section #closure {
+            h2 { (t.closure_diagnosis) }
+            p {
+                @if slots.is_empty() { (t.closure_within) }
+                @else { strong { (slots.join(", ")) } ": " (t.closure_stands_out) }
+                " " a href={ "/v1/records/" (id) "/diagnosis" } { "JSON" }
+            }
+        }
+    }
 }
 
 async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Result<Page, Problem> {

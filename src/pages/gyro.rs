@@ -82,6 +82,7 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
         (alert_section(viewer, &facts.alerts))
         (agreement(viewer, serial, &facts.comparison))
         (course::happenings(viewer, &facts.course, &tables))
+        (changes_explained(viewer, serial))
         (benches(viewer, &facts.course, &tables))
         (calibrations(viewer, serial, shown, asked.skip, &facts, &tables))
     };
@@ -225,6 +226,17 @@ pub(super) fn agreement(viewer: &Viewer, serial: &str, comparison: &Comparison) 
                 @let verdicts: Vec<_> = comparison.verdicts.iter().map(|v| Said { body: VerdictBody::of(serial, v), seen: Some(*v) }).collect();
                 (verdicts::list(viewer, &verdicts))
             }
+        }
+    }
+}
+
+/// Where the diagnosis of its history is; it asks after the whole fleet, which is too much for every view of a page.
+fn changes_explained(viewer: &Viewer, serial: &str) -> Markup {
+    let t = viewer.text();
+    html! {
+        section #diagnosis {
+            h2 { (t.history_diagnosis) }
+            p { (t.history_diagnosis_note) " " a href={ "/v1/gyros/" (encoded(serial)) "/diagnosis" } { "JSON" } }
         }
     }
 }

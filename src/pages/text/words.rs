@@ -111,6 +111,8 @@ catalogue! {
     events: "What happened to it", "经历";
     no_events: "Nothing is noted.", "无记录。";
     calibrations: "Calibrations", "标定记录";
+    history_diagnosis: "Why it changed", "变化原因";
+    history_diagnosis_note: "Whether ageing, an event, a new seat, a station, temperature or clocking explains what D_I, D_S and D_O did over its history, or nothing on record does; told with the fleet beside it.", "D_I、D_S、D_O的历史变化可否由老化、事件、更换位置、台站、温度或绕I轴转角解释，或记录中没有原因；与全部陀螺对照得出。";
     older: "Older", "更早";
     newer: "Newest", "最新";
     csv: "CSV", "CSV";
@@ -132,6 +134,9 @@ catalogue! {
     uncounted_note: "As it was judged while it counted. None of this counts any more.", "以下为该记录有效时的判定，现均不再计入。";
     not_judged: "Nothing is judged.", "无判定。";
     separated: "Separated coefficients", "分离结果";
+    closure_diagnosis: "What the closure says", "闭合差说明什么";
+    closure_within: "D_O is no larger than its noise (or, where none is stated, the budget) allows: D_I and D_S explain G.", "D_O未超出其噪声（未给出时为允许范围）：D_I与D_S足以解释G。";
+    closure_stands_out: "D_O is larger than its noise (or, where none is stated, the budget) allows: drift along the output axis, or a clocking of S about I. One record cannot tell the two apart; what would is in the answer.", "D_O超出其噪声（未给出时为允许范围）：输出轴漂移，或S绕I的转角。单个记录无法区分二者，答复中给出可区分的测量。";
     published_by: "published", "论文公式";
     as_printed: "as printed", "按原文印刷";
     as_printed_note: "As printed: equations (8) to (13) letter by letter, misprints included, for comparison only. The number in brackets is the equation that applies.", "按原文印刷：公式(8)-(13)逐字照用，含印刷错误，仅供比较。括号内为所用公式编号。";

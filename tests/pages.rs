@@ -237,6 +237,54 @@ async fn a_gyro_that_was_replaced_is_in_its_imu_no_more() {
 }
 
 #[tokio::test]
+async fn a_preview_says_what_storing_would_refuse() {
+    let server = Server::start().await;
+    let there = record("IMU-A", "ST-1", "GYRO", 7, [1.0, 2.0]);
+    let id = server.post_json("/v1/records", &there).await.json()["id"].as_str().unwrap().to_owned();
+    let bench = |d_i: f64| {
+        json!({"serial": "GYRO", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
+        "method": "torque_feedback", "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": -2.25})
+    };
+    assert_eq!(server.post_json("/v1/bench-results", &bench(1.5)).await.status, 201);
+    let lines = [
+        there.clone(),
+        record("IMU-A", "ST-1", "GYRO", 7, [1.5, 2.0]),
+        record("IMU-B", "ST-1", "GYRO", 7, [1.0, 2.0]),
+        record("IMU-A", "ST-1", "GYRO", 14, [1.0, 2.0]),
+        record("IMU-A", "ST-1", "GYRO", 14, [1.5, 2.0]),
+        record("IMU-C", "ST-1", "GYRO", 14, [1.0, 2.0]),
+        record("IMU-A", "ST-1", "GYRO", 14, [1.0, 2.0]),
+        bench(1.6),
+    ];
+    let text: Vec<String> = lines.iter().map(Value::to_string).collect();
+    let form = format!("text={}\r\n", text.join("\r\n"));
+    let sends =
+        async |path: &str| server.call("POST", path, &[("content-type", "text/plain")], form.clone()).await.text();
+    let preview = sends("/import/preview").await;
+    assert!(preview.contains("3 can be stored") && preview.contains("<strong>5 cannot"), "{preview}");
+    let said = |page: &str, line: usize| {
+        let from = place(page, &format!("Line {line} · refused"));
+        page[from..from + place(&page[from..], "</article>")].to_owned()
+    };
+    assert!(
+        said(&preview, 2).contains(&format!("stored with other content (id {id}); they differ at /gyros/0")),
+        "{preview}"
+    );
+    assert!(said(&preview, 3).contains(&format!("gyro GYRO has another calibration at the same time (id {id})")));
+    for line in [5, 6] {
+        assert!(said(&preview, line).contains("same IMU or gyro and time as on line 4"), "{preview}");
+    }
+    assert!(said(&preview, 8).contains("they differ at /d_i_deg_per_h_g0"), "{preview}");
+    // Nothing was stored by looking, and storing refuses the same.
+    assert_eq!(server.get("/v1/gyros/GYRO/trend").await.json()["points"].as_array().unwrap().len(), 1);
+    let stored = sends("/import/store").await;
+    for line in 1..=lines.len() {
+        let refused = stored.contains(&format!("<p class=\"fault\">Line {line}:"));
+        assert_eq!(refused, preview.contains(&format!("Line {line} · refused")), "line {line}: {stored}");
+    }
+}
+
+#[tokio::test]
 async fn a_station_is_shown_with_what_it_does_to_results() {
     let server = Server::start().await;
     for (day, station, d_i) in [(0, "ST-1", 1.0), (7, "ST-1", 1.002), (14, "ST-1", 1.0), (21, "ST-2", 1.5)] {

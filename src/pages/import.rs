@@ -1,4 +1,5 @@
-//! `/import`: what a file says, and everything that is wrong with it by line, before anything is stored; then storing it.
+//! `/import`: what a file says, and by line everything that is wrong with it or stands in its way, before anything is stored;
+//! then storing it.
 //!
 //! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no larger on
 //! the way than it is.
@@ -16,7 +17,7 @@ use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::{Fault, Faults};
-use crate::pipeline::{Accepted, Caller, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
+use crate::pipeline::{Accepted, Caller, Foreseen, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 
 /// Documents of one form that are shown; all are read and all are stored.
@@ -33,7 +34,43 @@ pub(super) async fn preview(
     Extension(caller): Extension<Caller>,
     form: String,
 ) -> Response {
-    off_the_loop(move || viewer.show(Ok(previewed(&pages.pipeline, &viewer, &caller, &text_of(&form))))).await
+    let pipeline = pages.pipeline.clone();
+    let (text, read) = off_the_loop(move || {
+        let text = text_of(&form);
+        let read = read_all(&pipeline, &caller, &text);
+        (text, read)
+    })
+    .await;
+    let prospects = foreseen(&pages.pipeline, read).await;
+    off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &text)))).await
+}
+
+/// What storing a document would come to.
+enum Prospect {
+    Faulty(Faults),
+    Refused(Refused),
+    /// Another document of the text, on this line, holds its place with other content.
+    Contradicts(usize),
+    Sound(Submission),
+}
+
+/// Every document with its line, and what storing it would come to: what is stored already may stand in its way.
+async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
+    let sound: Vec<(usize, &ReadDocument)> =
+        read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
+    let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).collect();
+    let outcomes = pipeline.foresee(&documents).await;
+    let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
+    let mut outcomes = outcomes.into_iter();
+    let mut prospect = |read| match read {
+        Err(faults) => Prospect::Faulty(faults),
+        Ok(ReadDocument { submission, .. }) => match outcomes.next() {
+            Some(Foreseen::Refused(why)) => Prospect::Refused(why),
+            Some(Foreseen::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
+            Some(Foreseen::Taken) | None => Prospect::Sound(submission),
+        },
+    };
+    read.into_iter().map(|(line, read)| (line, prospect(read))).collect()
 }
 
 pub(super) async fn store(
@@ -65,25 +102,29 @@ fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocum
     Ok(document)
 }
 
-fn previewed(pipeline: &Pipeline, viewer: &Viewer, caller: &Caller, text: &str) -> Page {
+fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Page {
     let t = viewer.text();
-    let pieces = pieces(text);
-    let read: Vec<_> = pieces.iter().map(|piece| (piece, read(pipeline, caller, piece))).collect();
-    let faulty = read.iter().filter(|(_, read)| read.is_err()).count();
-    let sound = read.len() - faulty;
+    let is_sound = |(_, prospect): &&(usize, Prospect)| matches!(prospect, Prospect::Sound(_));
+    let sound = prospects.iter().filter(is_sound).count();
+    let faulty = prospects.len() - sound;
     let body = html! {
         section.preview aria-live="polite" {
             h2 { (t.preview) }
-            @if read.is_empty() { p.fault { (t.no_document) } }
+            @if prospects.is_empty() { p.fault { (t.no_document) } }
             p.lead {
                 (sound) " " (t.can_be_stored)
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
             }
-            @for (piece, read) in read.iter().filter(|(_, read)| read.is_err()).take(MOST_SHOWN) {
-                @if let Err(faults) = read { (refused(t, piece.line, faults)) }
+            @for (line, prospect) in prospects.iter().filter(|one| !is_sound(one)).take(MOST_SHOWN) {
+                @match prospect {
+                    Prospect::Faulty(faults) => (refused(t, *line, faults)),
+                    Prospect::Refused(why) => (hindered(t, *line, &t.spoken(&why.to_string()))),
+                    Prospect::Contradicts(earlier) => (hindered(t, *line, &format!("{} {earlier}", t.contradicts_line))),
+                    Prospect::Sound(_) => {}
+                }
             }
-            @for (piece, read) in read.iter().take(MOST_SHOWN) {
-                @if let Ok(document) = read { (sound_document(t, piece, &document.submission)) }
+            @for (line, prospect) in prospects.iter().take(MOST_SHOWN) {
+                @if let Prospect::Sound(submission) = prospect { (sound_document(t, *line, submission)) }
             }
             @if sound > 0 {
                 form.confirm action="/import/store" method="post" enctype="text/plain" {
@@ -187,12 +228,22 @@ fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
     }
 }
 
-fn sound_document(t: &Text, piece: &Piece, submission: &Submission) -> Markup {
+/// A sound document that something else stands in the way of.
+fn hindered(t: &Text, line: usize, why: &str) -> Markup {
+    html! {
+        article.fault {
+            h3 { (t.line) " " (line) " · " (t.refused) }
+            p { (why) }
+        }
+    }
+}
+
+fn sound_document(t: &Text, line: usize, submission: &Submission) -> Markup {
     html! {
         article.sound {
             @match submission {
                 Submission::Calibration(calibration) => {
-                    h3 { (t.line) " " (piece.line) " · " (calibration.imu) }
+                    h3 { (t.line) " " (line) " · " (calibration.imu) }
                     p.note { (t.station) " " (calibration.station) " · " (t.calibrated) " " (instant(calibration.calibrated_at)) }
                     div.scroll tabindex="0" { table {
                         thead { tr { th { (t.slot) } th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
@@ -210,7 +261,7 @@ fn sound_document(t: &Text, piece: &Piece, submission: &Submission) -> Markup {
                     } }
                 }
                 Submission::Bench(bench) => {
-                    h3 { (t.line) " " (piece.line) " · " (bench.result.serial) " · " (t.method(bench.result.method.name())) }
+                    h3 { (t.line) " " (line) " · " (bench.result.serial) " · " (t.method(bench.result.method.name())) }
                     p {
                         (t.station) " " (bench.result.station) " · " (instant(bench.result.measured_at)) " · "
                         (symbol("D_I")) " " (figure::drift(bench.result.d_i, bench.result.d_i_sd)) " · "

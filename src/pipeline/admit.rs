@@ -13,8 +13,8 @@ use crate::core::bench::BenchMethod;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
-    BenchRow, Changes, EventRow, Figures, HistoryRow, Id, KeyRow, Names, PublishedFigures, RecordRow, Span, States,
-    Store, StoreError, StoredVerdict, VerdictSheet, Writer,
+    BenchRow, Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Names, PublishedFigures, RecordRow, Span,
+    States, Store, StoreError, StoredVerdict, VerdictSheet,
 };
 use crate::wire::time;
 
@@ -43,6 +43,11 @@ impl Newest {
         let imus = store.newest_of_imus().await?.into_iter().collect();
         let gyros = store.newest_of_gyros(0, u32::MAX).await?.into_iter();
         Ok(Self { imus, gyros: gyros.filter_map(|(gyro, figures)| figures.map(|f| (gyro, (f.at, f.imu)))).collect() })
+    }
+
+    /// Whether the IMU has nothing at this instant, and nothing newer.
+    fn is_new(&self, imu: u32, at: UtcMicros) -> bool {
+        self.imus.get(&imu).is_none_or(|newest| *newest < at)
     }
 
     /// Takes note of what has been committed.
@@ -83,8 +88,9 @@ impl Newest {
 /// What admission may ask.
 pub(super) struct Desk<'a> {
     pub store: &'a Store,
-    pub writer: &'a mut Writer,
-    pub newest: &'a Newest,
+    pub ids: &'a mut IdSource,
+    /// None where the database is to be asked each time.
+    pub newest: Option<&'a Newest>,
     pub now: UtcMicros,
 }
 
@@ -124,7 +130,7 @@ impl Desk<'_> {
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
         }
-        let id = self.writer.next_id(self.now);
+        let id = self.ids.next(self.now);
         let imu = self.take_number(Table::Imus, sent.imu.as_str(), group);
         let station = self.take_number(Table::Stations, sent.station.as_str(), group);
         let mut sheet = VerdictSheet::default();
@@ -171,7 +177,7 @@ impl Desk<'_> {
                 }
             }
         }
-        let id = self.writer.next_id(self.now);
+        let id = self.ids.next(self.now);
         let gyro = self.take_number(Table::Gyros, result.serial.as_str(), group);
         let station = self.take_number(Table::Stations, result.station.as_str(), group);
         group.benches.insert((gyro, at, method), (id, sent.body_sha256));
@@ -205,12 +211,12 @@ impl Desk<'_> {
             let same_bytes = same_words && event.fixed == sent.fixed;
             return Ok(Accepted::There { id: event.id, same_bytes });
         }
-        let id = self.writer.next_id(self.now);
+        let id = self.ids.next(self.now);
         let audited = serde_json::json!({
             "id": id.to_string(), "event": sent.event.name(), "at": time::format(sent.at), "reason": sent.reason,
             "author": sent.author,
         });
-        let (line, what) = (self.writer.next_id(self.now), ("mark event", format!("gyros/{}", sent.serial)));
+        let (line, what) = (self.ids.next(self.now), ("mark event", format!("gyros/{}", sent.serial)));
         group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
         group.changes.events.push(EventRow {
             id,
@@ -248,7 +254,7 @@ impl Desk<'_> {
         if let Some(id) = group.rows.get(&(gyro, at)) {
             return Ok(Some(*id));
         }
-        if self.newest.gyros.get(&gyro).is_none_or(|(newest, _)| *newest < at) {
+        if self.newest.is_some_and(|newest| newest.gyros.get(&gyro).is_none_or(|(newest, _)| *newest < at)) {
             return Ok(None);
         }
         let row = self.store.history(gyro, Span { from: at, to: at }, 1).await?;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::compare::{benches_agree, says_the_same};
 use super::{Accepted, Fitted, Id, Kind, Pipeline, ReadCampaign, Refused, Sent, Submission};
 use crate::core::fault::Faults;
 use crate::wire::campaign::Form;
@@ -26,6 +27,18 @@ enum OriginKind {
     Record,
     Campaign,
     Bench,
+}
+
+impl Origin {
+    /// Whether both say the same, however they are written.
+    pub(super) fn says_the_same_as(&self, other: &Self) -> bool {
+        match (self.kind, other.kind) {
+            (OriginKind::Record, OriginKind::Record) => says_the_same(Kind::Record, &self.body, &other.body),
+            (OriginKind::Campaign, OriginKind::Campaign) => says_the_same(Kind::Campaign, &self.body, &other.body),
+            (OriginKind::Bench, OriginKind::Bench) => benches_agree(&self.body, &other.body),
+            _ => false,
+        }
+    }
 }
 
 impl Pipeline {

@@ -274,7 +274,7 @@ impl Task {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
         let now = self.clock.now();
-        let mut desk = Desk { store: &self.store, writer: &mut self.writer, newest: &self.newest, now };
+        let mut desk = Desk { store: &self.store, ids: self.writer.ids(), newest: Some(&self.newest), now };
         for item in items {
             replies.push(desk.admit(item.sent, &mut group).await);
         }

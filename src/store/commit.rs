@@ -112,6 +112,11 @@ impl Writer {
         self.ids.next(now)
     }
 
+    /// Where identifiers come from, for who needs nothing else of the writer. To be asked during a turn.
+    pub fn ids(&mut self) -> &mut IdSource {
+        &mut self.ids
+    }
+
     /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes: what is read is what holds when this is
     /// committed. Says what others have written since the last turn; names are known already.
     ///

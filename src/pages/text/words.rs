@@ -322,6 +322,7 @@ catalogue! {
     result: "Result", "结果";
     line: "Line", "行";
     refused: "refused", "拒绝";
+    contradicts_line: "other content of the same IMU or gyro and time as on line", "与另一行的惯性组合或陀螺及时间相同，但内容不同，见行";
     is_stored: "stored:", "已存储：";
     was_there: "was stored before with the same content:", "此前已存储，内容相同：";
 

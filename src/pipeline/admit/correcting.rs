@@ -54,7 +54,7 @@ impl Desk<'_> {
             Corrected::Bench(_) => format!("bench-results/{item}"),
         };
         let what = (if replaced_by.is_some() { "revise" } else { "void" }, subject);
-        let line = self.writer.next_id(self.now);
+        let line = self.ids.next(self.now);
         group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
         group.changes.corrections.push(CorrectionRow { item, replaced_by, at: self.now, author, reason });
     }
@@ -135,7 +135,7 @@ impl Desk<'_> {
         if let Some((id, hash)) = group.records.get(&(imu, at)) {
             return Ok(Some((*id, hash.to_vec())));
         }
-        if self.newest.imus.get(&imu).is_none_or(|newest| *newest < at) {
+        if self.newest.is_some_and(|newest| newest.is_new(imu, at)) {
             return Ok(None);
         }
         let mut stored = self.store.records_at(imu, at).await?.into_iter();
@@ -151,9 +151,8 @@ impl Desk<'_> {
         sent: &Calibration,
         group: &Group,
     ) -> Result<Option<Id>, StoreError> {
-        let Some(imu) = imu.filter(|imu| self.newest.imus.get(imu) >= Some(&sent.calibrated_at)) else {
-            return Ok(None);
-        };
+        let is_new = |imu: &u32| self.newest.is_some_and(|newest| newest.is_new(*imu, sent.calibrated_at));
+        let Some(imu) = imu.filter(|imu| !is_new(imu)) else { return Ok(None) };
         for record in self.store.records_at(imu, sent.calibrated_at).await? {
             if record.hash == sent.body_sha256 || self.has_content(record.id, sent, group).await? {
                 return Ok(Some(record.id));

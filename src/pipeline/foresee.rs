@@ -1,0 +1,67 @@
+//! What storing would come to, without storing.
+
+use std::collections::HashMap;
+
+use super::admit::{Desk, Group};
+use super::{Accepted, Id, Pipeline, ReadDocument, Refused};
+use crate::store::IdSource;
+
+/// Beyond every identifier of this century.
+const NEVER_STORED: i64 = i64::MAX - (1 << 40);
+
+/// What would become of a document.
+#[derive(Debug, Clone)]
+pub enum Foreseen {
+    /// It would be stored, or is there already and says the same.
+    Taken,
+    Refused(Refused),
+    /// An earlier one of these documents, counted from 0, holds its place with other content.
+    Contradicts(usize),
+}
+
+impl Pipeline {
+    /// What would become of each of these documents if they were stored now, in this order: admitted to a group that is
+    /// then dropped. Somebody else may store something in between.
+    pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {
+        // Its identifiers are seen by nobody; they only have to differ from those that are stored.
+        let mut ids = IdSource::after(NEVER_STORED);
+        let mut desk = Desk { store: &self.store, ids: &mut ids, newest: None, now: self.clock.now() };
+        let (mut group, mut new) = (Group::default(), HashMap::new());
+        let mut foreseen = Vec::with_capacity(documents.len());
+        for (place, document) in documents.iter().enumerate() {
+            let admitted = desk.admit(&document.submission, &mut group).await;
+            if let Ok(Accepted::Stored { id, .. }) = &admitted {
+                new.insert(*id, place);
+            }
+            foreseen.push(self.outcome(admitted, document, documents, &new).await);
+        }
+        foreseen
+    }
+
+    /// `new`: which document would be stored under an identifier.
+    async fn outcome(
+        &self,
+        admitted: Result<Accepted, Refused>,
+        document: &ReadDocument,
+        documents: &[&ReadDocument],
+        new: &HashMap<Id, usize>,
+    ) -> Foreseen {
+        match admitted {
+            Ok(Accepted::Stored { .. }) => Foreseen::Taken,
+            Ok(there @ Accepted::There { id, same_bytes }) => match new.get(&id) {
+                Some(&first) if same_bytes || documents[first].origin.says_the_same_as(&document.origin) => {
+                    Foreseen::Taken
+                }
+                Some(&first) => Foreseen::Contradicts(first),
+                None => match self.settle_document(&there, &document.origin).await {
+                    Ok(_) => Foreseen::Taken,
+                    Err(refused) => Foreseen::Refused(refused),
+                },
+            },
+            Err(Refused::GyroElsewhere { existing, .. }) if new.contains_key(&existing) => {
+                Foreseen::Contradicts(new[&existing])
+            }
+            Err(refused) => Foreseen::Refused(refused),
+        }
+    }
+}

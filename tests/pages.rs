@@ -292,8 +292,34 @@ async fn a_station_is_shown_with_what_it_does_to_results() {
         assert_eq!(answer.status, 201);
     }
     let shown = page(&server, "/stations", &[]).await;
-    // Successive differences at ST-1 of 0.002: their root mean square over the square root of two; and the step to ST-2.
-    assert!(shown.contains("0.00141") && shown.contains("0.500000"), "{shown}");
+    // Successive differences at ST-1 of 0.002: 1.4826 times their median over the square root of two; and the step to ST-2.
+    assert!(shown.contains("0.002097") && shown.contains("0.500000"), "{shown}");
+}
+
+#[tokio::test]
+async fn a_gyro_that_stepped_is_not_its_stations_scatter() {
+    let server = Server::start().await;
+    let noise = [0.3, -1.1, 0.8, 0.1, -0.6, 1.2, -0.2, -0.9, 0.5, 0.7, -1.0];
+    // The same fleet at two stations, but for one gyro that steps at the first.
+    for (station, step) in [("ST-1", 0.02), ("ST-2", 0.0)] {
+        for gyro in 0..4_usize {
+            for k in 0..8_u32 {
+                let wobble = 6e-4 * noise[(3 * gyro + 5 * k as usize) % noise.len()];
+                let stepped = if gyro == 2 && k >= 4 { step } else { 0.0 };
+                let (imu, serial) = (format!("{station}-IMU-{gyro}"), format!("{station}-{gyro}"));
+                let body = record(&imu, station, &serial, 7 * k, [1.0, 2.0 + stepped + wobble]);
+                assert_eq!(server.post_json("/v1/records", &body).await.status, 201);
+            }
+        }
+    }
+    let shown = page(&server, "/stations", &[]).await;
+    let cells: Vec<f64> = shown
+        .split("data-label=\"Scatter D_S\">")
+        .skip(1)
+        .map(|cell| cell[..place(cell, "<")].parse().unwrap())
+        .collect();
+    let [stepping, quiet] = cells[..] else { panic!("{shown}") };
+    assert!((3e-4..1.2e-3).contains(&quiet) && (stepping / quiet - 1.0).abs() < 0.2, "{cells:?}");
 }
 
 /// A form as a browser sends it from a page of this service.

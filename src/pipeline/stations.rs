@@ -1,6 +1,7 @@
 //! What each station does to results: how its calibrations scatter, and what D_I and D_S did when a gyro came to it.
 
 use std::collections::BTreeMap;
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use super::Pipeline;
@@ -12,6 +13,8 @@ use crate::store::{Figures, Span, StoreError, Stretch};
 const RECORDS: usize = 60;
 /// Gyros that are looked through together.
 const AT_ONCE: usize = 128;
+/// Standard deviations over the median of absolute values, where the values are normal about zero.
+const OF_MEDIAN: f64 = 1.482_602_218_505_602;
 
 /// One station over the fleet, deg/(h g0).
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +22,7 @@ pub struct StationEffect {
     pub name: Arc<str>,
     pub last: UtcMicros,
     pub records: usize,
-    /// Scatter of one calibration of D_I and D_S, from successive differences; none with fewer than two.
+    /// Scatter of one calibration of D_I and D_S, from the median of successive differences; none without one.
     pub scatter: [Option<f64>; 2],
     /// Gyros that came from another station, counted each time.
     pub arrivals: usize,
@@ -93,20 +96,25 @@ impl Pipeline {
 
 impl Seen {
     fn summed_up(&self, name: &Arc<str>) -> StationEffect {
-        let scatter = |column: usize| {
-            let n = self.differences.len();
-            let squares: f64 = self.differences.iter().map(|difference| difference[column].powi(2)).sum();
-            (n > 0).then(|| (squares / (2 * n) as f64).sqrt())
-        };
         StationEffect {
             name: name.clone(),
             last: self.last,
             records: self.records,
-            scatter: [scatter(0), scatter(1)],
+            scatter: [0, 1].map(|column| scatter(&self.differences, column)),
             arrivals: self.arrivals.len(),
             arrival: [0, 1].map(|column| mean(&self.arrivals, column)),
         }
     }
+}
+
+/// The standard deviation of one of two values with such differences. From their median, because a gyro that stepped differs
+/// once by any amount: that is the gyro's doing and not the station's, and squares would let it decide alone.
+fn scatter(differences: &[[f64; 2]], column: usize) -> Option<f64> {
+    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference[column].abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let upper = *sizes.get(sizes.len() / 2)?;
+    let median = if sizes.len() % 2 == 1 { upper } else { (sizes[sizes.len() / 2 - 1] + upper) / 2.0 };
+    Some(OF_MEDIAN * median / SQRT_2)
 }
 
 /// The mean, and its standard error.
@@ -119,6 +127,8 @@ fn mean(all: &[[f64; 2]], column: usize) -> Option<(f64, Option<f64>)> {
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::{ContinuousCDF, Normal};
+
     use super::*;
 
     #[test]
@@ -130,10 +140,23 @@ mod tests {
             arrivals: vec![[0.01, 0.0], [0.02, 0.0], [0.03, 0.0]],
         };
         let effect = seen.summed_up(&"ST-1".into());
-        assert!((effect.scatter[0].unwrap() - 0.003 / 2_f64.sqrt()).abs() < 1e-12);
+        assert!((effect.scatter[0].unwrap() - 1.4826 * 0.003 / SQRT_2).abs() < 1e-7);
         let (change, error) = effect.arrival[0].unwrap();
         assert!((change - 0.02).abs() < 1e-12 && (error.unwrap() - 0.01 / 3_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(mean(&[], 0), None);
+        assert_eq!((mean(&[], 0), scatter(&[], 0)), (None, None));
         assert_eq!(mean(&[[0.5, 1.0]], 1), Some((1.0, None)));
+    }
+
+    #[test]
+    fn a_gyro_that_steps_does_not_count_against_its_station() {
+        // Quantiles in place of noise: their standard deviation is known.
+        let normal = Normal::new(0.0, 6e-4 * SQRT_2).unwrap();
+        let quiet: Vec<[f64; 2]> = (0..100).map(|k| [normal.inverse_cdf((f64::from(k) + 0.5) / 100.0), 0.0]).collect();
+        let told = |differences: &[[f64; 2]]| scatter(differences, 0).unwrap();
+        assert!((told(&quiet) / 6e-4 - 1.0).abs() < 0.02, "{}", told(&quiet));
+        // It steps there and back, ten times.
+        let mut stepping = quiet.clone();
+        stepping.extend((0..10).map(|k| [if k % 2 == 0 { 0.02 } else { -0.02 }, 0.0]));
+        assert!((told(&stepping) / told(&quiet) - 1.0).abs() < 0.2, "{}", told(&stepping));
     }
 }

@@ -302,7 +302,7 @@ catalogue! {
     kind: "Kind", "类型";
     kind_record: "record", "记录";
     kind_campaign: "campaign", "原始试验";
-    station_note: "Of every gyro's last records. Scatter: root mean square of the differences between successive calibrations at this station, over √2. Changes: what D_I and D_S did when a gyro came here from another station.", "取自各陀螺最近的记录。离散：同一台站相邻两次标定之差的均方根除以√2。换台变化：陀螺从其他台站转来时D_I、D_S的变化。";
+    station_note: "Of every gyro's last records. Scatter: standard deviation of one calibration, estimated as 1.4826 times the median size of the differences between a gyro's successive calibrations at this station, over √2, so that single gyros that stepped do not count. Changes: what D_I and D_S did when a gyro came here from another station.", "取自各陀螺最近的记录。离散：单次标定的标准差，由同一陀螺在该台站相邻两次标定之差的绝对值中位数乘以1.4826再除以√2估计，个别陀螺的跳变不计入。换台变化：陀螺从其他台站转来时D_I、D_S的变化。";
     scatter: "Scatter", "离散";
     on_arrival: "Change on arrival", "换台变化";
     changes_seen: "changes", "次数";

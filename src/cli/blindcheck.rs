@@ -159,9 +159,14 @@ fn progress(count: usize) -> ProgressBar {
     bar
 }
 
+const KEY: &str =
+    "named: the effect itself, or a class that holds it because the campaign cannot tell its members apart";
+
 fn tables(report: &Report, seconds: f64) -> String {
-    let mut parts =
-        vec![format!("{} campaigns, key SHA-256 {}", report.campaigns, report.seal), goals(report).to_string()];
+    let mut parts = vec![
+        format!("{} campaigns, key SHA-256 {}", report.campaigns, report.seal),
+        format!("{}\n{KEY}", goals(report)),
+    ];
     for (title, groups) in [
         ("one effect, named: by effect", &report.by_effect),
         ("by set of positions", &report.by_design),

@@ -243,9 +243,10 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
     attempt().await
 }
 
-/// The places at fault, or the detail where the problem names none.
+/// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what stands in the
+/// way, and how the two differ.
 fn in_words(problem: &Problem) -> String {
-    if problem.errors.is_empty() {
+    if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
     }
     let place = |pointer: &str| if pointer.is_empty() { "document".to_owned() } else { pointer.to_owned() };

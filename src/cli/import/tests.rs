@@ -86,6 +86,16 @@ async fn lines_that_the_service_was_too_busy_for_go_again_alone() {
 }
 
 #[tokio::test]
+async fn a_conflict_is_told_with_what_stands_in_the_way_and_how_the_two_differ() {
+    const DETAIL: &str = "an item with the same key is stored with other content (id r7); they differ in everything, as a record and a campaign do";
+    let problem = serde_json::json!({"title": "Already stored with other content", "status": 409, "detail": DETAIL,
+        "existing": "r7", "errors": [{"pointer": "", "detail": "differs from what is stored"}]});
+    let line = format!("{}\n", serde_json::json!({"status": 409, "error": problem}));
+    let service = Script::new(&[], (200, &line)).serve().await;
+    assert_eq!(carry(&service, "one\n").await.1, [format!("1: {DETAIL}")]);
+}
+
+#[tokio::test]
 async fn a_service_that_stays_busy_is_given_up_with_its_words() {
     let service = Script::new(&[], (429, r#"{"title":"t","status":429,"detail":"too many"}"#)).serve().await;
     let error = carry(&service, "one\n").await.0.unwrap_err();

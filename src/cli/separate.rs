@@ -8,6 +8,7 @@ use comfy_table::Table;
 use super::document::{self, Format, table};
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{NotPublished, Published, Separation, diagonal_covariance, separate};
+use crate::pages::figure::with_sd;
 use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody};
 use crate::wire::record::parse_record;
 use crate::wire::time;
@@ -121,10 +122,28 @@ fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [St
     }
 }
 
-/// The value, and its standard deviation where it is known.
+/// Decimals of a figure whose standard deviation is not known.
+const DECIMALS: usize = 6;
+
+/// The value with its sign, and its standard deviation where it is known: both as far as two digits of it go, as on the pages.
 pub(super) fn figure(value: f64, sd: Option<f64>) -> String {
-    match sd {
-        Some(sd) => format!("{value:+.6} ± {sd:.6}"),
-        None => format!("{value:+.6}"),
+    let text = with_sd(value, sd, DECIMALS);
+    if text.starts_with(|c: char| c.is_ascii_digit()) { format!("+{text}") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::figure;
+
+    #[test]
+    fn a_figure_has_the_digits_that_its_standard_deviation_needs() {
+        for (value, sd, text) in [
+            (0.8473, Some(1.2e-7), "+0.84730000 ± 0.00000012"),
+            (-0.6011, Some(2.5e-4), "-0.60110 ± 0.00025"),
+            (2.957643, None, "+2.957643"),
+            (-2.957643, None, "-2.957643"),
+        ] {
+            assert_eq!(figure(value, sd), text);
+        }
     }
 }

@@ -10,7 +10,7 @@ pub(super) fn drift(value: f64, sd: Option<f64>) -> String {
 }
 
 /// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is known.
-pub(super) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
+pub(crate) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
     match sd.filter(|sd| *sd > 0.0 && sd.is_finite()) {
         // Nobody counts zeros behind the point.
         Some(sd) if (1e-5..1e7).contains(&value.abs().max(sd)) && sd >= 1e-8 => {

@@ -13,7 +13,7 @@ mod course;
 mod diagnoses;
 mod diagnosis;
 mod events;
-mod figure;
+pub(crate) mod figure;
 mod fleet;
 mod form;
 mod gyro;

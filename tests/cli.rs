@@ -122,6 +122,13 @@ fn wrong_usage_exits_with_2() {
 }
 
 #[test]
+fn a_fit_for_people_shows_two_digits_of_every_standard_deviation_and_names_its_test() {
+    let table = printed(&["calibrate", "tests/data/practice/campaign-00.json"]);
+    assert!(table.contains("p, lack of fit"), "{table}");
+    assert!(table.contains(" ± ") && !table.contains("± 0.000000 "), "{table}");
+}
+
+#[test]
 fn a_reader_that_has_seen_enough_is_no_error() {
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_gyrowatch"))
         .args(["separate", PAPER, "--format", "json"])

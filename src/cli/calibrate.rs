@@ -86,7 +86,7 @@ fn tables(campaign: &Campaign, outcome: &Outcome, answer: &CampaignAnswer) -> St
 }
 
 fn fit_table(gyros: &[GyroFitBody]) -> String {
-    let head = ["gyro", "serial", "E", "rank", "left over", "chi2/dof", "p", "noise, deg/h", "its source"];
+    let head = ["gyro", "serial", "E", "rank", "left over", "chi2/dof", "p, lack of fit", "noise, deg/h", "its source"];
     let mut fits = table(head, 3..8);
     for gyro in gyros {
         let noise = &gyro.noise;

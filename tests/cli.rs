@@ -119,6 +119,16 @@ fn wrong_usage_exits_with_2() {
     for arguments in [&["separate"][..], &["no-such-command"], &[], &["separate", PAPER, "--format", "xml"]] {
         gyrowatch(arguments).assert().code(2);
     }
+    for (arguments, names) in [
+        (&["simulate", "--preset", "nope"][..], "presets are 24-position"),
+        (&["simulate", "--count", "3"], "--dir"),
+        (&["simulate", "--csv"], "--preset paper-experiment"),
+        (&["blindcheck", "--count", "0"], "from 1 on"),
+        (&["blindcheck", "--detectability", "8,-1"], "positive"),
+    ] {
+        let refused = complaint(&mut gyrowatch(arguments), 2);
+        assert!(refused.contains(names), "{names} is not in {refused}");
+    }
 }
 
 #[test]

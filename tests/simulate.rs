@@ -443,8 +443,8 @@ fn the_paper_s_experiment_is_seven_campaigns_or_one_table() {
 }
 
 #[rstest]
-#[case(&["--preset", "25-position"], 1, "24-position")]
-#[case(&["--count", "3"], 1, "--dir")]
+#[case(&["--preset", "25-position"], 2, "24-position")]
+#[case(&["--count", "3"], 2, "--dir")]
 #[case(&["--scenario", "/nowhere.toml"], 1, "/nowhere.toml")]
 #[case(&["--seed", "one"], 2, "--seed")]
 fn wrong_use_is_named(#[case] arguments: &[&str], #[case] status: i32, #[case] names: &str) {

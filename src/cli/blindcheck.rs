@@ -30,7 +30,7 @@ use crate::wire;
 #[derive(Debug, Args)]
 pub struct Blindcheck {
     /// Number of campaigns to draw.
-    #[arg(long, default_value_t = 1000, conflicts_with = "campaigns")]
+    #[arg(long, default_value_t = 1000, value_parser = count, conflicts_with = "campaigns")]
     count: usize,
     /// Other seeds draw other campaigns.
     #[arg(long, default_value_t = 1)]
@@ -40,7 +40,7 @@ pub struct Blindcheck {
     #[arg(long, value_delimiter = ',', value_parser = effect, conflicts_with = "campaigns", help = effects_help())]
     effect: Vec<String>,
     /// Detectability d of the case "one".
-    #[arg(long, value_delimiter = ',', default_values_t = [8.0, 12.0, 20.0, 30.0], conflicts_with = "campaigns")]
+    #[arg(long, value_delimiter = ',', default_values_t = [8.0, 12.0, 20.0, 30.0], value_parser = positive, conflicts_with = "campaigns")]
     detectability: Vec<f64>,
     /// Folder to write the drawn campaigns and their key.json into.
     #[arg(long, value_name = "DIR", conflicts_with = "campaigns")]
@@ -56,6 +56,15 @@ pub struct Blindcheck {
     /// End with exit status 1 where a figure to be reached is not.
     #[arg(long)]
     strict: bool,
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "must be a whole number from 1 on".to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "must be a positive number".to_owned())
 }
 
 fn case(text: &str) -> Result<Case, String> {
@@ -78,9 +87,6 @@ fn cases_help() -> String {
 
 impl Blindcheck {
     pub fn run(self) -> anyhow::Result<()> {
-        if let Some(d) = self.detectability.iter().find(|d| !(d.is_finite() && **d > 0.0)) {
-            bail!("--detectability: {d} is not a positive number");
-        }
         let begun = Instant::now();
         let (seal, scores) = match (&self.campaigns, &self.key) {
             (Some(folder), Some(key)) => self.foreign(folder, key)?,

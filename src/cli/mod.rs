@@ -2,7 +2,7 @@
 //!
 //! A subcommand is a `clap::Args` struct with `fn run(self) -> anyhow::Result<()>`: it prints its result on standard
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
-//! (clap's own). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
+//! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
 
 mod backup;
 mod blindcheck;
@@ -91,11 +91,19 @@ impl Cli {
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("gyrowatch: {error:#}");
-                ExitCode::FAILURE
+                if error.is::<Usage>() { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }
             }
         }
     }
 }
+
+/// What clap ends with, too.
+const WRONG_USAGE: u8 = 2;
+
+/// Arguments that do not go together in a way that clap cannot be told.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Usage(String);
 
 /// Whoever reads our output has seen enough (`gyrowatch … | head`): not an error.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use super::{document, experiment, model};
+use super::{Usage, document, experiment, model};
 use crate::core::augmented::AugmentedModel;
 use crate::simulate::augment::augment;
 use crate::simulate::cause::known;
@@ -30,7 +30,7 @@ const PAPER_EXPERIMENT: &str = "paper-experiment";
 #[command(after_long_help = effects_help())]
 pub struct Simulate {
     /// Start from a ready scenario (see --list).
-    #[arg(long, value_name = "NAME", default_value = "24-position", conflicts_with = "scenario")]
+    #[arg(long, value_name = "NAME", default_value = "24-position", value_parser = known_preset, conflicts_with = "scenario")]
     preset: String,
     /// Start from a scenario in TOML or JSON (by its extension).
     #[arg(long, value_name = "FILE")]
@@ -64,6 +64,12 @@ pub struct Simulate {
     print_scenario: bool,
 }
 
+fn known_preset(name: &str) -> Result<String, String> {
+    let mut known = PRESETS.map(|(name, _)| name).to_vec();
+    known.push(PAPER_EXPERIMENT);
+    if known.contains(&name) { Ok(name.to_owned()) } else { Err(format!("presets are {}", known.join(", "))) }
+}
+
 fn effects_help() -> String {
     format!(
         "Causes of a scenario, as [[effects]] with effect = NAME and size or detectability (docs/simulation.md; \
@@ -81,7 +87,7 @@ impl Simulate {
             return self.paper_experiment();
         }
         if self.csv {
-            bail!("--csv goes with --preset {PAPER_EXPERIMENT}");
+            return Err(Usage(format!("--csv goes with --preset {PAPER_EXPERIMENT}")).into());
         }
         let mut scenario = self.read()?;
         scenario.seed = self.seed.unwrap_or(scenario.seed);
@@ -91,7 +97,7 @@ impl Simulate {
         }
         match (&self.dir, self.count) {
             (Some(dir), count) => many(&scenario, &self.effects()?, count.unwrap_or(1), dir),
-            (None, Some(_)) => bail!("--count wants a --dir to write into"),
+            (None, Some(_)) => Err(Usage("--count wants a --dir to write into".to_owned()).into()),
             (None, None) => self.one(&scenario),
         }
     }
@@ -102,7 +108,8 @@ impl Simulate {
 
     fn paper_experiment(&self) -> anyhow::Result<()> {
         if self.out.is_some() || self.truth.is_some() || self.model.is_some() || self.print_scenario {
-            bail!("{PAPER_EXPERIMENT} is seven campaigns: it takes --dir, --count and --seed only");
+            let why = format!("{PAPER_EXPERIMENT} is seven campaigns: it takes --dir, --count and --seed only");
+            return Err(Usage(why).into());
         }
         let seed = self.seed.unwrap_or(1);
         match &self.dir {
@@ -120,8 +127,7 @@ impl Simulate {
 
     fn read(&self) -> anyhow::Result<Scenario> {
         let Some(path) = &self.scenario else {
-            let known = || PRESETS.map(|(name, _)| name).join(", ") + ", " + PAPER_EXPERIMENT;
-            return preset(&self.preset).with_context(|| format!("no preset {:?}; there are {}", self.preset, known()));
+            return Ok(preset(&self.preset).expect("known_preset lets no other name pass"));
         };
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         let scenario = match path.extension().is_some_and(|extension| extension == "json") {

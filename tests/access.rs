@@ -367,7 +367,10 @@ async fn the_command_line_makes_lists_and_revokes_tokens_while_the_service_runs(
     assert!(revoked && said.contains("revoked"), "{said}");
     tokio::time::sleep(Duration::from_millis(1500)).await;
     assert_eq!(call(&server, "GET", "/v1/gyros", &lab, "").await.status, 401);
-    assert!(!token_command(server.dir(), &["revoke", "0000000000000"]).0);
+    for (id, why) in [("0000000000000", "there is no token 0000000000000"), ("nope", "is no identifier of a token")] {
+        let (revoked, said) = token_command(server.dir(), &["revoke", id]);
+        assert!(!revoked && said.contains(why) && !said.contains("the database"), "{said}");
+    }
     assert!(!token_command(server.dir(), &["create", "x", "--role", "king"]).0);
     assert!(
         !token_command(server.dir(), &["create", "x", "--role", "admin", "--expires-at", "2020-01-01T00:00:00Z"]).0

@@ -33,6 +33,10 @@ async fn a_backup_of_a_running_service_is_whole_and_restores_what_was_there() {
     assert!(said.contains("1 records, 6 bench results, 3 calibrations"), "{said}");
     assert_eq!(run(&["restore", "--check", "copy.db"], server.dir()), (Some(0), said));
 
+    let (status, said) = run(&["restore", "--check", "nofile.db"], server.dir());
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("nofile.db: there is no such file"), "{said}");
+
     let (status, said) = run(&["backup", "copy.db"], server.dir());
     assert_eq!(status, Some(1), "an earlier backup is not overwritten: {said}");
     assert!(said.contains("copy.db"), "{said}");

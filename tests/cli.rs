@@ -132,6 +132,21 @@ fn wrong_usage_exits_with_2() {
 }
 
 #[test]
+fn a_document_of_another_kind_is_sent_to_its_own_command() {
+    let campaign = "tests/data/practice/campaign-00.json";
+    let refused = complaint(&mut gyrowatch(&["separate", campaign]), 1);
+    assert!(refused.contains(campaign) && refused.contains("this is a campaign: calibrate it with"), "{refused}");
+    assert!(!refused.contains("unknown field"), "{refused}");
+    let refused = complaint(&mut gyrowatch(&["calibrate", PAPER]), 1);
+    assert!(refused.contains(PAPER) && refused.contains("this is a calibration record"), "{refused}");
+    assert!(!refused.contains("unknown field"), "{refused}");
+    // A record that is not complete is refused as a record.
+    let timeless = std::fs::read_to_string(PAPER).unwrap().replacen("calibrated_at", "measured_at", 1);
+    let refused = complaint(gyrowatch(&["diagnose", "-"]).write_stdin(timeless), 1);
+    assert!(refused.contains("`calibrated_at` is missing") && !refused.contains("dwells"), "{refused}");
+}
+
+#[test]
 fn a_fit_for_people_shows_two_digits_of_every_standard_deviation_and_names_its_test() {
     let table = printed(&["calibrate", "tests/data/practice/campaign-00.json"]);
     assert!(table.contains("p, lack of fit"), "{table}");

@@ -12,6 +12,7 @@ use crate::core::campaign::{Campaign, TestKind};
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
 use crate::wire::campaign::parse;
+use crate::wire::document::DocumentKind;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;
@@ -39,6 +40,9 @@ impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.campaign)?;
         let file = || document::name(&self.campaign);
+        if DocumentKind::is_record(&bytes) {
+            bail!("{}: this is a calibration record: separate it with `gyrowatch separate`", file());
+        }
         let mut campaign = parse(&bytes).with_context(file)?;
         let options = model::chosen(self.model.as_ref())?.options(&campaign);
         campaign.model = options.terms;

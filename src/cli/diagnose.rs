@@ -122,7 +122,7 @@ fn may_be_replaced(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A document that has `calibrated_at` and no dwells; whatever else is no campaign is refused as one.
+/// A document with the time or the E of a record and no dwells; whatever else is no campaign is refused as one.
 fn is_record(bytes: &[u8]) -> bool {
     !is_csv(bytes) && DocumentKind::is_record(bytes)
 }

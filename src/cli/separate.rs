@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use comfy_table::Table;
 
 use super::document::{self, Format, table};
@@ -10,6 +10,7 @@ use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{NotPublished, Published, Separation, diagonal_covariance, separate};
 use crate::pages::figure::with_sd;
 use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody};
+use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
 
@@ -49,6 +50,12 @@ impl Separate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.record)?;
         let file = || document::name(&self.record);
+        if DocumentKind::is_campaign(&bytes) {
+            bail!(
+                "{}: this is a campaign: calibrate it with `gyrowatch calibrate`, which separates its gyros too",
+                file()
+            );
+        }
         let record = parse_record(&bytes, &document::plausibility()?).with_context(file)?;
         let separations = separate_all(&record).with_context(file)?;
         match self.format {

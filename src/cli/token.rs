@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::{Args, Subcommand};
 
 use super::{block_on, document};
@@ -11,7 +11,7 @@ use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Beside, NewToken, TokenRow, create_beside, revoke_beside};
+use crate::pipeline::{Beside, NewToken, Refused, StoreError, TokenRow, create_beside, revoke_beside};
 use crate::system::Clock;
 use crate::wire::{text, time};
 
@@ -65,8 +65,16 @@ impl Token {
             let mut beside = Beside::open(&options).await?;
             order.carry_out(&mut beside, Clock::System.now()).await
         };
-        block_on(work).with_context(|| format!("the database {}", database.options().shown()))
+        block_on(work).map_err(|error| match is_of_the_database(&error) {
+            true => error.context(format!("the database {}", database.options().shown())),
+            false => error,
+        })
     }
+}
+
+/// Whether the database failed, and not what was asked of it.
+fn is_of_the_database(error: &anyhow::Error) -> bool {
+    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(Refused::Store(_)))
 }
 
 impl Order {
@@ -80,7 +88,7 @@ impl Order {
             }
             Self::List => document::print(&table(&database.tokens().await?, now)),
             Self::Revoke { id } => {
-                let id = id.parse().with_context(|| format!("{id} is no identifier of a token"))?;
+                let Ok(id) = id.parse() else { bail!("{id:?} is no identifier of a token; `token list` shows them") };
                 let now_revoked = revoke_beside(database, id, now).await?;
                 document::print(&format!(
                     "token {id} {}",

@@ -122,6 +122,10 @@ pub async fn check_all_but_records(options: &Options) -> Result<(), StoreError> 
 }
 
 async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError> {
+    // SQLite says of what is not there only that it cannot be opened.
+    if !fs::exists(file).map_err(|error| failed(file, &error))? {
+        return Err(StoreError::File("there is no such file".to_owned()));
+    }
     let version = {
         let mut connection = reading(file).connect().await?;
         structure(&mut connection).await?;

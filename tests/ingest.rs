@@ -29,6 +29,8 @@ async fn the_papers_record_is_separated_by_both_methods_to_the_golden_figures() 
     let step = verdict(&answer, "LFG-0101", "D_I", "step");
     assert_eq!(step["state"], "indeterminate");
     assert!(step["reason"].as_str().unwrap().contains("needs 2 records, 1 is there"), "{step}");
+    let baseline = verdict(&answer, "LFG-0101", "D_I", "baseline");
+    assert!(baseline["reason"].as_str().unwrap().contains("needs 4 records, 1 is there"), "{baseline}");
     let requirement = verdict(&answer, "LFG-0103", "G", "requirement");
     assert_eq!(requirement["state"], "within", "Table 4 calls all three gyros conforming");
 }

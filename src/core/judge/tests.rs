@@ -50,6 +50,24 @@ fn one_record_alone_is_too_few() {
 }
 
 #[test]
+fn too_few_are_counted_as_a_reader_counts_them_with_the_judged_one() {
+    for (rule, first, third) in [
+        (Rule::Step, "needs 2 records, 1 is there", None),
+        (Rule::Range, "needs 3 records, 1 is there", None),
+        (Rule::Baseline, "needs 4 records, 1 is there", Some("needs 4 records, 3 are there")),
+    ] {
+        let points = [(0.0, 3.0), (1.0, 3.0), (2.0, 3.0)];
+        assert!(latest(&points[..1], rule).reason().contains(first), "{rule:?}");
+        let reason = latest(&points, rule).reason();
+        assert!(third.is_none_or(|third| reason.contains(third)), "{reason}");
+    }
+    // After a mark its records count alone.
+    let points = samples(None, &[(0.0, 3.0), (10.0, 3.0), (20.0, 3.0), (30.0, 3.0), (50.0, 3.0)]);
+    let marked = verdict(&points, &[Mark::of(day(40.0), Event::Baseline)], 4, Rule::Baseline, &Limits::default());
+    assert!(marked.reason().contains("needs 4 records, 1 is there"), "{}", marked.reason());
+}
+
+#[test]
 fn an_uncertainty_that_straddles_the_budget_is_indeterminate_with_its_probability() {
     let points = samples(Some(0.0004), &[(0.0, 3.0), (1.0, 3.0103)]);
     let v = verdict(&points, &[], 1, Rule::Step, &Limits::default());

@@ -5,6 +5,9 @@ use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, stated_lev
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
+/// Records since the last mark that it takes until one is judged: those that make the level, and the judged one.
+pub(super) const LEVEL_RECORDS: usize = BASELINE_RECORDS + 1;
+
 /// The level that a record is measured from.
 pub(super) struct Level {
     pub level: Measured,
@@ -16,16 +19,16 @@ pub(super) struct Level {
 
 impl Level {
     /// The level that the last baseline mark states, or else the configured one, or the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark; an error
-    /// with the number of records where those are not complete before the judged one.
+    /// with the number of records since then, the judged one among them, where those are not complete before it.
     pub fn of(case: &Case<'_>, fixed: Option<Measured>) -> Result<Self, usize> {
         let stated = stated_level(case.history.marks, case.now().at, case.column);
         if let Some(level) = stated.or(fixed) {
             return Ok(Self { level, since: None, until: None });
         }
         let first = case.history.baseline_before(case.k);
-        let [begin, .., end] = first else { return Err(first.len()) };
+        let [begin, .., end] = first else { return Err(first.len() + 1) };
         if first.len() < BASELINE_RECORDS {
-            return Err(first.len());
+            return Err(first.len() + 1);
         }
         let level = Measured::mean(first.iter().map(|sample| case.value(sample)));
         Ok(Self { level, since: Some(begin.at), until: Some(end.at) })
@@ -51,7 +54,7 @@ impl Level {
 pub(crate) fn baseline(case: &Case<'_>, limit: f64, fixed: Option<Measured>) -> Verdict {
     let level = match Level::of(case, fixed) {
         Ok(level) => level,
-        Err(have) => return case.too_few(Rule::Baseline, limit, have, BASELINE_RECORDS),
+        Err(have) => return case.too_few(Rule::Baseline, limit, have, LEVEL_RECORDS),
     };
     let deviation = level.deviation(case, case.now());
     let finding = Finding::Baseline { level: level.level.value, since: level.since, now: case.value(case.now()).value };

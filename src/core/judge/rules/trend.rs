@@ -1,9 +1,9 @@
 //! `trend`: where a robust slope carries the coefficient, and when it reaches the budget.
 
 use super::Case;
-use super::baseline::Level;
+use super::baseline::{LEVEL_RECORDS, Level};
 use crate::core::judge::decide::{Outcome, normal_quantile};
-use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample};
+use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::TrendLimits;
 use crate::core::judge::{Finding, Rule, State, Verdict};
 
@@ -28,7 +28,7 @@ pub(crate) fn trend(case: &Case<'_>, limits: &TrendLimits, fixed: Option<Measure
     }
     let level = match Level::of(case, fixed) {
         Ok(level) => level.level.value,
-        Err(have) => return case.too_few(Rule::Trend, limits.budget, have, BASELINE_RECORDS),
+        Err(have) => return case.too_few(Rule::Trend, limits.budget, have, LEVEL_RECORDS),
     };
     let records = Records::of(case, window);
     let span = -records.t[0];

@@ -154,6 +154,26 @@ fn a_fit_for_people_shows_two_digits_of_every_standard_deviation_and_names_its_t
 }
 
 #[test]
+fn a_drift_in_another_unit_is_refused_by_place_limit_and_key() {
+    let paper: Value = serde_json::from_str(&std::fs::read_to_string(PAPER).unwrap()).unwrap();
+    let scaled = |factor: f64| {
+        let mut record = paper.clone();
+        for g in record["gyros"][0]["g_pulse_per_s_g0"].as_array_mut().unwrap() {
+            *g = (g.as_f64().unwrap() * factor).into();
+        }
+        record.to_string()
+    };
+    let refused = complaint(gyrowatch(&["separate", "-"]).write_stdin(scaled(1e3)), 1);
+    for there in ["/gyros/0/g_pulse_per_s_g0", "beyond 1000,", "plausibility.max_drift_deg_per_h_g0"] {
+        assert!(refused.contains(there), "{there} is not in {refused}");
+    }
+    // 6.5 pulse/s/g0 over 1.47 pulse/arcsec are 4.44 deg/(h g0); 432 is the largest that measured/xsens-mti.json gives.
+    gyrowatch(&["separate", "-"]).write_stdin(scaled(432.0 / 4.44)).assert().success();
+    let mut other = gyrowatch(&["separate", "-"]);
+    other.env("GYROWATCH_PLAUSIBILITY__MAX_DRIFT_DEG_PER_H_G0", "1e4").write_stdin(scaled(1e3)).assert().success();
+}
+
+#[test]
 fn a_reader_that_has_seen_enough_is_no_error() {
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_gyrowatch"))
         .args(["separate", PAPER, "--format", "json"])

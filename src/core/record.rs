@@ -90,7 +90,7 @@ impl Default for Plausibility {
     /// Wide enough for floated gyros (1 to 3 pulse/arcsec) and for others (1 where a pulse is an arcsec, 0.005 of raw counts), too
     /// narrow for a floated gyro's pulses per degree (3600 times as many), and for drift in deg/s or per hour where it should be per second.
     fn default() -> Self {
-        Self { scale_factor: (0.001, 1000.0), max_misalignment: 5.0_f64.to_radians(), max_drift: 1e4 }
+        Self { scale_factor: (0.001, 1000.0), max_misalignment: 5.0_f64.to_radians(), max_drift: 1e3 }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
 
 /// Fields of a dwell, the suffixes of their columns, and whether every table has them.
-const FIELDS: &[(&str, &[&str], bool)] = &[
+pub(super) const FIELDS: &[(&str, &[&str], bool)] = &[
     ("phase", &[""], true),
     ("start_s", &[""], true),
     ("duration_s", &[""], true),

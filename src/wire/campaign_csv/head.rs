@@ -14,7 +14,7 @@ pub(super) struct Head {
 
 /// What a key's bare (not JSON) value is.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     Text,
     Number,
     Numbers,
@@ -23,7 +23,7 @@ enum Kind {
 }
 
 /// Keys as they may be written, the JSON pointer that each stands for, and how its value reads.
-const KEYS: &[(&str, &str, Kind)] = &[
+pub(super) const KEYS: &[(&str, &str, Kind)] = &[
     ("imu", "/imu", Kind::Text),
     ("station", "/station", Kind::Text),
     ("measured_at", "/measured_at", Kind::Text),
@@ -39,7 +39,7 @@ const KEYS: &[(&str, &str, Kind)] = &[
     ("magnetic_field_nav", "/site/magnetic_field_nav", Kind::Numbers),
     ("gyros", "/gyros", Kind::Gyros),
 ];
-const GYRO_KEYS: &[(&str, Kind)] =
+pub(super) const GYRO_KEYS: &[(&str, Kind)] =
     &[("slot", Kind::Text), ("serial", Kind::Text), ("known_e_pulse_per_arcsec", Kind::Numbers)];
 
 impl Head {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::core::campaign::{Dwell, Phase};
 use crate::wire::campaign::{parse, parse_json, to_json};
 
 const TABLE: &str = "\
@@ -147,4 +148,33 @@ fn the_head_is_checked_by_line() {
 fn what_is_not_utf_8_says_so() {
     assert!(parse(b"\xff\xfe#\0").unwrap_err().0[0].detail.contains("UTF-16"));
     assert!(parse(b"# imu: X\n# note: \xe9\n").unwrap_err().0[0].detail.contains("line 2: not UTF-8"));
+}
+
+/// What docs/api.md says of a campaign's CSV, and its example.
+fn documented() -> (&'static str, &'static str) {
+    let (_, after) = include_str!("../../../docs/api.md").split_once("\n### A campaign as CSV\n").expect("a section");
+    let section = after.split_once("\n## ").map_or(after, |(section, _)| section);
+    let example = section.split("```").nth(1).and_then(|block| block.strip_prefix("text\n")).expect("an example");
+    (section, example)
+}
+
+#[test]
+fn the_example_in_the_docs_is_read_as_it_says() {
+    let campaign = parse(documented().1.as_bytes()).unwrap_or_else(|faults| panic!("{faults}"));
+    assert_eq!((campaign.imu.to_string().as_str(), campaign.gyros.len(), campaign.dwells.len()), ("IMU-07", 3, 4));
+    assert_eq!(campaign.dwells[3].phase, Phase::Rate);
+    let complete = |d: &Dwell| d.attitude.is_some() && d.temperature_c.is_some() && d.output_sem_pulse_s.is_some();
+    assert!(campaign.site.is_some() && campaign.dwells.iter().all(complete), "the example shows every column");
+}
+
+#[test]
+fn the_docs_name_every_column_and_every_key() {
+    let text = documented().0;
+    for (field, parts, _) in cells::FIELDS {
+        assert!(parts.iter().all(|part| text.contains(&format!("{field}{part}"))), "{field}");
+    }
+    let numbered = head::GYRO_KEYS.iter().map(|(key, _)| format!("{key}_1"));
+    for key in head::KEYS.iter().map(|(key, ..)| (*key).to_owned()).chain(numbered) {
+        assert!(text.contains(&format!("`{key}")) || text.contains(&format!("`site.{key}")), "{key}");
+    }
 }

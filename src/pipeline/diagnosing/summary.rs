@@ -315,8 +315,9 @@ impl Pipeline {
             tally.add(&row, &serde_json::from_str(&row.gist).map_err(damaged)?, &program);
             Ok(())
         };
-        self.store.each_gist(&filter.campaigns, add).await?;
+        // First: what is diagnosed in between then counts twice, and never not at all.
         let waiting = self.store.not_diagnosed(&filter.campaigns).await?;
+        self.store.each_gist(&filter.campaigns, add).await?;
         let mut body = tally.into_body(&self.store.names().read());
         body.campaigns.waiting = waiting;
         Ok(body)

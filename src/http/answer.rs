@@ -5,11 +5,8 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
 use crate::pipeline::Judged;
-use crate::wire::answer::with_verdicts;
+use crate::wire::answer::{CAPACITY, with_verdicts};
 use crate::wire::problem::Problem;
-
-/// Three gyros with all their verdicts take about 17 kB.
-const CAPACITY: usize = 20 * 1024;
 
 /// As axum's `Json`, which begins with 128 bytes and copies what it has at every doubling.
 pub struct Answer<T>(pub T);

@@ -12,7 +12,7 @@ use super::triple::Triple;
 use crate::core::judge::Verdict;
 use crate::core::separate::{self, Separation};
 
-pub use judged::with_verdicts;
+pub use judged::{CAPACITY, with_verdicts};
 
 /// The answer to one record or campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

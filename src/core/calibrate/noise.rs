@@ -236,7 +236,10 @@ pub fn overstated_note(gyros: impl Iterator<Item = (&'static str, f64)>) -> Opti
         .collect();
     (!each.is_empty()).then(|| {
         let each = each.join(", ");
-        format!("the stated standard errors are larger than the dwells scatter ({each}): where they are wrong, every sigma is as much too large, and a gap below them is not seen")
+        format!(
+            "the stated standard errors are larger than the dwells scatter ({each}): where they are wrong, every sigma is as \
+             much too large, and a gap below them is not seen"
+        )
     })
 }
 

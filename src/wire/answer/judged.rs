@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::core::judge::Verdict;
 
 /// Three gyros with all their verdicts take about 17 kB; growing would copy them again and again.
-const CAPACITY: usize = 20 * 1024;
+pub const CAPACITY: usize = 20 * 1024;
 
 /// The JSON of `answer`, whose last member is `verdicts` and empty, with those of every gyro in it.
 ///

@@ -15,9 +15,9 @@
 //! distribution with the same three moments (Pearson type III).
 
 use nalgebra::{DMatrix, DVector};
-use statrs::function::erf::erfc;
 use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
 
+use super::upper_tail;
 use crate::core::diagnose::basis::dot;
 
 /// Skewness below which the gamma distribution is the normal one for all purposes.
@@ -125,7 +125,7 @@ impl Score {
     pub fn p_value(self) -> f64 {
         let Self { z, skewness } = self;
         if skewness.abs() < STRAIGHT {
-            return 0.5 * erfc(z / std::f64::consts::SQRT_2);
+            return upper_tail(z);
         }
         let shape = 4.0 / (skewness * skewness);
         let at = shape + z * skewness.signum() * shape.sqrt();

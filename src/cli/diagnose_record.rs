@@ -33,7 +33,8 @@ pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
 }
 
 fn tables(head: &str, answer: &ClosureBody) -> String {
-    let mut rows = table(["gyro", "D_O, deg/(h g0)", "of the budget", "p", "clocking, deg", "D_S if clocking"], 1..6);
+    let mut rows =
+        table(["gyro", "D_O, deg/(h g0)", "of the budget", "p, noise alone", "clocking, deg", "D_S if clocking"], 1..6);
     for gyro in &answer.located.gyros {
         let clocking =
             answer.effects.iter().flat_map(|e| &e.estimates).find(|e| e.slot == gyro.slot && e.unit == "rad");

@@ -48,7 +48,7 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE", conflicts_with = "count")]
     truth: Option<PathBuf>,
     /// Make so many campaigns, each with the next seed.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     count: Option<u64>,
     /// Folder for --count.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "truth"])]

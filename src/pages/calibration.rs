@@ -56,7 +56,7 @@ fn no_such(what: &str, id: &str) -> Problem {
 
 async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
     let t = viewer.text();
-    let StoredRecord { row, answer, seen } = stored;
+    let StoredRecord { row, answer, seen, closures } = stored;
     let body: RecordBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
     let gyros: Vec<Parameters> = body.gyros.iter().map(Parameters::stated).collect();
     let title = format!("{} · {}", t.record, body.imu);
@@ -74,16 +74,15 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (standing.said)
         (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
-        (closure(t, row.id, pages.pipeline.closures(row.id).await?.as_ref()))
+        (closure(t, row.id, closures))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
     };
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
 }
 
 /// What D_O says by itself.
-fn closure(t: &Text, id: Id, closures: Option<&ClosureDiagnosis>) -> Markup {
-    let gyros = closures.map_or(&[][..], |diagnosis| &diagnosis.gyros);
-    let slots: Vec<&str> = gyros.iter().filter(|gyro| gyro.stands_out).map(|gyro| gyro.slot.name()).collect();
+fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis) -> Markup {
+    let slots: Vec<&str> = closures.gyros.iter().filter(|gyro| gyro.stands_out).map(|gyro| gyro.slot.name()).collect();
     html! {
         section #closure {
             h2 { (t.closure_diagnosis) }
@@ -179,7 +178,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
     html! {
         div.scroll tabindex="0" { table.cards {
             thead { tr {
-                th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p" }
+                th { (t.serial) } th.n { (t.rank) } th.n { (t.freedom) } th.n { "χ²/" (t.freedom) } th.n { "p, " (t.lack_of_fit) }
                 th.n { (t.noise) ", deg/h" } th.n { (t.sem_factor) } th { (t.noise_from) }
             } }
             tbody { @for gyro in fits {
@@ -188,7 +187,7 @@ fn quality(viewer: &Viewer, fits: &[GyroFitBody]) -> Markup {
                     td.n data-label=(t.rank) { (gyro.rank) " / " (gyro.parameters.len()) }
                     td.n data-label=(t.freedom) { (gyro.dof) }
                     td.n data-label="χ²/ν" { (short(gyro.reduced_chi2)) }
-                    td.n data-label="p" { (short(gyro.p_value)) }
+                    td.n data-label={ "p, " (t.lack_of_fit) } { (short(gyro.p_value)) }
                     td.n data-label={ (t.noise) ", deg/h" } { (short(gyro.noise.rms_deg_per_h)) }
                     td.n data-label=(t.sem_factor) { (short(gyro.noise.sem_factor)) }
                     td data-label=(t.noise_from) { (t.noise_source(&gyro.noise.source)) }

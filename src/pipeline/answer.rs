@@ -20,6 +20,7 @@ pub struct StoredRecord {
     pub answer: RecordAnswer,
     /// What each rule saw, verdict by verdict of the answer; none where judging again finds other figures.
     pub seen: Vec<Option<Verdict>>,
+    pub closures: ClosureDiagnosis,
 }
 
 /// What a stored row says.
@@ -43,9 +44,10 @@ impl Pipeline {
     pub async fn stored_record(&self, id: Id) -> Result<Option<StoredRecord>, StoreError> {
         let Some(Reread { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
+        let closures = closures_of(&calibration);
         let separations = self.separations(&calibration.gyros);
         let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
-        Ok(Some(StoredRecord { row, answer, seen }))
+        Ok(Some(StoredRecord { row, answer, seen, closures }))
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.
@@ -53,8 +55,7 @@ impl Pipeline {
     /// # Errors
     /// As [`Pipeline::stored_record`].
     pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StoreError> {
-        let reread = self.reread(id).await?;
-        Ok(reread.map(|it| closures(it.calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))))
+        Ok(self.reread(id).await?.map(|it| closures_of(&it.calibration)))
     }
 
     /// A stored record or campaign, read and separated again; it was plausible once, whatever today's limits are.
@@ -118,6 +119,10 @@ impl Pipeline {
         }
         Ok(bodies.into_iter().unzip())
     }
+}
+
+fn closures_of(calibration: &Calibration) -> ClosureDiagnosis {
+    closures(calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))
 }
 
 /// What is said where judging again finds other figures.

@@ -1,3 +1,5 @@
+//! Each rule and how they act together. Longer than 400 lines: it is mostly tables of expected verdicts, which read best in one place.
+
 use super::*;
 use crate::core::time::UtcMicros;
 

@@ -152,6 +152,7 @@ catalogue! {
     fit_quality: "Quality of the fit", "拟合质量";
     rank: "rank / parameters", "秩/参数数";
     freedom: "ν", "ν";
+    lack_of_fit: "lack of fit", "失拟";
     noise: "noise", "噪声";
     sem_factor: "real / stated noise", "实际/标称噪声";
     noise_from: "noise known from", "噪声来源";

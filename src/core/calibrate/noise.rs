@@ -86,6 +86,8 @@ pub struct Noise {
     /// Degrees of freedom behind the factor, infinite where it is taken at its word.
     pub dof: f64,
     pub pure_error: PureError,
+    /// What residuals are held against where repeats speak: sum of squares and degrees of freedom in which they have no part.
+    repeated: Option<(f64, f64)>,
     /// c: relative scatter of the static dwells' standard errors about one another; zero without any, or where it
     /// is too large to be their own uncertainty.
     pub sem_scatter: f64,
@@ -95,7 +97,12 @@ impl Noise {
     fn of(source: Source, squared: f64, dof: f64, pure_error: PureError) -> Self {
         let factor = squared.sqrt();
         let factor_sd = Some(factor / (2.0 * dof).sqrt());
-        Self { source, factor: Some(factor), factor_sd, dof, pure_error, sem_scatter: 0.0 }
+        let repeated = (pure_error.dof > 0).then_some((pure_error.chi2, pure_error.dof as f64));
+        Self { source, factor: Some(factor), factor_sd, dof, pure_error, repeated, sem_scatter: 0.0 }
+    }
+
+    fn held_against(self, repeated: (f64, f64)) -> Self {
+        Self { repeated: Some(repeated), ..self }
     }
 
     /// The same with the scatter of the gyro's standard errors.
@@ -112,18 +119,13 @@ impl Noise {
 }
 
 impl Noise {
-    /// Chance of residuals as large as these if the model and the noise scale are right.
+    /// Chance of residuals as large as these if the model is right: against the standard errors as stated (chi-square), or against
+    /// repeats, with what is stated where there is that (F).
     pub fn p_value(&self, evidence: &Evidence) -> Option<f64> {
-        let (rest, rest_dof) = evidence.lack_of_fit();
         match self.source {
             Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
-            Source::SemAndRepeats | Source::SemRepeatsAndResiduals => {
-                f_tail((rest / self.factor?.powi(2), rest_dof), (self.dof, self.dof))
-            }
-            Source::Repeats | Source::Residuals => {
-                f_tail((rest, rest_dof), (self.pure_error.chi2, self.pure_error.dof as f64))
-            }
             Source::None => None,
+            _ => f_tail(evidence.lack_of_fit(), self.repeated?),
         }
     }
 }
@@ -195,9 +197,9 @@ fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
     let rest = used.lack_of_fit();
     if rest.1 > 0.0 && f_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
         let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);
-        return Noise::of(Source::SemRepeatsAndResiduals, chi2 / dof, dof, mine);
+        return Noise::of(Source::SemRepeatsAndResiduals, chi2 / dof, dof, mine).held_against(stated);
     }
-    Noise::of(Source::SemAndRepeats, stated.0 / stated.1, stated.1, mine)
+    Noise::of(Source::SemAndRepeats, stated.0 / stated.1, stated.1, mine).held_against(stated)
 }
 
 fn unweighted(e: &Evidence) -> Noise {
@@ -237,8 +239,8 @@ pub fn overstated_note(gyros: impl Iterator<Item = (&'static str, f64)>) -> Opti
     (!each.is_empty()).then(|| {
         let each = each.join(", ");
         format!(
-            "the stated standard errors are larger than the dwells scatter ({each}): where they are wrong, every sigma is as \
-             much too large, and a gap below them is not seen"
+            "the stated standard errors are larger than the dwells scatter ({each}): where they are wrong, sigmas that rest on \
+             them are too large, and a small gap may not be seen"
         )
     })
 }

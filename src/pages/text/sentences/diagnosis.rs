@@ -142,9 +142,9 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "未给出标准误差：噪声取自重复测量与残差",
     ),
     (
-        "the stated standard errors are larger than the dwells scatter ({}): where they are wrong, every sigma is as much too \
-         large, and a gap below them is not seen",
-        "给定的标准误差大于位置段的实际散布（{0}）：若其有误，各标准差也同样偏大，且小于其的差异无法发现",
+        "the stated standard errors are larger than the dwells scatter ({}): where they are wrong, sigmas that rest on \
+         them are too large, and a small gap may not be seen",
+        "给定的标准误差大于位置段的实际散布（{0}）：若其有误，以其为据的标准差偏大，且小的差异可能无法发现",
     ),
     (
         "no dwell repeats another: there is no pure error to check the noise against",

@@ -18,7 +18,7 @@ use gyrowatch::core::calibrate::{Calibration, calibrate};
 use gyrowatch::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind};
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::record::{Name, Plausibility};
-use gyrowatch::core::separate::{Separation, diagonal_covariance, separate};
+use gyrowatch::core::separate::{Separation, diagonal_covariance, separate, stated_covariance};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::http::{self, App};
 use gyrowatch::pages::{self, Pages};
@@ -54,7 +54,7 @@ pub fn record(bytes: &[u8]) {
     let limits = Plausibility::default();
     let Ok(record) = parse_record(bytes, &limits) else { return };
     for gyro in &record.gyros {
-        let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+        let covariance = stated_covariance(gyro);
         if let Ok(found) = separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref()) {
             finite(&found);
         }

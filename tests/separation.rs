@@ -3,7 +3,8 @@
 //! Truth is made by turning the triads with nalgebra's rotations; nothing here uses the separation's own formulas.
 
 use gyrowatch::core::mounting::{Geometry, Slot, Triad};
-use gyrowatch::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate};
+use gyrowatch::core::record::{GyroParameters, Name};
+use gyrowatch::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate, stated_covariance};
 use gyrowatch::core::units::radians_from_arcmin;
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 use proptest::prelude::*;
@@ -213,6 +214,45 @@ fn sigmas_appear_only_where_both_of_e_and_g_have_them() {
     assert!(diagonal_covariance(None, Some(&sd)).is_none());
     let both = diagonal_covariance(Some(&sd), Some(&sd)).expect("both are there");
     assert!((both - Matrix6::identity() * 1e-8).amax() < 1e-20);
+}
+
+#[test]
+fn where_the_ratio_is_stated_an_error_of_the_scale_factor_does_not_reach_d_i_and_d_s() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let nominal = Geometry::Skewed.triad(Slot::G1).expect("a slot");
+    let (e, ratio) = (nominal.input() * 1.5, nominal.spin() * 5.0 + nominal.input() * 0.3);
+    let (e_sd, ratio_sd) = (Vector3::repeat(1.5e-3), Vector3::repeat(1e-4));
+    let stated = |e: Vector3<f64>, ratio: Vector3<f64>| GyroParameters {
+        slot: Slot::G1,
+        serial: Name::parse("A").expect("a name"),
+        e,
+        g: ratio * e.norm(),
+        p: Vector3::zeros(),
+        bias: 0.0,
+        e_sd: Some(e_sd),
+        g_sd: Some(ratio_sd * e.norm()),
+        g_is_ratio: true,
+    };
+    let separated = |gyro: &GyroParameters| {
+        let covariance = stated_covariance(gyro);
+        separate(&Geometry::Skewed, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref()).expect("separates").rigid
+    };
+    let said = separated(&stated(e, ratio)).sd().expect("both are stated");
+    let mut noise = |sd: Vector3<f64>| normal_vector(&mut rng).component_mul(&sd);
+    const DRAWS: usize = 20_000;
+    let draws: Vec<[f64; 3]> = (0..DRAWS)
+        .map(|_| {
+            let drawn = separated(&stated(e + noise(e_sd), ratio + noise(ratio_sd)));
+            [drawn.d_i, drawn.d_s, drawn.d_o]
+        })
+        .collect();
+    for (i, said) in said.into_iter().enumerate() {
+        let mean = draws.iter().map(|d| d[i]).sum::<f64>() / DRAWS as f64;
+        let sd = (draws.iter().map(|d| (d[i] - mean).powi(2)).sum::<f64>() / DRAWS as f64).sqrt();
+        assert!((sd / said - 1.0).abs() < 0.03, "coefficient {i}: {said} said, {sd} seen");
+    }
+    // Of the ratio's own error; that of |E|, a thousandth of 5 deg/(h g0), would be fifty times as large.
+    assert!(said[1] < 4e-4, "{said:?}");
 }
 
 fn vector(range: f64) -> impl Strategy<Value = Vector3<f64>> {

@@ -2,7 +2,7 @@
 
 use super::document::{self, Format, table};
 use crate::core::diagnose::closures;
-use crate::core::separate::{diagonal_covariance, separate};
+use crate::core::separate::{separate, stated_covariance};
 use crate::wire::closure::ClosureBody;
 use crate::wire::record::parse_record;
 use crate::wire::time;
@@ -14,7 +14,7 @@ pub fn run(bytes: &[u8], format: Format) -> anyhow::Result<()> {
         .gyros
         .iter()
         .map(|gyro| {
-            let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+            let covariance = stated_covariance(gyro);
             separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref()).map(|s| (gyro.slot, s))
         })
         .collect::<Result<Vec<_>, _>>()?;

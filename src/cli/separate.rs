@@ -7,7 +7,7 @@ use comfy_table::Table;
 
 use super::document::{self, Format, table};
 use crate::core::record::{GyroParameters, Record};
-use crate::core::separate::{NotPublished, Published, Separation, diagonal_covariance, separate};
+use crate::core::separate::{NotPublished, Published, Separation, separate, stated_covariance};
 use crate::pages::figure::with_sd;
 use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody};
 use crate::wire::document::DocumentKind;
@@ -67,7 +67,7 @@ impl Separate {
 
 fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
     let one = |(i, gyro): (usize, &GyroParameters)| {
-        let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+        let covariance = stated_covariance(gyro);
         separate(&record.geometry, gyro.slot, &gyro.e, &gyro.g, covariance.as_ref())
             .map_err(|why| anyhow!("/gyros/{i}: {why}"))
     };

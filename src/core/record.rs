@@ -59,6 +59,8 @@ pub struct GyroParameters {
     pub bias: f64,
     pub e_sd: Option<Vector3<f64>>,
     pub g_sd: Option<Vector3<f64>>,
+    /// Whether the station states G/|E|: `g_sd` is then |E| times that of the ratio, and an error of |E| moves G as well.
+    pub g_is_ratio: bool,
 }
 
 /// What the station sent, checked. At most one gyro a slot, no serial twice.

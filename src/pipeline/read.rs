@@ -11,7 +11,7 @@ use crate::core::judge::limits::Requirement;
 use crate::core::judge::{Event, FixedLevels, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
-use crate::core::separate::{CovarianceEg, Separation, diagonal_covariance, separate};
+use crate::core::separate::{CovarianceEg, Separation, separate, stated_covariance};
 use crate::core::time::UtcMicros;
 use crate::store::{Id, Kind};
 use crate::system::sha256;
@@ -143,7 +143,7 @@ impl Pipeline {
 
     fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
         let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
-            let covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
+            let covariance = stated_covariance(gyro);
             self.calibrated(&record.geometry, (i, gyro), covariance.as_ref())
                 .map_err(|detail| Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), detail }.into())
         });

@@ -148,6 +148,7 @@ impl GyroBody {
             bias: self.bias_pulse_per_s.unwrap_or(0.0),
             e_sd: text::deviations(&at("e_sd"), self.e_sd, faults),
             g_sd: text::deviations(&at("g_sd"), self.g_sd, faults).map(|sd| sd * g_sd_factor),
+            g_is_ratio: self.g_deg_per_h_g0.is_some(),
         }
     }
 

@@ -10,6 +10,7 @@ pub mod rigid;
 use nalgebra::{Matrix6, Vector3};
 
 use super::mounting::{Geometry, Slot};
+use super::record::GyroParameters;
 pub use published::{Branch, NotPublished, Published};
 pub use rigid::Rigid;
 
@@ -139,6 +140,26 @@ pub fn diagonal_covariance(e_sd: Option<&Vector3<f64>>, g_sd: Option<&Vector3<f6
     for axis in 0..3 {
         covariance[(axis, axis)] = e_sd[axis] * e_sd[axis];
         covariance[(axis + 3, axis + 3)] = g_sd[axis] * g_sd[axis];
+    }
+    Some(covariance)
+}
+
+/// Covariance of (E, G) from what the station states of a gyro; none unless both standard deviations are known.
+///
+/// Where the station states the ratio r = G/|E| with its standard deviation, G = r |E| has the share r I^'dE in common with E
+/// (I^ = E/|E|): cov(E, G) = C_E I^ r', cov(G) = |E|^2 C_r + r r' (I^' C_E I^). D_I and D_S, which are made of the ratio, then do not
+/// depend on |E|.
+pub fn stated_covariance(gyro: &GyroParameters) -> Option<CovarianceEg> {
+    let mut covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref())?;
+    let scale = gyro.e.norm();
+    if gyro.g_is_ratio && scale > 0.0 {
+        let (input, ratio) = (gyro.e / scale, gyro.g / scale);
+        let along: Vector3<f64> = covariance.fixed_view::<3, 3>(0, 0) * input;
+        let cross = along * ratio.transpose();
+        covariance.fixed_view_mut::<3, 3>(0, 3).copy_from(&cross);
+        covariance.fixed_view_mut::<3, 3>(3, 0).copy_from(&cross.transpose());
+        let mut of_g = covariance.fixed_view_mut::<3, 3>(3, 3);
+        of_g += ratio * ratio.transpose() * input.dot(&along);
     }
     Some(covariance)
 }

@@ -26,7 +26,7 @@ use rules::Case;
 pub enum Coefficient {
     DI,
     DS,
-    /// The closure: mounting, not mass unbalance.
+    /// The closure, in which neither D_I nor D_S has a part: mounting, or a true output-axis term.
     DO,
     /// The scale-factor row (Table 3).
     E,

@@ -277,10 +277,14 @@ fn write_origin(f: &mut Formatter<'_>, since: Option<UtcMicros>) -> fmt::Result 
     }
 }
 
+/// Five degrees: far beyond any seat.
+const LARGEST_TURN_ARCMIN: f64 = 300.0;
+
 /// The turn of the spin axis about the input axis that moves D_O by as much, arc minutes: D_O moves by D_S psi when it turns by psi.
-/// None where it would not show.
+/// None where it would not show, and where no mount turns as far: then it is no turn.
 pub fn turn_arcmin(moved: f64, d_s: Option<f64>) -> Option<f64> {
-    d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0).filter(|turn| turn.is_finite() && turn.abs() >= 0.05)
+    d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0)
+        .filter(|turn| (0.05..=LARGEST_TURN_ARCMIN).contains(&turn.abs()))
 }
 
 fn write_percent(f: &mut Formatter<'_>, probability: f64) -> fmt::Result {

@@ -1,4 +1,4 @@
-//! `closure`: the closure moved from its baseline. That is mounting, not mass unbalance.
+//! `closure`: the closure moved from its baseline: D_O, in which neither D_I nor D_S has a part.
 
 use super::Case;
 use super::baseline::{LEVEL_RECORDS, Level};

@@ -50,7 +50,7 @@ use super::model::Terms;
 use super::mounting::Slot;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 4;
+pub const METHOD: u32 = 5;
 
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]

@@ -15,16 +15,21 @@ use super::located;
 use super::next;
 use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
-use super::settle::Settled;
+use super::settle::{FALSE_ALARM, Settled};
 use super::why_not::WhyNot;
 use crate::core::calibrate::noise;
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
 
-/// Probability below which what remains is significant where nothing was named, and beside a name. A name speaks for
-/// a cause of nearly its form as well: there what it leaves has to be looked at more closely.
-const REMAINS: f64 = 0.02;
+/// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests that know no
+/// catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never contradict one another.
+const GAP: f64 = 0.02;
+const SHARE_OF_SEARCH: f64 = FALSE_ALARM / GAP;
+const REMAINS: f64 = GAP - FALSE_ALARM;
+
+/// Probability below which what remains beside a name is significant. A name speaks for a cause of nearly its form as well: there
+/// what it leaves has to be looked at more closely.
 const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
@@ -76,7 +81,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
         verdict: match (named.is_empty(), remains) {
-            (true, false) if gap.p_value >= REMAINS => Verdict::NoGap,
+            (true, _) if gap.p_value >= GAP => Verdict::NoGap,
             (true, _) => Verdict::Unexplained,
             (false, false) => Verdict::Explained,
             (false, true) => Verdict::PartlyExplained,
@@ -276,15 +281,14 @@ fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
 fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
     let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
     let from_search = search.p_value(best);
-    let remaining = if nothing_named { signs.p_value } else { 1.0 };
+    let from_tests = if nothing_named { signs.p_value / (1.0 - SHARE_OF_SEARCH) } else { 1.0 };
     let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
     let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
     Gap {
         rms_deg_per_h: floor::rms(&settled.frame, settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice())),
         noise_alone_deg_per_h: floor::expected_rms(&settled.frame, variances),
         reduced_chi2: chi2 / dof as f64,
-        // The smaller of two.
-        p_value: 1.0 - (1.0 - from_search.min(remaining).clamp(0.0, 1.0)).powi(2),
+        p_value: (from_search / SHARE_OF_SEARCH).min(from_tests).min(1.0),
     }
 }
 

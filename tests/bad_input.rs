@@ -6,10 +6,15 @@
 mod spoken;
 mod support;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use support::Server;
+use sqlx::ConnectOptions;
+use support::{Server, asked, cluster, seed};
 use tokio::io::AsyncReadExt;
 
 /// Tables 3 and 4 of the paper.
@@ -478,4 +483,320 @@ async fn a_sender_that_goes_silent_is_cut_and_harms_nobody() {
     assert_eq!(server.get("/healthz").await.status, 200);
     let cut = tokio::time::timeout(Duration::from_secs(15), support::closed(silent)).await;
     assert!(cut.is_ok(), "a header that never ends is cut within ten seconds");
+}
+
+/// Brackets and braces one within another: how deep, which, and whether they are closed, as chance will have it.
+fn nest(chance: &mut ChaCha8Rng) -> (usize, String) {
+    let depth = 10_f64.powf(chance.random_range(0.0..6.0)) as usize;
+    let of_braces = *[0.0, 0.5, 1.0].choose(chance).unwrap();
+    let braces: Vec<bool> = (0..depth).map(|_| chance.random_bool(of_braces)).collect();
+    let mut text: String = braces.iter().map(|brace| if *brace { "{\"a\":" } else { "[" }).collect();
+    text.push('1');
+    let mut ends: Vec<char> = braces.iter().rev().map(|brace| if *brace { '}' } else { ']' }).collect();
+    match chance.random_range(0..8) {
+        0 => ends.clear(),
+        1 => ends.truncate(chance.random_range(0..depth)),
+        2 => ends.push(']'),
+        3 => ends[chance.random_range(0..depth)] = '!',
+        _ => {}
+    }
+    text.extend(ends);
+    (depth, text)
+}
+
+/// `scripts/soak nesting`: as a whole document, as a member that is known or not, on every way in.
+#[tokio::test]
+async fn nesting_of_any_depth_and_kind_is_refused_and_nothing_is_kept() {
+    let rounds = asked("GYROWATCH_SOAK_ROUNDS", 60);
+    let server = Server::start().await;
+    assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
+    let ways = [
+        ("/v1/records", paper()),
+        ("/v1/campaigns", serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap()),
+        ("/v1/bench-results", bench()),
+        ("/v1/hooks", json!({"name": "line", "url": "http://127.0.0.1:9/", "kind": "standard-webhooks"})),
+        ("/v1/tokens", json!({"name": "a", "role": "station"})),
+        ("/v1/gyros/LFG-0101/events", json!({"event": "note", "reason": "seen", "at": "2026-03-02T08:00:00Z"})),
+        ("/v1/gyros/LFG-0101/baseline", json!({"reason": "repaired", "at": "2026-03-02T08:00:00Z"})),
+        ("/v1/import", paper()),
+    ];
+    let (before, mut deepest) = (server.holdings().await, 0);
+    for round in 0..rounds {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed(round));
+        let (path, mut document) = ways.choose(&mut chance).unwrap().clone();
+        let (depth, nest) = nest(&mut chance);
+        deepest = deepest.max(depth);
+        let members: Vec<String> = document.as_object().unwrap().keys().cloned().collect();
+        let body = match chance.random_range(0..3) {
+            0 => nest,
+            of_them => {
+                let member = if of_them == 1 { "x" } else { members.choose(&mut chance).unwrap() };
+                document[member] = "HERE".into();
+                document.to_string().replacen("\"HERE\"", &nest, 1)
+            }
+        };
+        let what = format!("seed {}: {depth} deep to {path}", seed(round));
+        let kind = if path == "/v1/import" { "application/x-ndjson" } else { "application/json" };
+        let answer = server.post(path, kind, body).await;
+        let statuses: Vec<u16> = match (path, answer.status) {
+            ("/v1/import", 200) => {
+                let lines = answer.text();
+                let lines = lines.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+                lines.map(|line| line["status"].as_u64().unwrap() as u16).collect()
+            }
+            (_, status) => vec![status],
+        };
+        assert!(!statuses.is_empty(), "{what}");
+        assert!(statuses.iter().all(|status| matches!(status, 400 | 413 | 422)), "{what}: {statuses:?}");
+    }
+    assert_eq!(server.holdings().await, before);
+    assert_eq!(server.get("/healthz").await.status, 200);
+    println!("nesting: {rounds} documents, at the most {deepest} deep; each refused, nothing kept");
+}
+
+/// What a fault makes of the document.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Fault {
+    /// It is no JSON.
+    Syntax,
+    /// It is JSON of another form, and what it says is not looked at. It can be read on past the fault.
+    Form,
+    /// As [`Fault::Form`], and the end of reading: a number beyond all numbers, a member given twice.
+    Last,
+    /// It says what cannot be.
+    Content,
+}
+use Fault::{Content, Form, Last, Syntax};
+
+/// What may stand where something else belongs.
+const NO_NUMBER: [(&str, Fault); 20] = [
+    ("NaN", Syntax),
+    ("-Infinity", Syntax),
+    ("+1", Syntax),
+    ("01", Syntax),
+    (".5", Syntax),
+    ("1.", Syntax),
+    ("1e", Syntax),
+    ("0x1p3", Syntax),
+    ("--1", Syntax),
+    ("", Syntax),
+    ("1e999", Last),
+    ("-1e400", Last),
+    ("1e308", Content),
+    ("-1e308", Content),
+    ("\"1.0\"", Form),
+    ("null", Form),
+    ("true", Form),
+    ("[]", Form),
+    ("{}", Form),
+    ("{\"x\":[1]}", Form),
+];
+const NO_NAME: [(&str, Fault); 13] = [
+    ("\"\\ud800\"", Last),
+    ("\"\\x41\"", Syntax),
+    ("\"a\nb\"", Syntax),
+    ("'a'", Syntax),
+    ("\"", Syntax),
+    ("7", Form),
+    ("null", Form),
+    ("[\"a\"]", Form),
+    ("{\"x\":1}", Form),
+    ("\"\"", Content),
+    ("\"\\u0000\"", Content),
+    ("\"\\t\\n\"", Content),
+    ("\"xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx\"", Content),
+];
+const NO_TIME: [(&str, Fault); 8] = [
+    ("\"2026-02-30T08:00:00Z\"", Content),
+    ("\"2026-03-01T08:00:00\"", Content),
+    ("\"2026-03-01T25:00:00Z\"", Content),
+    ("\"9999-12-31T23:59:59Z\"", Content),
+    ("\"yesterday\"", Content),
+    ("\"\"", Content),
+    ("1772352000", Form),
+    ("2026-03-01", Syntax),
+];
+
+/// Places of a record where a value stands, in order.
+fn leaves(value: &Value, at: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(members) => members.iter().for_each(|(name, of)| leaves(of, &format!("{at}/{name}"), found)),
+        Value::Array(items) => items.iter().enumerate().for_each(|(i, of)| leaves(of, &format!("{at}/{i}"), found)),
+        _ => found.push(at.to_owned()),
+    }
+}
+
+/// The document with other text at some places, and further members in some objects.
+fn written(value: &Value, at: &str, other: &BTreeMap<String, &str>, further: &BTreeMap<String, String>) -> String {
+    if let Some(text) = other.get(at) {
+        return (*text).to_owned();
+    }
+    let below = |name: &str, value: &Value| written(value, &format!("{at}/{name}"), other, further);
+    match value {
+        Value::Object(members) => {
+            let mut all: Vec<String> =
+                members.iter().map(|(name, of)| format!("\"{name}\":{}", below(name, of))).collect();
+            all.extend(further.get(at).cloned());
+            format!("{{{}}}", all.join(","))
+        }
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().enumerate().map(|(i, of)| below(&i.to_string(), of)).collect();
+            format!("[{}]", items.join(","))
+        }
+        value => value.to_string(),
+    }
+}
+
+/// A record with up to four faults: its text, and where each is.
+fn faulty(chance: &mut ChaCha8Rng) -> (String, BTreeMap<String, Fault>) {
+    let (record, mut places) = (paper(), Vec::new());
+    leaves(&record, "", &mut places);
+    let (mut other, mut further, mut faults) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+    let count = chance.random_range(1..4);
+    for place in places.sample(chance, count).cloned().collect::<Vec<_>>() {
+        let of_few = place.ends_with("slot") || place.ends_with("geometry");
+        let instead: &[(&str, Fault)] = match record.pointer(&place).unwrap() {
+            Value::Number(_) => &NO_NUMBER,
+            _ if place.ends_with("_at") => &NO_TIME,
+            _ => &NO_NAME,
+        };
+        let (text, fault) = *instead.choose(chance).unwrap();
+        other.insert(place.clone(), text);
+        // One word of a few that are known is a matter of form.
+        faults.insert(place, if of_few && fault == Content { Form } else { fault });
+    }
+    let (object, member) =
+        *[("", "imu"), ("/gyros/1", "slot"), ("", "colour"), ("/gyros/2", "colour")].choose(chance).unwrap();
+    let place = format!("{object}/{member}");
+    if chance.random_bool(0.3) && !faults.contains_key(&place) {
+        further.insert(object.to_owned(), format!("\"{member}\":\"G1\""));
+        faults.insert(place, if member == "colour" { Form } else { Last });
+    }
+    (written(&record, "", &other, &further), faults)
+}
+
+/// `scripts/soak bad-values`.
+#[tokio::test]
+async fn faults_in_any_combination_are_named_at_their_places_and_nothing_is_kept() {
+    let rounds = asked("GYROWATCH_SOAK_ROUNDS", 300);
+    let server = Server::start().await;
+    let before = server.holdings().await;
+    let (mut no_json, mut faults) = (0, 0);
+    for round in 0..rounds {
+        let (text, places) = faulty(&mut ChaCha8Rng::seed_from_u64(seed(round)));
+        let what = format!("seed {}: {text}", seed(round));
+        let answer = server.post("/v1/records", "application/json", text).await;
+        let (status, detail, pointers) = problem(&answer);
+        let what = format!("{what}: {}", answer.text());
+        let any = |kind: Fault| places.values().any(|fault| *fault == kind);
+        if any(Syntax) {
+            assert!(status == 400 && detail.contains("JSON"), "{what}");
+            no_json += 1;
+            continue;
+        }
+        assert_eq!(status, 422, "{what}");
+        let is_named = |place: &str| {
+            pointers.iter().any(|named| !named.is_empty() && (place.starts_with(named) || named.starts_with(place)))
+        };
+        // Content is looked at where the form is right, and G of a gyro where its E is plausible.
+        let of_form = any(Form) || any(Last);
+        let hidden = |place: &str| {
+            of_form || place.starts_with("/gyros/") && pointers.iter().any(|named| named.get(..8) == place.get(..8))
+        };
+        let missed = |place: &str, fault: Fault| !is_named(place) && !(fault == Content && hidden(place));
+        let missing = places.iter().filter(|(place, fault)| missed(place, **fault)).count();
+        let named = places.keys().filter(|place| is_named(place)).count();
+        assert!(missing == 0 || (any(Last) && named > 0), "{what}: {missing} not named");
+        faults += named;
+    }
+    assert_eq!(server.holdings().await, before);
+    println!(
+        "bad values: {rounds} records, {no_json} no JSON, {faults} faults in the others; each named, nothing kept"
+    );
+}
+
+/// A record of one IMU, which a word in its note makes one that the database refuses.
+fn of_imu(number: usize, day: usize, poisoned: bool) -> Value {
+    let mut record = paper();
+    record["imu"] = json!(format!("IMU-{number}"));
+    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
+        gyro["serial"] = json!(format!("G-{number}-{i}"));
+    }
+    let at = jiff::Timestamp::from_second(1_500_000_000 + 3600 * day as i64).unwrap();
+    record["calibrated_at"] = json!(at.to_string());
+    record["note"] = json!(if poisoned { "POISON" } else { "good" });
+    record
+}
+
+/// Status and identifier of each of `bodies`, sent as lines of one import or as posts at once.
+async fn sent(server: &Server, bodies: &[String], as_import: bool) -> Vec<(u16, Option<String>)> {
+    let outcome = |status: u16, answer: &Value| (status, answer["id"].as_str().map(str::to_owned));
+    if as_import {
+        let answer = server.post("/v1/import", "application/x-ndjson", bodies.join("\n")).await.text();
+        let lines = answer.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        return lines.map(|line| outcome(line["status"].as_u64().unwrap() as u16, &line)).collect();
+    }
+    let posts = bodies.iter().map(|body| server.post("/v1/records", "application/json", body.clone()));
+    let answers = futures::future::join_all(posts).await;
+    answers.iter().map(|answer| outcome(answer.status, &answer.json())).collect()
+}
+
+/// `scripts/soak poison`. `tests/postgres.rs` has one for PostgreSQL.
+#[tokio::test]
+async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() {
+    if cluster::is_wanted() {
+        return;
+    }
+    let groups = asked("GYROWATCH_SOAK_ROUNDS", 4);
+    let server = Server::start().await;
+    // Behind the service's back, so that only the database knows.
+    let file = sqlx::sqlite::SqliteConnectOptions::new().filename(server.dir().join("gyrowatch.db"));
+    let mut database = file.connect().await.unwrap();
+    let trigger = "CREATE TRIGGER poison BEFORE INSERT ON record WHEN instr(CAST(NEW.body AS TEXT), 'POISON') > 0
+                   BEGIN SELECT raise(ABORT, 'poisoned'); END";
+    sqlx::raw_sql(trigger).execute(&mut database).await.unwrap();
+    let (mut good, mut poisoned, mut unreadable, mut ids) = ([0_i64; 64], 0, 0, BTreeSet::new());
+    for group in 0..groups {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed(group));
+        let of_poison = chance.random_range(0.01..0.2);
+        let kinds: Vec<u16> = (0..64)
+            .map(|_| match chance.random_bool(of_poison) {
+                false => 201,
+                true => *[500, 500, 400].choose(&mut chance).unwrap(),
+            })
+            .collect();
+        let bodies: Vec<String> = kinds
+            .iter()
+            .enumerate()
+            .map(
+                |(number, kind)| {
+                    if *kind == 400 { "{".to_owned() } else { of_imu(number, group, *kind == 500).to_string() }
+                },
+            )
+            .collect();
+        let answers = sent(&server, &bodies, chance.random()).await;
+        let what = format!("seed {}", seed(group));
+        assert_eq!(answers.iter().map(|answer| answer.0).collect::<Vec<_>>(), kinds, "{what}");
+        for (number, (status, id)) in answers.into_iter().enumerate() {
+            match status {
+                201 => {
+                    assert!(ids.insert(id.unwrap()), "{what}: an identifier twice");
+                    good[number] += 1;
+                }
+                500 => poisoned += 1,
+                _ => unreadable += 1,
+            }
+        }
+    }
+    for (number, good) in good.iter().enumerate() {
+        for slot in 0..3 {
+            let gyro = server.get(&format!("/v1/gyros/G-{number}-{slot}")).await.json();
+            assert_eq!(gyro["calibrations"].as_i64().unwrap_or(0), *good, "G-{number}-{slot}");
+        }
+    }
+    let stored = server.holdings().await.into_iter().find(|(table, _)| table == "record").unwrap().1;
+    assert_eq!(stored, ids.len() as i64);
+    println!(
+        "poison: {groups} groups of 64: {stored} stored, {poisoned} refused by the database, {unreadable} unreadable"
+    );
 }

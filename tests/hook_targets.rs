@@ -2,8 +2,10 @@
 //!
 //! Each test makes one attempt against a real socket on this machine; the allow-list lets that one address pass.
 
+mod support;
+
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -15,6 +17,10 @@ use gyrowatch::alert::sign::{self, Secret};
 use gyrowatch::alert::target::TargetPolicy;
 use gyrowatch::alert::{HookKind, Message};
 use gyrowatch::core::time::UtcMicros;
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use support::{asked, seed};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 
@@ -50,7 +56,14 @@ async fn target<F>(talk: impl Fn(TcpStream) -> F + Send + 'static) -> (SocketAdd
 where
     F: Future<Output = io::Result<()>> + Send + 'static,
 {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await.unwrap();
+    target_at(Ipv4Addr::LOCALHOST.into(), talk).await
+}
+
+async fn target_at<F>(ip: IpAddr, talk: impl Fn(TcpStream) -> F + Send + 'static) -> (SocketAddr, Arc<AtomicUsize>)
+where
+    F: Future<Output = io::Result<()>> + Send + 'static,
+{
+    let listener = TcpListener::bind((ip, 0)).await.unwrap();
     let address = listener.local_addr().unwrap();
     let connections = Arc::new(AtomicUsize::new(0));
     let counted = connections.clone();
@@ -287,6 +300,120 @@ async fn a_forbidden_address_is_never_connected_to_however_it_is_spelt() {
         failed(&attempt_with(&courier, &format!("http://{host}:{port}/")).await, None, "refused: ");
     }
     assert_eq!(connections.load(Ordering::SeqCst), 0);
+}
+
+/// A number of an address as it may be written: decimal, octal or hexadecimal, with zeros before it.
+fn number(value: u32, chance: &mut ChaCha8Rng) -> String {
+    let zeros = "0".repeat(chance.random_range(0..4));
+    match chance.random_range(0..4) {
+        0 => format!("0x{zeros}{value:x}"),
+        1 => format!("0X{value:X}"),
+        2 => format!("0{zeros}{value:o}"),
+        _ => value.to_string(),
+    }
+}
+
+/// One to four numbers, the last of which takes what is left of the address.
+fn spelt_v4(address: Ipv4Addr, chance: &mut ChaCha8Rng) -> String {
+    let before = chance.random_range(0..4);
+    let mut words: Vec<String> =
+        address.octets()[..before].iter().map(|octet| number(u32::from(*octet), chance)).collect();
+    words.push(number(u32::from(address) & (u32::MAX >> (8 * before)), chance));
+    words.join(".") + if chance.random_bool(0.2) { "." } else { "" }
+}
+
+/// An IPv6 address that carries it: mapped, compatible, NAT64 of both kinds, 6to4 or Teredo; short, or every digit written.
+fn spelt_v6(address: Ipv4Addr, chance: &mut ChaCha8Rng) -> String {
+    let [a, b, c, d] = address.octets();
+    let (high, low) = (u16::from_be_bytes([a, b]), u16::from_be_bytes([c, d]));
+    let segments = *[
+        [0, 0, 0, 0, 0, 0xffff, high, low],
+        [0, 0, 0, 0, 0, 0, high, low],
+        [0x64, 0xff9b, 0, 0, 0, 0, high, low],
+        [0x64, 0xff9b, 1, 0, 0, 0, high, low],
+        [0x2002, high, low, 0, 0, 0, 0, 1],
+        [0x2001, 0, 1, 2, 3, 4, !high, !low],
+    ]
+    .choose(chance)
+    .unwrap();
+    let digits = segments.map(|segment| format!("{segment:04X}"));
+    match chance.random_range(0..3) {
+        0 => format!("[{}]", digits.join(":")),
+        1 if segments[7] == low => format!("[{}:{address}]", digits[..6].join(":")),
+        _ => format!("[{}]", Ipv6Addr::from(segments)),
+    }
+}
+
+/// Characters that mean the same in the name of a host: wide ones, escaped ones, other full stops, and such as are left out.
+fn disguised(host: &str, chance: &mut ChaCha8Rng) -> String {
+    let disguise = |c: char| match (chance.random_range(0..12), c) {
+        (0, '.') => (*["\u{3002}", "\u{ff0e}", "\u{ff61}", "%2E"].choose(chance).unwrap()).to_owned(),
+        (0, c) => char::from_u32(u32::from(c) + 0xfee0).map_or_else(|| c.to_string(), String::from),
+        (1, c) => format!("%{:02x}", u32::from(c)),
+        (2, c) => format!("{c}{}", ["\u{ad}", "\u{200b}", "\t", "\n"].choose(chance).unwrap()),
+        (3, c) => c.to_ascii_uppercase().to_string(),
+        (_, c) => c.to_string(),
+    };
+    host.chars().map(disguise).collect()
+}
+
+/// A host that leads to this machine, or to where credentials are kept.
+fn forbidden_host(chance: &mut ChaCha8Rng) -> String {
+    let address = match chance.random_range(0..8) {
+        0 => Ipv4Addr::from(0x7f00_0000 | chance.random_range(0..0x0100_0000)),
+        1 => Ipv4Addr::UNSPECIFIED,
+        2 => Ipv4Addr::new(169, 254, 169, 254),
+        _ => Ipv4Addr::LOCALHOST,
+    };
+    match chance.random_range(0..8) {
+        0 | 1 => spelt_v6(address, chance),
+        2 => (*["[::1]", "[::]", "[0:0::0:1]", "[0000:0000:0000:0000:0000:0000:0000:0001]"].choose(chance).unwrap())
+            .to_owned(),
+        3 => disguised("localhost", chance) + if chance.random() { "." } else { "" },
+        4 | 5 => disguised(&spelt_v4(address, chance), chance),
+        _ => spelt_v4(address, chance),
+    }
+}
+
+/// Such a host in a URL, at `port`.
+fn spelt_url(port: u16, chance: &mut ChaCha8Rng) -> String {
+    let host = forbidden_host(chance);
+    let scheme = ["http://", "HTTP://", "http:/", "http:", "http:///", "http:\\\\", " \thttp://", "ht\ntp://"]
+        .choose(chance)
+        .unwrap();
+    let who = ["", "", "", "", "", "x@", "x:y@", "alerts.example.org@", "%00@"].choose(chance).unwrap();
+    let zeros = "0".repeat(chance.random_range(0..3));
+    let path = ["", "/", "?x", "/a/../b", "\\x"].choose(chance).unwrap();
+    format!("{scheme}{who}{host}:{zeros}{port}{path}")
+}
+
+/// `scripts/soak spellings`. That many of them do lead to this machine is seen where the policy lets them.
+#[tokio::test]
+async fn a_forbidden_address_is_never_connected_to_however_chance_spells_it() {
+    let rounds = asked("GYROWATCH_SOAK_ROUNDS", 400);
+    let anywhere = || target_at(Ipv6Addr::UNSPECIFIED.into(), |_| async { Ok(()) });
+    let ((closed, unwanted), (open, reached)) = (anywhere().await, anywhere().await);
+    let (guarded, lax) =
+        (courier(TargetPolicy::default()), courier(TargetPolicy { loopback: true, ..TargetPolicy::default() }));
+    for round in 0..rounds {
+        let url = spelt_url(closed.port(), &mut ChaCha8Rng::seed_from_u64(seed(round)));
+        let got = attempt_with(&guarded, &url).await;
+        let what = format!("seed {}: {url:?}: {got:?}", seed(round));
+        assert!(matches!(got.outcome, Outcome::Failed { .. }) && !got.detail.contains("hunter2"), "{what}");
+        // By the policy, or because it is no URL and no name; never because dialling it came to nothing.
+        let refused = ["refused: ", "is no URL: ", "must not hold a user name", "does not resolve: "]
+            .iter()
+            .any(|why| got.detail.contains(why));
+        assert!(refused, "{what}");
+        assert_eq!(unwanted.load(Ordering::SeqCst), 0, "{what}");
+        attempt_with(&lax, &spelt_url(open.port(), &mut ChaCha8Rng::seed_from_u64(seed(round)))).await;
+    }
+    assert_eq!(unwanted.load(Ordering::SeqCst), 0);
+    let reached = reached.load(Ordering::SeqCst);
+    println!(
+        "spellings: {rounds}, of which {reached} lead to this machine where that is allowed; 0 connections where it is not"
+    );
+    assert!(reached > rounds / 10, "{reached} of {rounds}");
 }
 
 #[tokio::test]

@@ -4,8 +4,11 @@ mod support;
 
 use std::collections::BTreeMap;
 
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use support::{Server, data};
+use support::{Server, asked, data, seed};
 
 const SQL: [&str; 8] = [
     "'; DROP TABLE record; --",
@@ -181,4 +184,104 @@ async fn sql_in_any_parameter_reads_and_changes_nothing_else() {
     }
     assert!(tried > 300, "{tried}");
     assert_nothing_gone(&before, &holdings(&server).await, "parameters");
+}
+
+/// What statements are made of, and what ends the place that a value was meant for.
+const FRAGMENTS: [&str; 32] = [
+    "'",
+    "''",
+    "\"",
+    "`",
+    ")",
+    "))",
+    "(",
+    ";",
+    "--",
+    "/*",
+    "*/",
+    "%",
+    "_",
+    "\\",
+    "\\'",
+    "||",
+    " OR ",
+    " AND ",
+    " UNION SELECT ",
+    " 1=1",
+    "'1'='1'",
+    "DROP TABLE record",
+    "DELETE FROM history",
+    "UPDATE token SET role = 'admin'",
+    "INSERT INTO hook VALUES (",
+    "PRAGMA ",
+    "ATTACH 'x' AS y",
+    "load_extension('x')",
+    "randomblob(1e9)",
+    "$1",
+    "?1",
+    ":imu",
+];
+
+/// A statement that nobody has thought of: some are SQL, most are not.
+fn made_up(chance: &mut ChaCha8Rng) -> String {
+    let mut text = String::new();
+    for _ in 0..chance.random_range(1..8) {
+        text += FRAGMENTS.choose(chance).unwrap();
+    }
+    // Names have 64 characters at the most, and none at their ends that is a blank.
+    text.trim().chars().take(60).collect::<String>().trim().to_owned()
+}
+
+/// `scripts/soak sql`: made-up statements in every string of every document, and as every parameter.
+#[tokio::test]
+async fn sql_that_is_made_up_does_no_more() {
+    let rounds = asked("GYROWATCH_SOAK_ROUNDS", 120);
+    let server = Server::start().await;
+    for (path, document) in documents(0) {
+        assert_eq!(server.post_json(path, &document).await.status, 201, "{path}");
+    }
+    let description = server.get("/openapi.json").await.json();
+    let mut queries = Vec::new();
+    for (path, operations) in description["paths"].as_object().unwrap() {
+        for parameter in operations["get"]["parameters"].as_array().into_iter().flatten() {
+            queries.push((path.replace("{serial}", "LFG-0101"), parameter["name"].as_str().unwrap().to_owned()));
+        }
+    }
+    let (mut before, mut stored, mut refused, mut asked) = (holdings(&server).await, 0, 0, 0);
+    for round in 0..rounds {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed(round));
+        let sql = made_up(&mut chance);
+        let mut all = documents(1 + round);
+        let (path, mut document) = all.swap_remove(chance.random_range(0..all.len()));
+        let mut places = Vec::new();
+        strings(&document, "", &mut places);
+        *document.pointer_mut(places.choose(&mut chance).unwrap()).unwrap() = sql.as_str().into();
+        let answer = server.post_json(path, &document).await;
+        let what = format!("seed {}: {sql} to {path}: {}", seed(round), answer.text());
+        match answer.status {
+            201 => stored += 1,
+            400 | 409 | 422 => refused += 1,
+            other => panic!("{other} {what}"),
+        }
+        if let Some(location) = answer.headers.get("location").filter(|_| answer.status == 201) {
+            let kept = server.get(location.to_str().unwrap()).await.text();
+            assert!(kept.contains(&Value::from(sql.as_str()).to_string()), "{what} is kept as {kept}");
+        }
+        let (path, name) = queries.choose(&mut chance).unwrap();
+        let query = match path.contains(&format!("{{{name}}}")) {
+            true => path.replace(&format!("{{{name}}}"), &encoded(&sql)),
+            false => format!("{path}?{name}={}", encoded(&sql)),
+        };
+        let answer = server.get(&query).await;
+        assert!(answer.status < 500, "seed {}: {query}: {} {}", seed(round), answer.status, answer.text());
+        asked += 1;
+        if round % 100 == 99 || round + 1 == rounds {
+            let after = holdings(&server).await;
+            assert_nothing_gone(&before, &after, &format!("the hundred up to seed {}", seed(round)));
+            before = after;
+        }
+    }
+    println!(
+        "sql: {stored} documents stored word for word, {refused} refused, {asked} questions; nothing else changed"
+    );
 }

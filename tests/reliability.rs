@@ -10,11 +10,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
-use support::{Server, asked, data, gyrowatch};
+use support::{Server, asked, data, gyrowatch, seed};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 fn client() -> reqwest::Client {
@@ -334,4 +335,207 @@ async fn requests_that_can_be_read_in_two_ways_are_refused_and_the_connection_is
         assert!(matches!(status, "400" | "431" | "501"), "{what}: {answer}");
     }
     assert_eq!(server.get("/healthz").await.status, 200);
+}
+
+/// The same record written otherwise: another offset, fractions of a second that are none, blanks, a note that says nothing.
+fn written_otherwise(record: &Value, chance: &mut ChaCha8Rng) -> String {
+    let mut record = record.clone();
+    let at: jiff::Timestamp = record["calibrated_at"].as_str().unwrap().parse().unwrap();
+    let offset = jiff::tz::offset(chance.random_range(-12..=14));
+    let local = at.to_zoned(offset.to_time_zone()).strftime("%Y-%m-%dT%H:%M:%S").to_string();
+    let fraction = ["", ".0", ".000000"].choose(chance).unwrap();
+    record["calibrated_at"] = format!("{local}{fraction}{:+03}:00", offset.seconds() / 3600).into();
+    if chance.random() {
+        record["note"] = Value::Null;
+    }
+    if chance.random() { record.to_string() } else { serde_json::to_string_pretty(&record).unwrap() }
+}
+
+/// Sends a record ten times, each written otherwise; what is not answered, because the service is killed, again.
+async fn sends_ten_times(url: String, record: Value, mut chance: ChaCha8Rng) -> Vec<(u16, Value)> {
+    let (mut http, mut answers) = (client(), Vec::new());
+    while answers.len() < 10 {
+        let body = written_otherwise(&record, &mut chance);
+        let sent = http.post(&url).header("content-type", "application/json").body(body).send().await;
+        let Ok(answer) = sent else {
+            tokio::time::sleep(Duration::from_millis(5)).await;
+            http = client();
+            continue;
+        };
+        let status = answer.status().as_u16();
+        if let Ok(text) = answer.text().await {
+            answers.push((status, serde_json::from_str(&text).unwrap()));
+        }
+    }
+    answers
+}
+
+/// `scripts/soak again`: every record 160 times, 16 at once, the service killed meanwhile now and then.
+#[tokio::test]
+async fn a_record_sent_160_times_while_the_service_is_killed_is_stored_once() {
+    let records = asked("GYROWATCH_SOAK_RECORDS", 4);
+    let mut server = Server::start().await;
+    let (mut kills, mut unanswered, mut ids) = (0, 0, BTreeSet::new());
+    for number in 0..records {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed(number));
+        let (url, sent) = (server.url("/v1/records"), record(number));
+        let of_sender = |sender: u64| ChaCha8Rng::seed_from_u64(seed(number) ^ (sender << 32));
+        let senders: Vec<_> = (1..=16)
+            .map(|sender| tokio::spawn(sends_ten_times(url.clone(), sent.clone(), of_sender(sender))))
+            .collect();
+        let killed = chance.random_bool(0.5);
+        if killed {
+            tokio::time::sleep(Duration::from_micros(chance.random_range(0..30_000))).await;
+            server.kill();
+            server.restart();
+            kills += 1;
+        }
+        let (mut created, mut answered) = (0, BTreeSet::new());
+        let what = format!("seed {}", seed(number));
+        for sender in senders {
+            for (status, answer) in sender.await.unwrap() {
+                assert!(matches!(status, 200 | 201), "{what}: {status} {answer}");
+                created += usize::from(status == 201);
+                answered.insert(answer["id"].as_str().unwrap().to_owned());
+            }
+        }
+        // The answer to the first may have been lost with the service.
+        assert!(created == 1 || (created == 0 && killed), "{what}: stored {created} times");
+        assert_eq!(answered.len(), 1, "{what}");
+        unanswered += 1 - created;
+        ids.extend(answered);
+        let mut changed = sent;
+        changed["note"] = "changed".into();
+        let changed = (0..8).map(|_| server.post_json("/v1/records", &changed));
+        let answers = futures::future::join_all(changed).await;
+        assert!(answers.iter().all(|answer| answer.status == 409), "{what}: {answers:?}");
+    }
+    let stored = server.holdings().await.into_iter().find(|(table, _)| table == "record").unwrap().1;
+    assert!(stored == records as i64 && ids.len() == records, "{stored} records, {} identifiers", ids.len());
+    for imu in 0..records.min(40) {
+        let gyro = server.get(&format!("/v1/gyros/G-{imu}-0")).await.json();
+        assert_eq!(gyro["calibrations"], (imu..records).step_by(40).count(), "IMU-{imu}");
+    }
+    println!(
+        "again: {records} records, each sent 160 times, 16 at once, and 8 times changed; {kills} kills, \
+         {unanswered} stored without an answer; each stored once, every change refused"
+    );
+}
+
+/// What makes the end of a request a matter of opinion: each alone is reason enough to read no second one behind it.
+const AMBIGUOUS: [&str; 31] = [
+    "Host: elsewhere\r\n",
+    "Content-Length: 2\r\nContent-Length: 40\r\n",
+    "Content-Length: 40\r\nContent-Length: 2\r\n",
+    "Content-Length: 2, 40\r\n",
+    "Content-Length: 2, 2\r\n",
+    "Content-Length: +2\r\n",
+    "Content-Length: -2\r\n",
+    "Content-Length: 0x2\r\n",
+    "Content-Length: 2 2\r\n",
+    "Content-Length: 2;\r\n",
+    "Content-Length: 2.0\r\n",
+    "Content-Length: \r\n",
+    "Content-Length: 18446744073709551618\r\n",
+    "Content-Length : 2\r\n",
+    "Content\tLength: 2\r\n",
+    "X: y\r\n Content-Length: 2\r\n",
+    "Content-Length: 2\x00\r\n",
+    "Transfer-Encoding: xchunked\r\n",
+    "Transfer-Encoding: identity\r\n",
+    "Transfer-Encoding: chunked, identity\r\n",
+    "Transfer-Encoding: chunked\r\nTransfer-Encoding: x\r\n",
+    "Transfer-Encoding: \x0bchunked\r\n",
+    "Transfer-Encoding: \"chunked\"\r\n",
+    "Transfer-Encoding: chunked;q=1\r\n",
+    "Transfer-Encoding : chunked\r\n",
+    "X: y\r\n Transfer-Encoding: chunked\r\n",
+    "Transfer-Encoding: chunked\r\nContent-Length: 2\r\n",
+    "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n",
+    "Transfer-Encoding: gzip, chunked\r\n",
+    "Transfer-Encoding: chunked, chunked\r\n",
+    "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n",
+];
+
+/// Harmless ones, to stand before and behind.
+const PLAIN: [&str; 6] = [
+    "Accept: */*\r\n",
+    "Connection: keep-alive\r\n",
+    "Content-Type: application/json\r\n",
+    "X-Forwarded-For: 192.0.2.1\r\n",
+    "Expect: 100-continue\r\n",
+    "Cookie: a=b\r\n",
+];
+
+/// Bodies in chunks whose end readers may see in different places.
+const BAD_CHUNKS: [&str; 10] = [
+    "zz\r\n{}\r\n0\r\n\r\n",
+    "0x2\r\n{}\r\n0\r\n\r\n",
+    "-2\r\n{}\r\n0\r\n\r\n",
+    "+2\r\n{}\r\n0\r\n\r\n",
+    "10000000000000002\r\n{}\r\n0\r\n\r\n",
+    "2\r\n{}0\r\n\r\n",
+    "2\r\n{}xx0\r\n\r\n",
+    "2\n{}\n0\n\n",
+    "2\r{}\r0\r\r",
+    "\r\n2\r\n{}\r\n0\r\n\r\n",
+];
+
+/// Case as chance will have it, which means nothing in the name of a header.
+fn in_any_case(text: &str, chance: &mut ChaCha8Rng) -> String {
+    let change = |c: char| if chance.random_bool(0.2) { c.to_ascii_uppercase() } else { c };
+    text.chars().map(change).collect()
+}
+
+/// A request that can be read in two ways, with a second one where one of the readings ends.
+fn ambiguous(chance: &mut ChaCha8Rng) -> String {
+    let path = *["/v1/records", "/v1/bench-results", "/v1/import", "/v1/hooks", "/healthz", "/nowhere"]
+        .choose(chance)
+        .unwrap();
+    let method = *["POST", "POST", "POST", "GET", "PUT"].choose(chance).unwrap();
+    let in_chunks = chance.random_bool(0.25);
+    let end = if in_chunks { "Transfer-Encoding: chunked\r\n" } else { AMBIGUOUS.choose(chance).unwrap() };
+    let plain = chance.random_range(0..4);
+    let mut headers: Vec<String> = PLAIN.sample(chance, plain).map(|text| (*text).to_owned()).collect();
+    let further = (!in_chunks && chance.random_bool(0.3)).then(|| *AMBIGUOUS.choose(chance).unwrap());
+    for text in [Some(end), further].into_iter().flatten() {
+        let at = chance.random_range(0..=headers.len());
+        headers.insert(at, in_any_case(text, chance));
+    }
+    let body = if in_chunks {
+        BAD_CHUNKS.choose(chance).unwrap()
+    } else {
+        ["{}", "0\r\n\r\n", "2\r\n{}\r\n0\r\n\r\n", ""].choose(chance).unwrap()
+    };
+    let smuggled = "GET /v1/gyros HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    format!("{method} {path} HTTP/1.1\r\nHost: localhost\r\n{}\r\n{body}{smuggled}", headers.concat())
+}
+
+/// `scripts/soak smuggling`.
+#[tokio::test]
+async fn of_two_requests_whose_border_is_in_doubt_the_second_is_never_answered() {
+    let rounds = asked("GYROWATCH_SOAK_ROUNDS", 150);
+    let server = Server::start_with(&[
+        ("GYROWATCH_SERVER__BODY_TIMEOUT_S", "0.3"),
+        ("GYROWATCH_SERVER__HEADER_TIMEOUT_S", "0.3"),
+    ])
+    .await;
+    let before = server.holdings().await;
+    let mut statuses = std::collections::BTreeMap::<String, usize>::new();
+    for round in 0..rounds {
+        let text = ambiguous(&mut ChaCha8Rng::seed_from_u64(seed(round)));
+        let what = format!("seed {}: {text:?}", seed(round));
+        let stream = server.open_and_send(&text).await;
+        let mut answer = Vec::new();
+        let mut reading = stream;
+        let _reset_counts_too =
+            tokio::time::timeout(Duration::from_secs(5), reading.read_to_end(&mut answer)).await.expect(&what);
+        let answer = String::from_utf8_lossy(&answer).replace("HTTP/1.1 100 Continue\r\n\r\n", "");
+        assert!(answer.matches("HTTP/1.1 ").count() <= 1, "{what}: {answer}");
+        assert!(!answer.contains("\"gyros\""), "{what}: {answer}");
+        *statuses.entry(answer.split(' ').nth(1).unwrap_or("none").to_owned()).or_default() += 1;
+    }
+    assert_eq!(server.holdings().await, before);
+    assert_eq!(server.get("/healthz").await.status, 200);
+    println!("smuggling: {rounds} requests, answered {statuses:?}; no second one answered, every connection closed");
 }

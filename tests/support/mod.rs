@@ -59,6 +59,12 @@ pub fn asked(name: &str, otherwise: usize) -> usize {
     std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
 }
 
+/// What a test makes up follows from this and the number of the round: a round that fails says its own, and
+/// `GYROWATCH_SOAK_SEED` repeats it. `scripts/soak` gives a fresh one.
+pub fn seed(round: usize) -> u64 {
+    (asked("GYROWATCH_SOAK_SEED", 1) + round) as u64
+}
+
 /// Whether a program that a test drives is there. `scripts/test` installs it where it can, and then its absence is a failure.
 pub fn required(program: &str) -> bool {
     let there = std::env::var_os("PATH")

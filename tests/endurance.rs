@@ -158,6 +158,7 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
         .map(|_| {
             let (server, next, stop, times) = (server.clone(), next.clone(), stop.clone(), times.clone());
             tokio::spawn(async move {
+                let mut last = String::new();
                 while !stop.load(Ordering::Relaxed) {
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     // Every fourth record of a gyro steps away, and the next one back.
@@ -171,6 +172,8 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
                     let answer = server.post_json("/v1/records", &body).await;
                     assert_eq!(answer.status, 201, "{}", answer.text());
                     let id = answer.json()["id"].as_str().unwrap().to_owned();
+                    assert!(id > last, "{id} was given after {last}: identifiers ascend, whatever the clock does");
+                    last.clone_from(&id);
                     times.lock().unwrap().push((id, body["calibrated_at"].as_str().unwrap().to_owned()));
                 }
             })

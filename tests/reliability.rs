@@ -149,6 +149,13 @@ async fn answers(dir: &std::path::Path, paths: &[String]) -> Option<Vec<(u16, Ve
     Some(answers)
 }
 
+/// Where a gyro's D_I stands in the rows of the history, of which there may be several (`src/store/figures.rs`): 28 bytes after
+/// their version and slot.
+fn places_of(d_i: f64, file: &[u8]) -> Vec<usize> {
+    let stands = |at: &usize| file[*at..*at + 8] == d_i.to_le_bytes() && file[*at - 28] == 1 && file[*at - 27] < 3;
+    (28..file.len() - 8).filter(stands).collect()
+}
+
 #[tokio::test]
 async fn a_damaged_file_never_gives_wrong_figures() {
     let times = asked("GYROWATCH_SOAK_DAMAGES", 25);
@@ -175,12 +182,21 @@ async fn a_damaged_file_never_gives_wrong_figures() {
     put(&whole);
     let right = answers(dir.path(), &paths).await.expect("it starts on a whole file");
     assert!(right.iter().all(|(status, figures)| *status == 200 && !figures.is_empty()));
+    let of_trends = right.iter().skip(24).flat_map(|(_, figures)| figures);
+    let stored: Vec<_> = of_trends.map(|d_i| places_of(*d_i, &whole)).filter(|places| !places.is_empty()).collect();
+    assert!(stored.len() >= 24, "each figure of the trends is in the file");
     let mut random = ChaCha8Rng::seed_from_u64(asked("GYROWATCH_SOAK_SEED", 11) as u64);
     let (mut refused, mut told, mut unseen, mut missing) = (0, 0, 0, 0);
     for time in 0..times {
         let mut damaged = whole.clone();
         if time % 5 == 4 {
             damaged.truncate(random.random_range(0..whole.len()));
+        } else if time % 5 == 3 {
+            // Nothing but its checksum tells that a figure is another one.
+            let (byte, bit) = (random.random_range(0..8), random.next_u32() % 8);
+            for place in stored.choose(&mut random).unwrap() {
+                damaged[place + byte] ^= 1 << bit;
+            }
         } else {
             for _ in 0..random.random_range(1..16) {
                 let place = random.random_range(0..whole.len());

@@ -176,6 +176,43 @@ async fn until_the_first_token_this_machine_may_do_everything_and_then_nobody_wi
     }
 }
 
+/// DNS rebinding: a page of `evil.example`, whose name then leads to this machine, is to the browser a page of this service.
+#[tokio::test]
+async fn without_a_token_nothing_is_answered_under_another_name_than_this_machines() {
+    let server = Server::start().await;
+    let record = data("paper.json");
+    let port = server.address().rsplit_once(':').unwrap().1;
+    let rebound = format!("evil.example:{port}");
+    let origin = format!("http://{rebound}");
+    let asks = async |host: &str, method: &str, path: &str, body: &str, token: &str| {
+        let content_type = if body.is_empty() { "" } else { "application/json" };
+        let origin = if method == "GET" { "" } else { origin.as_str() };
+        let headers = [("host", host), ("origin", origin), ("content-type", content_type), ("authorization", token)];
+        server.call(method, path, &headers, body.to_owned()).await
+    };
+    for (method, path, body) in [
+        ("GET", "/", ""),
+        ("GET", "/v1/gyros", ""),
+        ("GET", "/sign-in", ""),
+        ("POST", "/v1/records", record.as_str()),
+        ("POST", "/v1/tokens", r#"{"name": "mine", "role": "admin"}"#),
+    ] {
+        let answer = asks(&rebound, method, path, body, "").await;
+        assert_eq!((answer.status, answer.content_type.as_str()), (421, "application/problem+json"), "{method} {path}");
+        assert!(answer.text().contains("until the first token is made"), "{}", answer.text());
+    }
+    for path in ["/healthz", "/readyz", "/metrics"] {
+        assert_eq!(asks(&rebound, "GET", path, "", "").await.status, 200, "{path}");
+    }
+    let localhost = format!("localhost:{port}");
+    for host in [localhost.as_str(), "127.0.0.1", "[::1]:80"] {
+        assert_eq!(asks(host, "GET", "/v1/gyros", "", "").await.status, 200, "{host}");
+    }
+    // A token says who asks, under whatever name.
+    let (admin, _) = token(&server, "", "admin", json!({})).await;
+    assert_eq!(asks(&rebound, "GET", "/v1/gyros", "", &format!("Bearer {admin}")).await.status, 200);
+}
+
 #[tokio::test]
 async fn a_stations_token_sends_for_that_station_alone_on_every_way_in() {
     let server = Server::start().await;

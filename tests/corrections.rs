@@ -454,7 +454,8 @@ async fn a_service_that_is_killed_while_a_record_is_voided_has_done_all_of_it_or
             last = id_of(&server.post_json("/v1/records", &made(at, d_i)).await.json());
         }
         let text = said("x").to_string();
-        let head = format!("POST /v1/records/{last}/void HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\n");
+        let head =
+            format!("POST /v1/records/{last}/void HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n");
         let stream = server.open_and_send(&format!("{head}content-length: {}\r\n\r\n{text}", text.len())).await;
         tokio::time::sleep(Duration::from_micros(400 * round as u64)).await;
         server.kill();

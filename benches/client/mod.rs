@@ -39,11 +39,11 @@ impl Client {
     }
 
     pub async fn get(&mut self, path: &str) -> Answer {
-        self.send(&format!("GET {path} HTTP/1.1\r\nhost: bench\r\n\r\n")).await
+        self.send(&format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n")).await
     }
 
     pub async fn post(&mut self, path: &str, media_type: &str, body: &str) -> Answer {
-        let head = format!("POST {path} HTTP/1.1\r\nhost: bench\r\ncontent-type: {media_type}\r\n");
+        let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: {media_type}\r\n");
         self.send(&format!("{head}content-length: {}\r\n\r\n{body}", body.len())).await
     }
 

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use axum::extract::{ConnectInfo, MatchedPath, Request};
 use axum::http::header::{ACCEPT, AUTHORIZATION, COOKIE, HOST, LOCATION, ORIGIN, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -17,7 +18,7 @@ use crate::pipeline::{By, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
 use rules::Least;
 
-/// Lets a request through to its handler as its caller, or answers it 401, 403 or 429.
+/// Lets a request through to its handler as its caller, or answers it 401, 403, 421 or 429.
 pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
     let Some(route) = request.extensions().get::<MatchedPath>().cloned() else {
         return next.run(request).await; // Nothing is there: the fallback says so.
@@ -35,6 +36,9 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
         Err(_) if least == Least::Anyone => return foreign().into_response(),
         Err(denied) => return refuse(&denied, &request),
     };
+    if matches!(caller.by, By::Presence) && !rules::is_probed(route.as_str()) && !names_this_machine(headers) {
+        return misnamed().into_response();
+    }
     let by_cookie = matches!(caller.by, By::Session { .. });
     let by_token = matches!(caller.by, By::Token(_));
     // A page of another site can make a browser send its cookie, or reach this machine; it cannot make it send a token.
@@ -87,6 +91,22 @@ impl Origin {
 
 fn foreign() -> Problem {
     Problem::new(403, "Foreign page", "the request was sent by a page of another site")
+}
+
+/// Whether a request is for this machine by the name it uses. Any site can let its own name lead here, and to a browser its page is then
+/// one of this service: only the name tells. What names no host comes from no browser.
+fn names_this_machine(headers: &HeaderMap) -> bool {
+    let Some(host) = headers.get(HOST) else { return true };
+    let Ok(authority) = Authority::try_from(host.as_bytes()) else { return false };
+    let name = authority.host().trim_start_matches('[').trim_end_matches(']');
+    let is_loopback = |address: IpAddr| address.to_canonical().is_loopback();
+    name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(is_loopback)
+}
+
+fn misnamed() -> Problem {
+    let detail = "until the first token is made, the service answers under localhost and loopback addresses alone: \
+                  a page of another site could use any other name";
+    Problem::new(421, "Not this machine's name", detail)
 }
 
 /// The token of `Authorization: Bearer`.
@@ -183,5 +203,29 @@ mod tests {
             assert_eq!(origin(Method::POST, headers), expected, "{headers:?}");
             assert_eq!(origin(Method::GET, headers), Origin::Own, "{headers:?}");
         }
+    }
+
+    #[test]
+    fn this_machine_is_named_by_localhost_and_by_its_loopback_addresses() {
+        let named = |host: &str| names_this_machine(&HeaderMap::from_iter([(HOST, host.parse().unwrap())]));
+        for host in
+            ["localhost", "LocalHost:8080", "127.0.0.1", "127.9.9.9:1", "[::1]", "[::1]:8080", "[::ffff:127.0.0.1]"]
+        {
+            assert!(named(host), "{host}");
+        }
+        for host in [
+            "evil.example:8080",
+            "localhost.evil.example",
+            "localhost@evil.example",
+            "127.0.0.1.evil.example",
+            "192.168.1.5:8080",
+            "[fe80::1]",
+            "0.0.0.0",
+            "[::1",
+            "",
+        ] {
+            assert!(!named(host), "{host}");
+        }
+        assert!(names_this_machine(&HeaderMap::new()), "no browser leaves it out");
     }
 }

@@ -133,6 +133,11 @@ pub(super) fn least(method: &Method, route: &str) -> Least {
     LEAST.get(&(method, route)).copied().unwrap_or(Least::Nobody)
 }
 
+/// What watches a service asks these, under whatever name it knows it by; they tell nothing of what is measured.
+pub(super) fn is_probed(route: &str) -> bool {
+    ["/healthz", "/readyz", "/metrics"].contains(&route)
+}
+
 #[cfg(test)]
 pub(in crate::http) fn has(method: &str, route: &str) -> bool {
     LEAST.contains_key(&(method, route))

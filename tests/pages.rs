@@ -285,6 +285,29 @@ async fn a_preview_says_what_storing_would_refuse() {
 }
 
 #[tokio::test]
+async fn a_preview_holds_no_more_documents_against_what_is_stored_than_it_shows() {
+    let server = Server::start().await;
+    let bench = |minute: usize, d_i: f64| {
+        let at = format!("2026-02-20T{:02}:{:02}:00Z", minute / 60, minute % 60);
+        json!({"serial": "GYRO", "station": "BENCH-1", "measured_at": at, "method": "torque_feedback",
+        "d_i_deg_per_h_g0": d_i, "d_s_deg_per_h_g0": -2.25})
+    };
+    for minute in [199, 200] {
+        assert_eq!(server.post_json("/v1/bench-results", &bench(minute, 1.5)).await.status, 201);
+    }
+    let previewed = async |count: usize| {
+        let text: String = (0..count).map(|minute| format!("{}\r\n", bench(minute, 1.6))).collect();
+        let kind = [("content-type", "text/plain")];
+        server.call("POST", "/import/preview", &kind, format!("text={text}")).await.text()
+    };
+    let note = "storing tells of the others: 200";
+    let (whole, larger) = (previewed(200).await, previewed(201).await);
+    assert!(whole.contains("199 can be stored") && whole.contains("<strong>1 cannot") && !whole.contains(note));
+    assert!(larger.contains("200 can be stored") && larger.contains("<strong>1 cannot") && larger.contains(note));
+    assert!(larger.contains("Line 200 · refused") && !larger.contains("Line 201 · refused"));
+}
+
+#[tokio::test]
 async fn a_station_is_shown_with_what_it_does_to_results() {
     let server = Server::start().await;
     for (day, station, d_i) in [(0, "ST-1", 1.0), (7, "ST-1", 1.002), (14, "ST-1", 1.0), (21, "ST-2", 1.5)] {

@@ -20,7 +20,8 @@ use crate::core::fault::{Fault, Faults};
 use crate::pipeline::{Accepted, Caller, Foreseen, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 
-/// Documents of one form that are shown; all are read and all are stored.
+/// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against what is stored, each
+/// with queries of its own: all that are shown, and no more, for a file may hold tens of thousands.
 const MOST_SHOWN: usize = 200;
 
 pub(super) async fn page(viewer: Viewer) -> Response {
@@ -54,11 +55,12 @@ enum Prospect {
     Sound(Submission),
 }
 
-/// Every document with its line, and what storing it would come to: what is stored already may stand in its way.
+/// Every document with its line, and what storing it would come to: what is stored already may stand in the way of the first
+/// [`MOST_SHOWN`] that are sound.
 async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
     let sound: Vec<(usize, &ReadDocument)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
-    let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).collect();
+    let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
     let outcomes = pipeline.foresee(&documents).await;
     let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
     let mut outcomes = outcomes.into_iter();
@@ -107,6 +109,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Pa
     let is_sound = |(_, prospect): &&(usize, Prospect)| matches!(prospect, Prospect::Sound(_));
     let sound = prospects.iter().filter(is_sound).count();
     let faulty = prospects.len() - sound;
+    let read = prospects.iter().filter(|(_, prospect)| !matches!(prospect, Prospect::Faulty(_))).count();
     let body = html! {
         section.preview aria-live="polite" {
             h2 { (t.preview) }
@@ -115,6 +118,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Pa
                 (sound) " " (t.can_be_stored)
                 @if faulty > 0 { " · " strong { (faulty) " " (t.cannot_be_stored) } }
             }
+            @if read > MOST_SHOWN { p.note { (t.first_foreseen) " " (MOST_SHOWN) } }
             @for (line, prospect) in prospects.iter().filter(|one| !is_sound(one)).take(MOST_SHOWN) {
                 @match prospect {
                     Prospect::Faulty(faults) => (refused(t, *line, faults)),

@@ -21,7 +21,7 @@ pub enum Foreseen {
 
 impl Pipeline {
     /// What would become of each of these documents if they were stored now, in this order: admitted to a group that is
-    /// then dropped. Somebody else may store something in between.
+    /// then dropped. Each takes queries of its own. Somebody else may store something in between.
     pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {
         // Its identifiers are seen by nobody; they only have to differ from those that are stored.
         let mut ids = IdSource::after(NEVER_STORED);

@@ -318,6 +318,7 @@ catalogue! {
     no_document: "There is no document in it.", "其中没有任何文件内容。";
     can_be_stored: "can be stored", "项可以存储";
     cannot_be_stored: "cannot, and will not be", "项有误，不会存储";
+    first_foreseen: "So many of the documents without a fault were held against what is stored; storing tells of the others:", "已与库中内容核对的无误文件数（其余以存储结果为准）：";
     store: "Store", "存储";
     store_note: "Storing the same again is harmless.", "重复存储同样内容无妨。";
     result: "Result", "结果";

@@ -237,6 +237,30 @@ async fn a_gyro_that_was_replaced_is_in_its_imu_no_more() {
 }
 
 #[tokio::test]
+async fn a_gyro_that_was_replaced_stays_so_when_a_record_leaves_its_slot_out() {
+    let server = Server::start().await;
+    let sends = async |imu: &str, slot: &str, serial: &str, day: u32| {
+        let mut body = record(imu, "ST-1", serial, day, [1.0, 2.0]);
+        body["gyros"][0]["slot"] = slot.into();
+        body["geometry"] = json!({slot: body["geometry"]["G1"]});
+        let answer = server.post_json("/v1/records", &body).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+    };
+    sends("IMU-A", "G1", "FIRST", 0).await;
+    sends("IMU-A", "G3", "ALONE", 3).await;
+    sends("IMU-A", "G1", "SECOND", 7).await;
+    // More than are looked at in one go.
+    for day in 10..20 {
+        sends("IMU-A", "G2", "OTHER", day).await;
+    }
+    sends("IMU-B", "G1", "SECOND", 21).await;
+    let shown = page(&server, "/imus/IMU-A", &[]).await;
+    let before = place(&shown, "In it before");
+    assert!(place(&shown, "/gyros/OTHER") < before && before < place(&shown, "/gyros/FIRST"), "{shown}");
+    assert!(place(&shown, "/gyros/ALONE") < before, "nothing came into its slot since: {shown}");
+}
+
+#[tokio::test]
 async fn a_preview_says_what_storing_would_refuse() {
     let server = Server::start().await;
     let there = record("IMU-A", "ST-1", "GYRO", 7, [1.0, 2.0]);

@@ -1,7 +1,7 @@
 //! The fleet at a glance: every gyro's newest figures, how it stands, and its last few values.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::Pipeline;
@@ -10,7 +10,7 @@ use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, base
 use crate::core::judge::{Coefficient, Rule, State, overdue};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{Figures, Span, StoreError, StoredVerdict, Stretch, Tables};
+use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
 use crate::wire::answer::VerdictBody;
 
 /// How one gyro stands.
@@ -61,11 +61,8 @@ impl Pipeline {
     pub async fn seated_in(&self, imu: u32) -> Result<Seats, StoreError> {
         let mut newest = self.store.newest_of_gyros(0, u32::MAX).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
-        let mut last = BTreeMap::<Slot, UtcMicros>::new();
-        for figures in newest.iter().filter_map(|(_, figures)| *figures).chain(self.newest_rows_of(imu).await?) {
-            let used = last.entry(figures.slot).or_insert(figures.at);
-            *used = figures.at.max(*used);
-        }
+        let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
+        let last = self.last_uses(imu, slots).await?;
         let is_last = |figures: Figures| last.get(&figures.slot) == Some(&figures.at);
         let standings = self.standings(newest).await?.into_iter();
         let (mut now, mut before): (Vec<_>, Vec<_>) =
@@ -75,12 +72,33 @@ impl Pipeline {
         Ok(Seats { now, before })
     }
 
-    /// The rows of an IMU's newest record: a gyro that has gone on to another IMU since has left its slot all the same.
-    async fn newest_rows_of(&self, imu: u32) -> Result<Vec<Figures>, StoreError> {
-        let Some(head) = self.store.records_of_imu(imu, 1).await?.pop() else { return Ok(Vec::new()) };
-        let sheet = self.store.verdict_sheet(head.id).await?.unwrap_or_default();
-        let then = Span { from: head.calibrated_at, to: head.calibrated_at };
-        let stretches: Vec<Stretch> = sheet.0.iter().map(|(gyro, _)| (*gyro, then)).collect();
+    /// When each of these slots of an IMU was last calibrated: a gyro that has gone on to another IMU since has left its slot all the same.
+    /// A record need not hold every slot, so earlier ones are looked at until each was seen.
+    async fn last_uses(&self, imu: u32, slots: BTreeSet<Slot>) -> Result<BTreeMap<Slot, UtcMicros>, StoreError> {
+        let (mut last, mut seen, mut many) = (BTreeMap::new(), 0, 4);
+        loop {
+            let heads = self.store.records_of_imu(imu, many).await?;
+            for figures in self.rows_of(&heads[seen.min(heads.len())..]).await? {
+                let used = last.entry(figures.slot).or_insert(figures.at);
+                *used = figures.at.max(*used);
+            }
+            if slots.iter().all(|slot| last.contains_key(slot)) || heads.len() < many as usize {
+                return Ok(last);
+            }
+            (seen, many) = (heads.len(), many.saturating_mul(4));
+        }
+    }
+
+    /// What these records found of their gyros.
+    async fn rows_of(&self, heads: &[RecordHead]) -> Result<Vec<Figures>, StoreError> {
+        let sheets: HashMap<_, _> =
+            self.store.verdict_sheets(heads.iter().map(|head| head.id)).await?.into_iter().collect();
+        let of = |head: &RecordHead| {
+            let then = Span { from: head.calibrated_at, to: head.calibrated_at };
+            let gyros = sheets.get(&head.id).map_or(&[][..], |sheet| &sheet.0);
+            gyros.iter().map(move |(gyro, _)| (*gyro, then)).collect::<Vec<Stretch>>()
+        };
+        let stretches: Vec<Stretch> = heads.iter().flat_map(of).collect();
         Ok(self.store.histories(&stretches, 1).await?.concat())
     }
 

@@ -261,6 +261,23 @@ async fn a_gyro_that_was_replaced_stays_so_when_a_record_leaves_its_slot_out() {
 }
 
 #[tokio::test]
+async fn an_imu_without_gyros_says_why_there_are_none() {
+    let server = Server::start().await;
+    let answer = server.post_json("/v1/records", &record("IMU-A", "ST-1", "GYRO", 0, [1.0, 2.0])).await;
+    let id = answer.json()["id"].as_str().unwrap().to_owned();
+    let said = json!({"author": "Li Wei", "reason": "table was not level"});
+    assert_eq!(server.post_json(&format!("/v1/records/{id}/void"), &said).await.status, 200);
+    let voided = page(&server, "/imus/IMU-A", &[]).await;
+    assert!(voided.contains("no calibration that counts") && !voided.contains("in another IMU since"), "{voided}");
+    for (imu, day) in [("IMU-A", 7), ("IMU-B", 14)] {
+        let answer = server.post_json("/v1/records", &record(imu, "ST-1", "GYRO", day, [1.0, 2.0])).await;
+        assert_eq!(answer.status, 201, "{}", answer.text());
+    }
+    let left = page(&server, "/imus/IMU-A", &[]).await;
+    assert!(left.contains("in another IMU since") && !left.contains("no calibration that counts"), "{left}");
+}
+
+#[tokio::test]
 async fn a_preview_says_what_storing_would_refuse() {
     let server = Server::start().await;
     let there = record("IMU-A", "ST-1", "GYRO", 7, [1.0, 2.0]);

@@ -88,7 +88,9 @@ pub(super) fn seated(pages: &Pages, t: &Text, seats: &Seats) -> Markup {
     html! {
         section {
             h2 { (t.gyros_in_it) }
-            @if seats.now.is_empty() { p { (t.none_in_it) } } @else { (standings(pages, t, &seats.now, t.calibrated)) }
+            @if !seats.now.is_empty() { (standings(pages, t, &seats.now, t.calibrated)) }
+            @else if seats.used { p { (t.none_in_it) } }
+            @else { p { (t.never_in_it) } }
         }
         @if !seats.before.is_empty() {
             section {

@@ -38,6 +38,8 @@ pub struct Seats {
     pub now: Vec<Standing>,
     /// Another gyro has been calibrated in their slot since; the last to leave first.
     pub before: Vec<Standing>,
+    /// Whether a calibration that counts separated any gyro in it, wherever that gyro is now.
+    pub used: bool,
 }
 
 /// A gyro's last few values, and what they are held against.
@@ -69,11 +71,11 @@ impl Pipeline {
             standings.partition(|standing| standing.newest.is_some_and(is_last));
         now.sort_by_key(|standing| standing.newest.map(|newest| newest.slot));
         before.sort_by_key(|standing| standing.newest.map(|newest| (Reverse(newest.at), newest.slot)));
-        Ok(Seats { now, before })
+        Ok(Seats { now, before, used: !last.is_empty() })
     }
 
     /// When each of these slots of an IMU was last calibrated: a gyro that has gone on to another IMU since has left its slot all the same.
-    /// A record need not hold every slot, so earlier ones are looked at until each was seen.
+    /// A record need not hold every slot, so earlier ones are looked at until each was seen; without slots, until any was.
     async fn last_uses(&self, imu: u32, slots: BTreeSet<Slot>) -> Result<BTreeMap<Slot, UtcMicros>, StoreError> {
         let (mut last, mut seen, mut many) = (BTreeMap::new(), 0, 4);
         loop {
@@ -82,7 +84,8 @@ impl Pipeline {
                 let used = last.entry(figures.slot).or_insert(figures.at);
                 *used = figures.at.max(*used);
             }
-            if slots.iter().all(|slot| last.contains_key(slot)) || heads.len() < many as usize {
+            let found = !last.is_empty() && slots.iter().all(|slot| last.contains_key(slot));
+            if found || heads.len() < many as usize {
                 return Ok(last);
             }
             (seen, many) = (heads.len(), many.saturating_mul(4));

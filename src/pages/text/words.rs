@@ -295,6 +295,7 @@ catalogue! {
     // An IMU; stations.
     gyros_in_it: "Gyros in it", "所装陀螺";
     none_in_it: "None: what was calibrated in it last has been calibrated in another IMU since.", "无：最后在其中标定的陀螺此后已在其他惯性组合中标定。";
+    never_in_it: "None: no calibration that counts has separated a gyro in it.", "无：没有计入的标定在其中分离出任何陀螺。";
     gyros_before: "In it before", "曾装陀螺";
     gyros_before_note: "Another gyro has been calibrated in their slot since; they themselves nowhere.", "此后同一位置已标定其他陀螺，而这些陀螺未再标定。";
     last_calibrated_in_it: "Last calibrated in it", "最后在其中标定";

@@ -82,6 +82,16 @@ async fn a_gyro_is_shown_down_to_every_figure_without_a_script() {
 }
 
 #[tokio::test]
+async fn beyond_the_oldest_calibration_the_last_page_is_shown() {
+    let server = a_small_fleet().await;
+    for skip in ["500", "18446744073709551615"] {
+        let shown = page(&server, &format!("/gyros/STEADY?skip={skip}"), &[]).await;
+        let calibrations = &shown[place(&shown, "id=\"calibrations\"")..];
+        assert!(calibrations.contains("1–8 / 8") && calibrations.contains("2026-01-01"), "{skip}: {calibrations}");
+    }
+}
+
+#[tokio::test]
 async fn what_does_not_exist_is_said_on_a_page() {
     let server = Server::start().await;
     let answer = server.get("/gyros/NOBODY").await;

@@ -244,6 +244,8 @@ fn changes_explained(viewer: &Viewer, serial: &str) -> Markup {
 fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
     let count = facts.course.figures.len();
+    // Beyond the oldest there is the last page.
+    let skip = if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS };
     let rows = facts.course.figures.iter().rev().skip(skip).take(ROWS);
     let to = |skip: usize| format!("/gyros/{}?method={}&skip={skip}#calibrations", encoded(serial), shown.name());
     html! {

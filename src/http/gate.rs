@@ -1,22 +1,36 @@
 //! What every request passes on its way in and out. One middleware: each by itself would copy the whole stack below it for every request.
 
+use std::panic::AssertUnwindSafe;
+
 use axum::extract::{Request, State};
-use axum::http::HeaderMap;
 use axum::http::header::{CONNECTION, HOST, TRANSFER_ENCODING};
+use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use futures::FutureExt;
 
-use super::{App, access, metrics, problem};
+use super::metrics::Counted;
+use super::{App, access, problem};
 use crate::wire::problem::Problem;
 
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
 pub async fn pass(State(app): State<App>, request: Request, next: Next) -> Response {
-    let counted = metrics::Counted::begin(&request);
+    let counted = Counted::begin(&request);
     if let Some(doubt) = doubt(request.headers()) {
         counted.end(doubt.status());
         return doubt;
     }
-    let response = problem::in_form(access::admit(&app, request, next).await).await;
+    answered(counted, access::admit(&app, request, next)).await
+}
+
+/// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would break off.
+async fn answered(counted: Counted, answer: impl Future<Output = Response>) -> Response {
+    let answer = AssertUnwindSafe(answer).catch_unwind().await.unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
+        tracing::error!(panic = said.unwrap_or_default(), "a request could not be handled");
+        StatusCode::INTERNAL_SERVER_ERROR.into_response()
+    });
+    let response = problem::in_form(answer).await;
     counted.end(response.status());
     response
 }
@@ -34,4 +48,20 @@ fn doubt(headers: &HeaderMap) -> Option<Response> {
         return None;
     };
     Some(([(CONNECTION, "close")], problem).into_response())
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::Body;
+    use axum::http::header::CONTENT_TYPE;
+
+    use super::*;
+
+    #[tokio::test]
+    async fn a_panic_is_answered_wherever_it_happens() {
+        let counted = Counted::begin(&Request::new(Body::empty()));
+        let response = answered(counted, async { panic!("at the door") }).await;
+        assert_eq!(response.status(), StatusCode::INTERNAL_SERVER_ERROR);
+        assert_eq!(response.headers()[CONTENT_TYPE], problem::PROBLEM_JSON);
+    }
 }

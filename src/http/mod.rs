@@ -43,7 +43,6 @@ use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
 use axum::middleware;
 use tower::ServiceBuilder;
-use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
 use utoipa_axum::router::OpenApiRouter;
@@ -74,7 +73,6 @@ pub fn router(app: App, pages: Router) -> Router {
         ServiceBuilder::new()
             .layer(CompressionLayer::new())
             .layer(middleware::from_fn_with_state(guarded, gate::pass))
-            .layer(CatchPanicLayer::new())
             .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
             .layer(DefaultBodyLimit::max(server.max_body_bytes)),
     )

@@ -64,7 +64,7 @@ impl Head {
         self.lines.iter().filter(|(given, _)| holds(given)).max_by_key(|(given, _)| given.len()).map(|&(_, line)| line)
     }
 
-    /// One comment. Without a colon, or with blanks before it, it is a remark and no key.
+    /// One comment. Without a colon, or with a blank inside what stands before it, it is a remark and no key.
     fn line(&mut self, number: usize, comment: &str, faults: &mut Faults) {
         let Some((key, value)) = comment.split_once(':') else { return };
         let (key, value) = (key.trim(), value.trim());

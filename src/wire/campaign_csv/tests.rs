@@ -72,6 +72,7 @@ fn marks_line_ends_delimiters_and_spreadsheet_habits_are_fine() {
         quoted,
         TABLE.replace(" G1 A, G3 B", r#" [{"slot": "G1", "serial": "A"}, {"slot": "G3", "serial": "B"}]"#),
         TABLE.replace("# gyros: G1 A, G3 B", "# slot_1: G1\n# serial_1: A\n# slot_2: G3\n# serial_2: B"),
+        TABLE.replace("# imu: ", "#  imu : ").replace("# started by hand at", "# begun by: hand, at"),
         TABLE.replace("site.latitude_deg", "latitude_deg").replace("phase,", "\n\nphase,"),
         format!("{TABLE}\n\n,,,,\n# the end\n"),
     ] {

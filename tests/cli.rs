@@ -123,6 +123,10 @@ fn wrong_usage_exits_with_2() {
         (&["simulate", "--preset", "nope"][..], "presets are 24-position"),
         (&["simulate", "--count", "3"], "--dir"),
         (&["simulate", "--csv"], "--preset paper-experiment"),
+        (&["simulate", "--preset", "paper-experiment", "--dir", "d", "--csv"], "--csv"),
+        (&["simulate", "--preset", "paper-experiment", "--out", "x"], "--count, and --dir or --csv only"),
+        (&["export", "x.dat"], "--format"),
+        (&["import", "tests"], "--watch"),
         (&["blindcheck", "--count", "0"], "from 1 on"),
         (&["blindcheck", "--detectability", "8,-1"], "positive"),
     ] {

@@ -108,7 +108,8 @@ impl Simulate {
 
     fn paper_experiment(&self) -> anyhow::Result<()> {
         if self.out.is_some() || self.truth.is_some() || self.model.is_some() || self.print_scenario {
-            let why = format!("{PAPER_EXPERIMENT} is seven campaigns: it takes --dir, --count and --seed only");
+            let why =
+                format!("{PAPER_EXPERIMENT} is seven campaigns: it takes --seed, --count, and --dir or --csv only");
             return Err(Usage(why).into());
         }
         let seed = self.seed.unwrap_or(1);

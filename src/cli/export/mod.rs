@@ -17,7 +17,7 @@ use self::columns::Row;
 use self::csv::Csv;
 #[cfg(feature = "parquet")]
 use self::parquet::Parquet;
-use super::block_on;
+use super::{Usage, block_on};
 use crate::config::Config;
 use crate::core::time::UtcMicros;
 use crate::store::{self, Figures, Span, Store};
@@ -82,9 +82,8 @@ impl Export {
             let ending = self.file.extension().and_then(|ending| ending.to_str());
             ending.and_then(|ending| Form::from_str(ending, true).ok())
         };
-        let name = self.file.display();
-        let form = self.format.or_else(named);
-        form.ok_or_else(|| anyhow!("{name}: neither .csv nor .parquet; say --format"))
+        let unsaid = || Usage(format!("{}: neither .csv nor .parquet; say --format", self.file.display()));
+        Ok(self.format.or_else(named).ok_or_else(unsaid)?)
     }
 
     /// Rows and gyros that were written.

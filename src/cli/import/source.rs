@@ -6,10 +6,11 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 
+use crate::cli::Usage;
 use crate::cli::client::JSON;
 
 /// Longest line, and largest single document: far above any campaign, far below memory.
@@ -46,7 +47,8 @@ pub fn open(path: &Path) -> anyhow::Result<Result<Content, Unreadable>> {
     }
     let file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
     if file.metadata().is_ok_and(|m| m.is_dir()) {
-        bail!("{} is a directory; name its files, or watch it with --watch", path.display());
+        let why = format!("{} is a directory; name its files, or watch it with --watch", path.display());
+        return Err(Usage(why).into());
     }
     read(BufReader::with_capacity(1 << 20, file)).with_context(|| path.display().to_string())
 }

@@ -134,8 +134,12 @@ const DECIMALS: usize = 6;
 
 /// The value with its sign, and its standard deviation where it is known: both as far as two digits of it go, as on the pages.
 pub(super) fn figure(value: f64, sd: Option<f64>) -> String {
-    let text = with_sd(value, sd, DECIMALS);
-    if text.starts_with(|c: char| c.is_ascii_digit()) { format!("+{text}") } else { text }
+    let mut text = with_sd(value, sd, DECIMALS);
+    if value >= 0.0 {
+        // With a power of ten for both, the two stand in a bracket.
+        text.insert(usize::from(text.starts_with('(')), '+');
+    }
+    text
 }
 
 #[cfg(test)]
@@ -149,6 +153,10 @@ mod tests {
             (-0.6011, Some(2.5e-4), "-0.60110 ± 0.00025"),
             (2.957643, None, "+2.957643"),
             (-2.957643, None, "-2.957643"),
+            (1.108e-6, Some(8.7e-8), "(+1.108 ± 0.087)e-6"),
+            (-1.108e-6, Some(8.7e-8), "(-1.108 ± 0.087)e-6"),
+            (0.0, None, "+0.000000"),
+            (-1e-7, Some(2.2e-4), "0.00000 ± 0.00022"),
         ] {
             assert_eq!(figure(value, sd), text);
         }

@@ -77,11 +77,43 @@ pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Respo
 mod tests {
     use super::*;
 
+    /// Addresses that a string of a script begins with: what it could load. Names of XML's spaces are loaded by nobody, and in a
+    /// comment an address stands in no quotes.
+    fn addresses(script: &str) -> Vec<&str> {
+        let is_address = |part: &&str| {
+            let host = ["http://", "https://", "//"].iter().find_map(|scheme| part.strip_prefix(scheme));
+            host.is_some_and(|host| host.starts_with(char::is_alphanumeric) && !host.starts_with("www.w3.org/"))
+        };
+        script.split(['"', '\'', '`']).filter(is_address).collect()
+    }
+
     #[test]
     fn the_plot_library_is_plotly_and_needs_no_network() {
         let script = PLOTLY.content;
         assert!(script.starts_with("/**\n* plotly.js (basic - minified) v"), "{:?}", &script[..80]);
         assert!(!script.contains("MathJax-script") && !script.contains("eval("));
+        for loads in ["fetch(", "import(", "importScripts", "sendBeacon", "WebSocket", "EventSource"] {
+            assert!(!script.contains(loads), "{loads}");
+        }
+        // The outlines of maps, which this bundle does not draw: that is the setting, and nothing reads it. Where formats are described.
+        // Where the emblem leads that a reader may press.
+        let named = [
+            "https://cdn.plot.ly/un/",
+            "https://github.com/d3/d3-format/tree/v1.4.5#d3-format",
+            "https://github.com/d3/d3-time-format/tree/v2.2.3#locale_format",
+            "https://plotly.com/",
+        ];
+        assert_eq!(addresses(script), named);
+        assert_eq!(script.matches("topojsonURL").count(), 1);
+    }
+
+    #[test]
+    fn style_and_script_load_nothing_from_elsewhere() {
+        for asset in [&STYLE, &SCRIPT] {
+            assert!(addresses(asset.content).is_empty() && !asset.content.contains("url("), "{}", asset.path);
+        }
+        let loading = r#"/* http://a.example */ a.src="https://b.example/c.js"; d.href='//e.example'; f("http://www.w3.org/2000/svg")"#;
+        assert_eq!(addresses(loading), ["https://b.example/c.js", "//e.example"]);
     }
 
     #[test]

@@ -76,6 +76,7 @@ mod tests {
     use crate::core::judge::limits::Limits;
     use crate::core::judge::{Coefficient, Finding, Rule, State, judge};
     use crate::core::time::UtcMicros;
+    use crate::wire::calibration::{CalibrationBody, CampaignAnswer};
 
     /// Of histories that lie still, drift and step, without and with standard deviations, from one record on.
     fn judged() -> Vec<Verdict> {
@@ -128,14 +129,36 @@ mod tests {
             let of = |&(serial, verdicts): &(&str, &[Verdict])| -> Vec<VerdictBody> {
                 verdicts.iter().map(|verdict| VerdictBody::of(serial, verdict)).collect()
             };
-            let whole = RecordAnswer {
-                id: Some("7".into()),
-                separations: vec![],
-                verdicts: gyros.iter().flat_map(of).collect(),
-            };
-            let text =
-                with_verdicts(&RecordAnswer { verdicts: vec![], ..whole.clone() }, gyros.iter().copied()).unwrap();
-            assert_eq!(String::from_utf8(text).unwrap(), serde_json::to_string(&whole).unwrap());
+            let said: Vec<VerdictBody> = gyros.iter().flat_map(of).collect();
+            let record = |verdicts| RecordAnswer { id: Some("7".into()), separations: vec![], verdicts };
+            let campaign = |verdicts| CampaignAnswer { verdicts, ..campaign() };
+            let written = [
+                with_verdicts(&record(vec![]), gyros.iter().copied()),
+                with_verdicts(&campaign(vec![]), gyros.iter().copied()),
+            ];
+            let whole = [serde_json::to_string(&record(said.clone())), serde_json::to_string(&campaign(said))];
+            for (written, whole) in written.into_iter().zip(whole) {
+                assert_eq!(String::from_utf8(written.unwrap()).unwrap(), whole.unwrap());
+            }
+        }
+    }
+
+    fn campaign() -> CampaignAnswer {
+        let calibration =
+            CalibrationBody { model: vec!["bias".into()], effects: vec![], dwells: 24, repeats: vec![], gyros: vec![] };
+        CampaignAnswer {
+            id: Some("7".into()),
+            imu: "IMU-07".into(),
+            imu_model: None,
+            station: "ST-2".into(),
+            measured_at: "2026-03-01T08:00:00Z".into(),
+            test: "imu".into(),
+            calibration,
+            separations: vec![],
+            not_separated: vec![],
+            bench_result: None,
+            notes: vec!["a note".into()],
+            verdicts: vec![],
         }
     }
 

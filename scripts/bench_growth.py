@@ -7,7 +7,7 @@ Every figure is a ratio to the first of its row as well. `--values` is the large
 and calibration): 10^7 take some minutes to import. Standard library only; the client shares the machine, and so does PostgreSQL,
 which is left out where Debian's is not installed.
 """
-import argparse, glob, http.client, json, multiprocessing, os, shutil, socket, subprocess, sys, tempfile, time
+import argparse, contextlib, glob, http.client, json, multiprocessing, os, shutil, socket, subprocess, sys, tempfile, time
 from datetime import datetime, timedelta, timezone
 
 START = datetime(2000, 1, 1, 8, tzinfo=timezone.utc)
@@ -22,7 +22,7 @@ def free_port():
 
 
 class Service:
-    """The service on a database of its own, or as one of several on `database`."""
+    """The service on a database of its own, or as one of several on `database`, as long as the block lasts."""
 
     def __init__(self, program, processors=None, database=None):
         self.dir = tempfile.TemporaryDirectory(prefix="gyrowatch-growth-")
@@ -32,13 +32,22 @@ class Service:
         command = [program, "serve"] if processors is None else ["taskset", "-c", f"0-{processors - 1}", program, "serve"]
         self.log = open(f"{self.dir.name}/log", "w")
         self.process = subprocess.Popen(command, env=environment, stdout=self.log, stderr=self.log)
-        for _ in range(200):
-            try:
-                self.connect().close()
-                return
-            except OSError:
-                time.sleep(0.05)
-        sys.exit("the service does not answer")
+
+    def __enter__(self):
+        try:
+            for _ in range(200):
+                try:
+                    self.connect().close()
+                    return self
+                except OSError:
+                    time.sleep(0.05)
+            sys.exit("the service does not answer")
+        except BaseException:
+            self.stop()
+            raise
+
+    def __exit__(self, *_):
+        self.stop()
 
     def connect(self):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=600)
@@ -115,21 +124,21 @@ def median(times):
 
 def with_history(program, most):
     """One fleet of 100 IMUs whose history grows: import, then a trend, the fleet's page and a record."""
-    service, imus, done = Service(program), 100, 0
+    imus, done = 100, 0
     rates, trends, pages, records = [], [], [], []
     values = 10_000
-    while values <= most:
-        calibrations = max(values // (6 * imus), 1)
-        rates.append((f"10^{len(str(values)) - 1} values", send_lines(service, imus, done, calibrations)))
-        done = calibrations
-        name = rates[-1][0]
-        trend = f"/v1/gyros/L00001-G1/trend?coefficient=D_I&last={min(1000, calibrations)}"
-        trends.append((name, 1e6 * median(closed_loop(service.port, "GET", trend, None, SECONDS))))
-        pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
-        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(50_000, len(records) * 8_000 + k), SECONDS)
-        records.append((name, len(posted) / SECONDS))
-        values *= 10
-    service.stop()
+    with Service(program) as service:
+        while values <= most:
+            calibrations = max(values // (6 * imus), 1)
+            rates.append((f"10^{len(str(values)) - 1} values", send_lines(service, imus, done, calibrations)))
+            done = calibrations
+            name = rates[-1][0]
+            trend = f"/v1/gyros/L00001-G1/trend?coefficient=D_I&last={min(1000, calibrations)}"
+            trends.append((name, 1e6 * median(closed_loop(service.port, "GET", trend, None, SECONDS))))
+            pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
+            posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(50_000, len(records) * 8_000 + k), SECONDS)
+            records.append((name, len(posted) / SECONDS))
+            values *= 10
     row("history: import", "records/s", rates)
     row("history: up to the last 1,000 points of a gyro", "us", trends)
     row("history: the fleet's page", "ms", pages)
@@ -139,13 +148,12 @@ def with_history(program, most):
 def with_gyros(program):
     rates, pages, records = [], [], []
     for imus in (1, 34, 334, 3334):
-        service = Service(program)
         name = f"{3 * imus} gyros"
-        rates.append((name, send_lines(service, imus, 0, max(20_000 // imus, 3))))
-        pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
-        posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(k % imus, 25_000 + k // imus), SECONDS)
+        with Service(program) as service:
+            rates.append((name, send_lines(service, imus, 0, max(20_000 // imus, 3))))
+            pages.append((name, 1e3 * median(closed_loop(service.port, "GET", "/", None, SECONDS))))
+            posted = closed_loop(service.port, "POST", "/v1/records", lambda k: record(k % imus, 25_000 + k // imus), SECONDS)
         records.append((name, len(posted) / SECONDS))
-        service.stop()
     row("gyros: import of 20,000 records or three a gyro", "records/s", rates)
     row("gyros: the fleet's page", "ms", pages)
     row("gyros: records over one connection", "/s", records)
@@ -158,12 +166,10 @@ def sender(port, imu, seconds):
 def with_connections(program):
     rates, tails = [], []
     for connections in (1, 4, 16, 64, 256):
-        service = Service(program)
-        with multiprocessing.Pool(connections) as pool:
+        with Service(program) as service, multiprocessing.Pool(connections) as pool:
             times = sorted(sum(pool.starmap(sender, [(service.port, imu, SECONDS) for imu in range(connections)]), []))
         rates.append((str(connections), len(times) / SECONDS))
         tails.append((str(connections), 1e3 * times[int(0.99 * len(times))]))
-        service.stop()
     row("connections: records", "/s", rates)
     row("connections: p99", "ms", tails)
 
@@ -171,58 +177,74 @@ def with_connections(program):
 def with_processors(program):
     rates = []
     for processors in (1, 2):
-        service = Service(program, processors)
-        with multiprocessing.Pool(16) as pool:
+        with Service(program, processors) as service, multiprocessing.Pool(16) as pool:
             times = sum(pool.starmap(sender, [(service.port, imu, SECONDS) for imu in range(16)]), [])
         rates.append((str(processors), len(times) / SECONDS))
-        service.stop()
     row("processors of the service (the client has both): records over 16 connections", "/s", rates)
 
 
 class PostgreSQL:
-    """A cluster of its own, as the user postgres where this one is root: the server refuses root."""
+    """A cluster of its own as long as the block lasts, as the user postgres where this one is root: the server refuses root.
+
+    It asks nobody who he is, so it listens on no port: only who may enter its directory reaches it."""
 
     def __init__(self, bin):
-        self.bin, self.port, self.dir = bin, free_port(), tempfile.mkdtemp(prefix="gyrowatch-growth-pg-")
+        self.bin, self.dir = bin, tempfile.mkdtemp(prefix="gyrowatch-growth-pg-")
         self.user = ["runuser", "-u", "postgres", "--"] if os.geteuid() == 0 else []
-        if self.user:
-            shutil.chown(self.dir, "postgres")
-        data = f"{self.dir}/data"
-        subprocess.run([*self.user, f"{bin}/initdb", "--pgdata", data, "--username", "bench", "--auth", "trust"], check=True,
-                       stdout=subprocess.DEVNULL)
-        self.control("start", "--wait", "--log", f"{self.dir}/log", "--options",
-                     f"-p {self.port} -k {self.dir} -c listen_addresses=127.0.0.1 -c max_connections=200")
+
+    def __enter__(self):
+        try:
+            if self.user:
+                shutil.chown(self.dir, "postgres")
+            initdb = [f"{self.bin}/initdb", "--pgdata", f"{self.dir}/data", "--username", "bench", "--auth", "trust"]
+            subprocess.run([*self.user, *initdb], check=True, stdout=subprocess.DEVNULL)
+            self.control("start", "--wait", "--log", f"{self.dir}/log", "--options",
+                         f"-k {self.dir} -c listen_addresses='' -c max_connections=200")
+            return self
+        except BaseException:
+            self.stop()
+            raise
+
+    def __exit__(self, *_):
+        self.stop()
 
     def control(self, *command):
         command = [*self.user, f"{self.bin}/pg_ctl", "--pgdata", f"{self.dir}/data", *command]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
     def database(self, name):
-        subprocess.run([f"{self.bin}/createdb", "-h", "127.0.0.1", "-p", str(self.port), "-U", "bench", name], check=True)
-        return f"postgres://bench@127.0.0.1:{self.port}/{name}"
+        subprocess.run([f"{self.bin}/createdb", "-h", self.dir, "-U", "bench", name], check=True)
+        return f"postgres://bench@localhost/{name}?host={self.dir}"
 
     def stop(self):
-        self.control("stop", "--mode", "immediate")
-        shutil.rmtree(self.dir)
+        try:
+            if os.path.exists(f"{self.dir}/data/postmaster.pid"):
+                self.control("stop", "--mode", "immediate")
+        finally:
+            shutil.rmtree(self.dir)
+
+
+def newest_postgresql():
+    """The directory of its programs, by the number of the version, for which 9.6 lies before 17; None where there is none."""
+    installed = {tuple(map(int, bin.split("/")[-2].split("."))): bin for bin in glob.glob("/usr/lib/postgresql/[0-9]*/bin")}
+    return installed[max(installed)] if installed else None
 
 
 def with_servers(program):
     """Records over 24 connections, each to one of the servers by turns. Longer than the others: an empty database takes a second to begin."""
-    installed = sorted(glob.glob("/usr/lib/postgresql/*/bin"))
-    if not installed:
+    bin = newest_postgresql()
+    if bin is None:
         return print("servers: postgresql is not installed")
-    cluster, rates, tails, seconds = PostgreSQL(installed[-1]), [], [], 5 * SECONDS
-    for count in (1, 2, 3):
-        database = cluster.database(f"servers{count}")
-        services = [Service(program, database=database) for _ in range(count)]
-        with multiprocessing.Pool(24) as pool:
-            work = [(services[imu % count].port, imu, seconds) for imu in range(24)]
-            times = sorted(sum(pool.starmap(sender, work), []))
-        rates.append((str(count), len(times) / seconds))
-        tails.append((str(count), 1e3 * times[int(0.99 * len(times))]))
-        for service in services:
-            service.stop()
-    cluster.stop()
+    rates, tails, seconds = [], [], 5 * SECONDS
+    with PostgreSQL(bin) as cluster:
+        for count in (1, 2, 3):
+            database = cluster.database(f"servers{count}")
+            with contextlib.ExitStack() as running, multiprocessing.Pool(24) as pool:
+                services = [running.enter_context(Service(program, database=database)) for _ in range(count)]
+                work = [(services[imu % count].port, imu, seconds) for imu in range(24)]
+                times = sorted(sum(pool.starmap(sender, work), []))
+            rates.append((str(count), len(times) / seconds))
+            tails.append((str(count), 1e3 * times[int(0.99 * len(times))]))
     row("servers on one PostgreSQL: records over 24 connections", "/s", rates)
     row("servers on one PostgreSQL: p99", "ms", tails)
 

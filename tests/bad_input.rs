@@ -305,7 +305,7 @@ async fn a_body_over_the_limit_is_413_however_it_is_declared() {
     let declared = format!("content-length: {}\r\n\r\n{large}", large.len());
     let chunked = format!("transfer-encoding: chunked\r\n\r\n{:x}\r\n{large}", large.len());
     for body in [declared, chunked] {
-        let head = "POST /v1/records HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\n";
+        let head = "POST /v1/records HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n";
         let mut stream = server.open_and_send(&format!("{head}{body}")).await;
         let mut answer = vec![0; 4096];
         let read = stream.read(&mut answer).await.unwrap();
@@ -479,7 +479,7 @@ async fn parameters_out_of_requirement_are_stored_and_flagged() {
 #[tokio::test]
 async fn a_sender_that_goes_silent_is_cut_and_harms_nobody() {
     let server = Server::start().await;
-    let silent = server.open_and_send("POST /v1/records HTTP/1.1\r\nHost: x\r\nContent-Le").await;
+    let silent = server.open_and_send("POST /v1/records HTTP/1.1\r\nHost: localhost\r\nContent-Le").await;
     assert_eq!(server.get("/healthz").await.status, 200);
     let cut = tokio::time::timeout(Duration::from_secs(15), support::closed(silent)).await;
     assert!(cut.is_ok(), "a header that never ends is cut within ten seconds");

@@ -41,36 +41,26 @@ const FSYNC_FAILED: [i32; 2] = [1034, 1290];
 
 impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
-        if let Some(error) = of_server(&error) {
-            return error;
+        use sqlx::Error::{Io, PoolTimedOut, Protocol, Tls};
+        if matches!(error, Io(_) | Tls(_) | Protocol(_) | PoolTimedOut) {
+            return Self::Unreachable(error.to_string());
         }
-        let Some((code, message)) = sqlite_code(&error) else { return Self::Other(error) };
-        if FSYNC_FAILED.contains(&code) {
-            return Self::NotDurable(message);
-        }
-        match code & 0xff {
-            5 | 6 => Self::Busy,
-            8 | 10 | 14 => Self::ReadOnly(message),
-            11 | 26 => Self::Damaged(message),
-            13 => Self::Full,
-            19 => Self::Refused(message),
-            _ => Self::Other(error),
-        }
+        let Some(said) = error.as_database_error() else { return Self::Other(error) };
+        let known = match said.try_downcast_ref::<PgDatabaseError>() {
+            Some(said) => of_server(said.code(), said.message()),
+            None => said.code().and_then(|code| of_file(code.parse().ok()?, said.message())),
+        };
+        known.unwrap_or(Self::Other(error))
     }
 }
 
-/// What PostgreSQL says, by its class of error (postgresql.org/docs/current/errcodes-appendix.html), or why it says nothing.
-fn of_server(error: &sqlx::Error) -> Option<StoreError> {
-    let said = match error {
-        sqlx::Error::Io(_) | sqlx::Error::Tls(_) | sqlx::Error::Protocol(_) | sqlx::Error::PoolTimedOut => {
-            return Some(StoreError::Unreachable(error.to_string()));
-        }
-        other => other.as_database_error()?.try_downcast_ref::<PgDatabaseError>()?,
-    };
-    let message = format!("{} ({})", said.message(), said.code());
-    Some(match (said.code(), said.code().get(..2)?) {
+/// What PostgreSQL says, by its class of error (postgresql.org/docs/current/errcodes-appendix.html).
+fn of_server(code: &str, message: &str) -> Option<StoreError> {
+    let message = format!("{message} ({code})");
+    Some(match (code, code.get(..2)?) {
         ("53100", _) => StoreError::Full,
-        ("25006", _) => StoreError::ReadOnly(message),
+        // Files of the server's that it cannot read or write.
+        ("25006", _) | (_, "58") => StoreError::ReadOnly(message),
         (_, "21" | "22" | "23") => StoreError::Refused(message),
         // Connections; transactions that were broken off; resources; locks not had in time; a server on its way up or down.
         (_, "08" | "25" | "40" | "53" | "55" | "57") => StoreError::Unreachable(message),
@@ -79,8 +69,31 @@ fn of_server(error: &sqlx::Error) -> Option<StoreError> {
     })
 }
 
-fn sqlite_code(error: &sqlx::Error) -> Option<(i32, String)> {
-    let database = error.as_database_error()?;
-    let code = database.code()?.parse().ok()?;
-    Some((code, database.message().to_owned()))
+/// What SQLite says, by its extended result code.
+fn of_file(code: i32, message: &str) -> Option<StoreError> {
+    if FSYNC_FAILED.contains(&code) {
+        return Some(StoreError::NotDurable(message.to_owned()));
+    }
+    Some(match code & 0xff {
+        5 | 6 => StoreError::Busy,
+        8 | 10 | 14 => StoreError::ReadOnly(message.to_owned()),
+        11 | 26 => StoreError::Damaged(message.to_owned()),
+        13 => StoreError::Full,
+        19 => StoreError::Refused(message.to_owned()),
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_code_of_the_server_is_not_read_as_one_of_a_file() {
+        // 42501 (no right to the table) ends in the byte by which SQLite says that it is busy.
+        assert!(of_server("42501", "").is_none() && matches!(of_file(42501, ""), Some(StoreError::Busy)));
+        assert!(matches!(of_server("58030", "could not fsync file"), Some(StoreError::ReadOnly(_))));
+        assert!(matches!(of_server("53100", "could not extend file"), Some(StoreError::Full)));
+        assert!(matches!(of_server("57P03", "the database system is starting up"), Some(StoreError::Unreachable(_))));
+    }
 }

@@ -2,7 +2,6 @@
 
 mod support;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -10,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use support::{Answer, Server, data, gyrowatch_under, required};
+use support::{Answer, Server, data, fill, gyrowatch_under, on_a_small_disk, required, small_disks_work};
 
 fn record(number: usize) -> String {
     let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
@@ -25,36 +24,6 @@ fn record(number: usize) -> String {
 
 async fn post(server: &Server, number: usize) -> Answer {
     server.post("/v1/records", "application/json", record(number)).await
-}
-
-/// Words that make a file system of `size` in memory at the directory that follows, which only the service sees, and then run it.
-fn on_a_small_disk(options: &str) -> Vec<String> {
-    let script = format!("mount -t tmpfs -o {options} none \"$0\" && cd \"$0\" && exec \"$@\"");
-    let as_root = std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
-    let namespaces = if as_root { "-m" } else { "-rm" };
-    ["unshare", namespaces, "sh", "-c", &script].map(str::to_owned).into()
-}
-
-/// Whether such a file system can be had here.
-fn small_disks_work() -> bool {
-    if !required("unshare") {
-        return false;
-    }
-    let dir = tempfile::tempdir().unwrap();
-    let words = on_a_small_disk("size=1m");
-    let tried = std::process::Command::new(&words[0]).args(&words[1..]).arg(dir.path()).arg("true").output().unwrap();
-    if !tried.status.success() {
-        println!("passed over: no file system can be mounted here: {}", String::from_utf8_lossy(&tried.stderr));
-    }
-    tried.status.success()
-}
-
-/// Takes all room that is left.
-fn fill(file: &Path) {
-    let mut filler = std::fs::File::create(file).unwrap();
-    for size in [1 << 16, 1 << 12, 1] {
-        while filler.write_all(&vec![0; size]).is_ok() {}
-    }
 }
 
 #[tokio::test]

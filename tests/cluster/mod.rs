@@ -3,10 +3,10 @@
 #![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -53,43 +53,132 @@ pub async fn fresh_database() -> String {
 /// A server of one's own.
 pub struct Cluster {
     keeper: Child,
+    said: BufReader<ChildStdout>,
     dir: PathBuf,
     port: u16,
     databases: AtomicUsize,
 }
 
-/// Runs the server until the standard input ends, then kills it as a crash would; the files go, unless `keep` was said.
+/// What lies on a small disk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Crowded {
+    /// Everything of the server's.
+    Everything,
+    /// Its write-ahead log; for the data there is room.
+    Log,
+}
+
+/// Runs the server until the standard input ends, and then kills it as a crash would; its files go. Meanwhile it does what each
+/// line says, and says when it is done.
 const KEEPER: &str = r#"
-"$1/postgres" -D "$2/data" -k "$2" -p "$3" -c listen_addresses=127.0.0.1 -c max_connections=60 -c shared_buffers=32MB \
-    >>"$2/log" 2>&1 </dev/null &
-server=$!
-word=
-read -r word
-kill -QUIT "$server"
-wait "$server"
-[ "$word" = keep ] || rm -rf "$2"
+programs=$1 dir=$2 port=$3
+shift 3
+start() {
+    "$programs/postgres" -D "$dir/data" -k "$dir" -p "$port" -c listen_addresses=127.0.0.1 -c max_connections=60 \
+        -c shared_buffers=32MB "$@" >>"$dir/log" 2>&1 </dev/null &
+    server=$!
+}
+crash() {
+    kill -QUIT "$server"
+    wait "$server"
+}
+look() { kill -0 "$server"; }
+start "$@"
+while read -r word; do
+    if "$word" "$@"; then echo yes; else echo no; fi
+done
+crash
+rm -rf "$dir"
+"#;
+
+/// Mounts a small disk, puts what is to lie there onto it, and runs the keeper, all but the first as somebody who may start a
+/// server. Segments of the log are as small as they get and none is used again: a server ends where it cannot begin the next one.
+const ON_A_SMALL_DISK: &str = r#"
+dir=$1 size=$2 template=$3 what=$4 programs=$5
+shift 5
+mount -t tmpfs -o "size=$size,mode=700" none "$dir/disk" && chown --reference="$dir" "$dir/disk" || exit
+"$@" sh -c '
+    dir=$1 template=$2 what=$3 programs=$4
+    if [ "$what" = Everything ]; then ln -s disk "$dir/data"; else mkdir -m 700 "$dir/data"; fi
+    cp -r "$template/data/." "$dir/data" && "$programs/pg_resetwal" --wal-segsize=1 -D "$dir/data" || exit
+    if [ "$what" = Log ]; then mv "$dir"/data/pg_wal/* "$dir/disk" && rmdir "$dir/data/pg_wal" && ln -s "$dir/disk" "$dir/data/pg_wal"; fi
+' put "$dir" "$template" "$what" "$programs" >/dev/null || exit
+"$@" sh -c "$KEEPER" keeper "$programs" "$dir" "$PORT" -c wal_recycle=off
+umount "$dir/disk"
+rm -rf "$dir"
 "#;
 
 impl Cluster {
     pub fn start() -> Self {
         let template = template();
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-        let dir = std::env::temp_dir().join(format!("gyrowatch-postgres-{}-{port}", std::process::id()));
+        let (dir, port) = place();
         let copied = as_postgres(&["cp", "-r"]).arg(&template).arg(&dir).status().unwrap();
         assert!(copied.success(), "{template:?} cannot be copied to {dir:?}");
-        let keeper = keep(&dir, port);
-        let cluster = Self { keeper, dir, port, databases: AtomicUsize::new(0) };
+        let mut keeper = as_postgres(&["sh", "-c", KEEPER, "keeper"]);
+        keeper.arg(programs().unwrap()).arg(&dir).arg(port.to_string());
+        Self::kept(keeper, dir, port)
+    }
+
+    /// With a part of it on a disk of `size` in memory, which none but the server sees.
+    pub fn start_on_a_small_disk(size: &str, what: Crowded) -> Self {
+        let template = template();
+        let (dir, port) = place();
+        let made = as_postgres(&["mkdir", "-m", "700"]).arg(&dir).arg(dir.join("disk")).status().unwrap();
+        assert!(made.success(), "{dir:?} cannot be made");
+        // Who is root in a space of their own is nobody in particular in one inside of it, as PostgreSQL wants it.
+        let (namespaces, user): (_, &[&str]) = if is_root() {
+            ("-m", &["runuser", "-u", "postgres", "--"])
+        } else {
+            ("-rm", &["unshare", "-U", "--map-user=1000"])
+        };
+        let mut keeper = Command::new("unshare");
+        keeper.args([namespaces, "sh", "-c", ON_A_SMALL_DISK, "disk"]).arg(&dir).arg(size).arg(template);
+        keeper.arg(format!("{what:?}")).arg(programs().unwrap()).args(user);
+        keeper.env("KEEPER", KEEPER).env("PORT", port.to_string()).current_dir(std::env::temp_dir());
+        Self::kept(keeper, dir, port)
+    }
+
+    fn kept(mut keeper: Command, dir: PathBuf, port: u16) -> Self {
+        let mut keeper = keeper.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let said = BufReader::new(keeper.stdout.take().unwrap());
+        let cluster = Self { keeper, said, dir, port, databases: AtomicUsize::new(0) };
         cluster.comes_up();
         cluster
     }
 
     /// kill -9 of the whole server, in effect, and a new start on the same files.
     pub fn crash_and_restart(&mut self, pause: Duration) {
-        writeln!(self.keeper.stdin.as_mut().unwrap(), "keep").unwrap();
-        self.keeper.wait().unwrap();
+        self.tell("crash");
         std::thread::sleep(pause);
-        self.keeper = keep(&self.dir, self.port);
+        self.start_again();
+    }
+
+    /// Starts a server that has ended, as whoever looks after it would.
+    pub fn start_again(&mut self) {
+        self.tell("start");
         self.comes_up();
+    }
+
+    /// Whether the server has not ended, which it may have by itself.
+    pub fn lives(&mut self) -> bool {
+        self.tell("look")
+    }
+
+    fn tell(&mut self, word: &str) -> bool {
+        writeln!(self.keeper.stdin.as_mut().unwrap(), "{word}").unwrap();
+        let mut answer = String::new();
+        self.said.read_line(&mut answer).unwrap();
+        answer.trim() == "yes"
+    }
+
+    /// What the server has logged so far.
+    pub fn log(&self) -> String {
+        std::fs::read_to_string(self.dir.join("log")).unwrap_or_default()
+    }
+
+    /// A place on the small disk, as this process sees it.
+    pub fn on_its_disk(&self, name: &str) -> PathBuf {
+        format!("/proc/{}/root{}/disk/{name}", self.keeper.id(), self.dir.display()).into()
     }
 
     fn comes_up(&self) {
@@ -101,8 +190,7 @@ impl Cluster {
             command.args(["-q", "-h", "127.0.0.1", "-p", &port]).status().unwrap().success()
         };
         while !is_ready() {
-            let log = || std::fs::read_to_string(self.dir.join("log")).unwrap_or_default();
-            assert!(Instant::now() < patience, "PostgreSQL does not start: {}", log());
+            assert!(Instant::now() < patience, "PostgreSQL does not start: {}", self.log());
             std::thread::sleep(Duration::from_millis(30));
         }
     }
@@ -141,23 +229,19 @@ impl Drop for Cluster {
     }
 }
 
-fn keep(dir: &Path, port: u16) -> Child {
-    let programs = programs().unwrap();
-    as_postgres(&["sh", "-c", KEEPER, "keeper"])
-        .arg(programs)
-        .arg(dir)
-        .arg(port.to_string())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
+/// A directory that is not there yet, and a free port.
+fn place() -> (PathBuf, u16) {
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    (std::env::temp_dir().join(format!("gyrowatch-postgres-{}-{port}", std::process::id())), port)
+}
+
+fn is_root() -> bool {
+    Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0")
 }
 
 /// PostgreSQL refuses to run as root.
 fn as_postgres(words: &[&str]) -> Command {
-    let is_root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout.trim_ascii() == b"0");
-    let under: &[&str] = if is_root { &["runuser", "-u", "postgres", "--"] } else { &[] };
+    let under: &[&str] = if is_root() { &["runuser", "-u", "postgres", "--"] } else { &[] };
     let words = [under, words].concat();
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).current_dir(std::env::temp_dir());

@@ -11,7 +11,7 @@
 pub mod cluster;
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -74,6 +74,36 @@ pub fn required(program: &str) -> bool {
         println!("passed over: there is no {program}");
     }
     there
+}
+
+/// Words that make a file system of `size` in memory at the directory that follows, which only the service sees, and then run it.
+pub fn on_a_small_disk(options: &str) -> Vec<String> {
+    let script = format!("mount -t tmpfs -o {options} none \"$0\" && cd \"$0\" && exec \"$@\"");
+    let as_root = std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
+    let namespaces = if as_root { "-m" } else { "-rm" };
+    ["unshare", namespaces, "sh", "-c", &script].map(str::to_owned).into()
+}
+
+/// Whether such a file system can be had here.
+pub fn small_disks_work() -> bool {
+    if !required("unshare") {
+        return false;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let words = on_a_small_disk("size=1m");
+    let tried = Command::new(&words[0]).args(&words[1..]).arg(dir.path()).arg("true").output().unwrap();
+    if !tried.status.success() {
+        println!("passed over: no file system can be mounted here: {}", String::from_utf8_lossy(&tried.stderr));
+    }
+    tried.status.success()
+}
+
+/// Takes all room that is left.
+pub fn fill(file: &Path) {
+    let mut filler = File::options().create(true).append(true).open(file).unwrap();
+    for size in [1 << 16, 1 << 12, 1] {
+        while filler.write_all(&vec![0; size]).is_ok() {}
+    }
 }
 
 #[derive(Debug)]

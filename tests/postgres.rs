@@ -6,12 +6,14 @@ mod receiver;
 mod support;
 
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use gyrowatch::system;
 use lab::{day, record, verdict};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use receiver::Receiver;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection, Row};
@@ -72,6 +74,11 @@ impl Station {
     }
 }
 
+/// An hour of a station's life; a calibration each is years ahead of the present only after thousands.
+fn hour(at: i64) -> String {
+    jiff::Timestamp::from_second(1_735_732_800 + 3600 * at).unwrap().to_string()
+}
+
 /// Stations at work at the same time, each with gyros of its own whose drift jumps now and then.
 struct Load {
     stations: usize,
@@ -83,8 +90,8 @@ impl Load {
         self.stations * self.records_each as usize
     }
 
-    /// Sends everything; `each` hears of every record that was acknowledged. Returns their identifiers.
-    async fn run(&self, station: &Station, each: impl Fn(usize) + Send + Sync + 'static) -> Vec<String> {
+    /// Sends everything; `each` hears of every record that was acknowledged, and says whether to go on. Returns their identifiers.
+    async fn run(&self, station: &Station, each: impl Fn(usize) -> bool + Send + Sync + 'static) -> Vec<String> {
         let (each, acknowledged) = (Arc::new(each), Arc::new(AtomicUsize::new(0)));
         let mut at_work = tokio::task::JoinSet::new();
         for number in 0..self.stations {
@@ -96,9 +103,11 @@ impl Load {
                     // Every fourth calibration has jumped by ten times the budget, and the next is back.
                     let d_i = if at % 4 == 3 { 1.1 } else { 1.0 };
                     let serial = format!("LFG-{number}");
-                    let record = record(&format!("IMU-{number}"), &day(at), &[("G1", &serial, d_i, 2.0)]);
+                    let record = record(&format!("IMU-{number}"), &hour(at), &[("G1", &serial, d_i, 2.0)]);
                     ids.push(station.sends(&record, number).await);
-                    each(acknowledged.fetch_add(1, Ordering::SeqCst) + 1);
+                    if !each(acknowledged.fetch_add(1, Ordering::SeqCst) + 1) {
+                        break;
+                    }
                 }
                 ids
             });
@@ -138,7 +147,30 @@ async fn what_one_server_stores_the_others_judge_by_and_show() {
 }
 
 #[tokio::test]
-async fn a_token_made_at_one_server_opens_the_others() {
+async fn a_server_that_writes_nothing_shows_what_another_stores_and_has_it_told_by_whose_duty_that_is() {
+    if !cluster::is_there() {
+        return;
+    }
+    const SOON: Duration = Duration::from_secs(2);
+    let url = cluster::fresh_database().await;
+    let on_duty = server_on(&url).await;
+    let holder = "SELECT count(*) FROM lease WHERE holder <> 0 AND until > now()";
+    until("the leases are taken", LEASE, async || count(&url, holder).await == 2).await;
+    let other = server_on(&url).await;
+    let told = Receiver::start().await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}});
+    assert_eq!(on_duty.post_json("/v1/hooks", &hook).await.status, 201);
+    let first = record("IMU-1", &day(0), &[("G1", "LFG-1", 1.0, 2.0)]);
+    assert_eq!(on_duty.post_json("/v1/records", &first).await.status, 201);
+    until("the gyro is known", SOON, async || other.get("/v1/gyros/LFG-1/trend?coefficient=D_I").await.status == 200)
+        .await;
+    let jumped = record("IMU-1", &day(1), &[("G1", "LFG-1", 1.1, 2.0)]);
+    assert_eq!(other.post_json("/v1/records", &jumped).await.status, 201);
+    until("the message is told", SOON, async || !told.told().is_empty()).await;
+}
+
+#[tokio::test]
+async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there() {
     if !cluster::is_there() {
         return;
     }
@@ -149,8 +181,14 @@ async fn a_token_made_at_one_server_opens_the_others() {
     let bearer = format!("Bearer {}", made.json()["token"].as_str().unwrap());
     until("the other asks for a token", Duration::from_secs(3), async || other.get("/v1/gyros").await.status == 401)
         .await;
-    let answer = other.call("GET", "/v1/gyros", &[("authorization", &bearer)], Vec::new()).await;
+    let asks = async || other.call("GET", "/v1/gyros", &[("authorization", &bearer)], Vec::new()).await;
+    let answer = asks().await;
     assert_eq!(answer.status, 200, "{}", answer.text());
+
+    let path = format!("/v1/tokens/{}", made.json()["id"].as_str().unwrap());
+    let revoked = one.call("DELETE", &path, &[("authorization", &bearer)], Vec::new()).await;
+    assert!((200..300).contains(&revoked.status), "{}", revoked.text());
+    until("it opens nothing any more", Duration::from_secs(3), async || asks().await.status == 401).await;
 }
 
 #[tokio::test]
@@ -205,16 +243,29 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
     assert_eq!(count(&url, "SELECT count(*) FROM record").await, 64);
 }
 
-/// What hooks were told, held against what the outbox says.
+/// What hooks were told, held against what the outbox says: every step once or again, none of an alert after a later one.
 async fn nothing_was_lost_or_invented(url: &str, told: &Receiver) {
     let open = "SELECT count(*) FROM delivery WHERE state <> 'delivered'";
-    until("every delivery is made", LEASE * 2 + Duration::from_secs(20), async || count(url, open).await == 0).await;
+    until("every delivery is made", LEASE * 2 + Duration::from_secs(60), async || count(url, open).await == 0).await;
     let steps = "SELECT count(*) FROM alert_step JOIN alert ON alert.id = alert_step.alert
                  WHERE told = 1 AND alert.rule = 'step'";
-    let (deliveries, steps) = (count(url, "SELECT count(*) FROM delivery").await, count(url, steps).await);
-    assert!(deliveries > 0 && deliveries == steps, "{deliveries} deliveries of {steps} steps");
-    let heard: HashSet<String> = told.told().iter().map(receiver::Told::id).collect();
-    assert_eq!(heard.len() as i64, deliveries);
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    let deliveries: Vec<(i64, i64)> =
+        sqlx::query_as("SELECT step, alert FROM delivery").fetch_all(&mut connection).await.unwrap();
+    let (made, steps) = (deliveries.len() as i64, count(url, steps).await);
+    assert!(made > 0 && made == steps, "{made} deliveries of {steps} steps");
+    let of_id: HashMap<String, (i64, i64)> = deliveries
+        .into_iter()
+        .map(|(step, alert)| (format!("evt_{}", gyrowatch::pipeline::Id(step)), (step, alert)))
+        .collect();
+    let (mut heard, mut reached) = (HashSet::new(), HashMap::new());
+    for id in told.told().iter().map(receiver::Told::id) {
+        let (step, alert) = *of_id.get(&id).unwrap_or_else(|| panic!("{id} was invented"));
+        let last = reached.insert(alert, step).unwrap_or(step);
+        assert!(last <= step, "of alert {alert} step {step} was told after {last}");
+        heard.insert(id);
+    }
+    assert_eq!(heard.len(), of_id.len(), "a message was lost");
 }
 
 /// Every acknowledged record is there under its identifier, and none twice.
@@ -258,6 +309,7 @@ async fn a_server_killed_under_load_loses_nothing_and_another_takes_its_work_ove
         if acknowledged == third {
             notify.notify_one();
         }
+        true
     };
     let kill = async {
         reached.notified().await;
@@ -272,6 +324,55 @@ async fn a_server_killed_under_load_loses_nothing_and_another_takes_its_work_ove
     let mine = "SELECT count(*) FROM lease WHERE until > now()";
     assert_eq!(count(&url, mine).await, 2, "the second server holds every lease");
     println!("taken over; everything told {:?} after the kill", last - killed);
+}
+
+/// `scripts/soak pg-kill` kills 100 times.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn servers_killed_at_random_lose_nothing_and_do_nothing_twice() {
+    if !cluster::is_there() {
+        return;
+    }
+    let kills = support::asked("GYROWATCH_SOAK_KILLS", 4);
+    let url = cluster::fresh_database().await;
+    let mut servers = [server_on(&url).await, server_on(&url).await];
+    let told = Receiver::start().await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}});
+    assert_eq!(servers[0].post_json("/v1/hooks", &hook).await.status, 201);
+    let station = Station::of(&[&servers[0], &servers[1]]);
+    let over = Arc::new(AtomicBool::new(false));
+    let acknowledged_at = Arc::new(Mutex::new(vec![Instant::now()]));
+    let (is_over, times) = (over.clone(), acknowledged_at.clone());
+    let each = move |_| {
+        times.lock().unwrap().push(Instant::now());
+        !is_over.load(Ordering::SeqCst)
+    };
+    let load = Load { stations: 8, records_each: i64::MAX };
+    let at_work = tokio::spawn(async move { load.run(&station, each).await });
+    let (mut chance, mut slowest) = (ChaCha8Rng::seed_from_u64(20_261_122), Duration::ZERO);
+    for _ in 0..kills {
+        tokio::time::sleep(Duration::from_millis(chance.random_range(50..1500))).await;
+        let victim = &mut servers[chance.random_range(0..2)];
+        victim.kill();
+        tokio::time::sleep(Duration::from_millis(chance.random_range(0..500))).await;
+        let began = Instant::now();
+        tokio::task::block_in_place(|| victim.restart());
+        slowest = slowest.max(began.elapsed());
+    }
+    over.store(true, Ordering::SeqCst);
+    let acknowledged = at_work.await.unwrap();
+    all_are_there(&url, &acknowledged, acknowledged.len()).await;
+    nothing_was_lost_or_invented(&url, &told).await;
+    let times = acknowledged_at.lock().unwrap().clone();
+    let silent = times.windows(2).map(|two| two[1] - two[0]).max().unwrap();
+    println!(
+        "{kills} kills of two servers: {} acknowledged, 0 lost, none twice; {} messages, {} requests; \
+         nothing acknowledged for {} ms at the most; serving again after {} ms at the most",
+        acknowledged.len(),
+        count(&url, "SELECT count(*) FROM delivery").await,
+        told.told().len(),
+        silent.as_millis(),
+        slowest.as_millis(),
+    );
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -289,7 +390,10 @@ async fn a_database_that_crashes_under_load_loses_nothing_and_servers_go_on_with
     let station = Station::of(&[&servers[0], &servers[1]]);
     let reached = Arc::new(AtomicUsize::new(0));
     let counter = reached.clone();
-    let each = move |acknowledged| counter.store(acknowledged, Ordering::SeqCst);
+    let each = move |acknowledged| {
+        counter.store(acknowledged, Ordering::SeqCst);
+        true
+    };
     let third = load.records() / 3;
     let crash = async {
         while reached.load(Ordering::SeqCst) < third {
@@ -357,6 +461,39 @@ async fn servers_share_the_diagnoses_and_make_those_of_one_that_is_killed() {
     assert_eq!(count(&url, failed).await, 0);
     let left = "SELECT count(*) FROM diagnosis_claim WHERE until > now()";
     until("no claim is left", Duration::from_secs(10), async || count(&url, left).await == 0).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_a_server_has_claimed_stays_its_own_however_long_it_takes() {
+    if !cluster::is_there() {
+        return;
+    }
+    // Four one after another of as many at once as there are processors.
+    let many = 4 * std::thread::available_parallelism().map_or(2, |n| n.get().max(2));
+    let url = cluster::fresh_database().await;
+    let server = server_on(&url).await;
+    let answer = server.post("/v1/import", "application/x-ndjson", campaigns(many)).await;
+    assert_eq!(answer.text().matches("\"status\":201").count(), many);
+    let sent = record("IMU-0", &day(0), &[("G1", "LFG-0", 1.0, 2.0)]);
+    let mut connection = PgConnection::connect(&url).await.unwrap();
+    let (begun, mut longest) = (Instant::now(), Duration::ZERO);
+    let (mut claimed, mut since) = (Vec::new(), Instant::now());
+    while count(&url, DIAGNOSED).await < many as i64 {
+        // A diagnosis gives way to what comes in, so that those that were claimed together take longer than a claim holds.
+        assert!(server.post_json("/v1/records", &sent).await.status < 300);
+        let sql = "SELECT record, until > now() FROM diagnosis_claim ORDER BY record";
+        let found: Vec<(i64, bool)> = sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap();
+        assert!(found.iter().all(|(_, holds)| *holds), "a claim has ended under the work");
+        if found != claimed {
+            (claimed, since) = (found, Instant::now());
+        } else if !claimed.is_empty() {
+            longest = longest.max(since.elapsed());
+        }
+        assert!(begun.elapsed() < Duration::from_secs(180), "not all are diagnosed");
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+    assert!(longest > LEASE, "nothing took longer than a claim holds: {longest:?} prove nothing");
+    assert_eq!(made_by(&server).await, many);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

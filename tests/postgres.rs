@@ -6,6 +6,7 @@ mod receiver;
 mod support;
 
 use std::collections::{HashMap, HashSet};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -169,6 +170,48 @@ async fn a_server_that_writes_nothing_shows_what_another_stores_and_has_it_told_
     until("the message is told", SOON, async || !told.told().is_empty()).await;
 }
 
+/// Four gyros that jump and come back; each record of a gyro goes to another server than the one before.
+async fn sent_in_turn(servers: &[&Server]) {
+    for at in 0..24 {
+        let d_i = if at % 4 == 3 { 1.1 } else { 1.0 };
+        for gyro in 0..4 {
+            let sent = record(&format!("IMU-{gyro}"), &hour(at), &[("G1", &format!("LFG-{gyro}"), d_i, 2.0)]);
+            let server = servers[(at + gyro) as usize % servers.len()];
+            assert_eq!(server.post_json("/v1/records", &sent).await.status, 201);
+        }
+    }
+}
+
+/// What became of the alerts of each gyro, in order.
+async fn alerts_of(url: &str) -> Vec<(String, i64, String)> {
+    let sql = "SELECT gyro.serial, dense_rank() OVER (ORDER BY alert.gyro, alert.id), alert_step.action
+               FROM alert_step JOIN alert ON alert.id = alert_step.alert JOIN gyro ON gyro.id = alert.gyro
+               ORDER BY 2, alert_step.id";
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap()
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn two_servers_raise_the_alerts_that_one_would_and_tell_each_step_once() {
+    if !cluster::is_there() {
+        return;
+    }
+    let alone = cluster::fresh_database().await;
+    sent_in_turn(&[&server_on(&alone).await]).await;
+
+    let url = cluster::fresh_database().await;
+    let servers = [server_on(&url).await, server_on(&url).await];
+    let told = Receiver::start().await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": told.url(), "filter": {"rules": ["step"]}});
+    assert_eq!(servers[0].post_json("/v1/hooks", &hook).await.status, 201);
+    sent_in_turn(&[&servers[0], &servers[1]]).await;
+    let (found, expected) = (alerts_of(&url).await, alerts_of(&alone).await);
+    assert!(expected.len() > 24 && found == expected, "{found:?}\n{expected:?}");
+    nothing_was_lost_or_invented(&url, &told).await;
+    let made = count(&url, "SELECT count(*) FROM delivery").await;
+    assert_eq!(told.told().len() as i64, made, "a message was sent twice");
+}
+
 #[tokio::test]
 async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there() {
     if !cluster::is_there() {
@@ -189,6 +232,49 @@ async fn a_token_made_at_one_server_opens_the_others_until_it_is_revoked_there()
     let revoked = one.call("DELETE", &path, &[("authorization", &bearer)], Vec::new()).await;
     assert!((200..300).contains(&revoked.status), "{}", revoked.text());
     until("it opens nothing any more", Duration::from_secs(3), async || asks().await.status == 401).await;
+}
+
+/// A server reads all tokens every second; what another has changed it reads as soon as it sees it.
+#[tokio::test]
+async fn a_token_that_is_revoked_at_one_server_opens_the_others_for_a_fraction_of_a_second() {
+    if !cluster::is_there() {
+        return;
+    }
+    const PHASES: u32 = 4;
+    const MOST: Duration = Duration::from_millis(700);
+    let url = cluster::fresh_database().await;
+    let (one, other) = (server_on(&url).await, server_on(&url).await);
+    let lead = one.post_json("/v1/tokens", &json!({"name": "lead", "role": "admin"})).await.json();
+    let lead = format!("Bearer {}", lead["token"].as_str().unwrap());
+    let (begun, mut slowest) = (Instant::now(), Vec::new());
+    // A machine that is busy may be late; whoever waits for the second is late at one of four phases, every time.
+    for series in 0..4 {
+        let mut late = Duration::ZERO;
+        for phase in 0..PHASES {
+            let wanted = json!({"name": format!("t{series}-{phase}"), "role": "engineer"}).to_string();
+            let headers = [("authorization", lead.as_str()), ("content-type", "application/json")];
+            let made = one.call("POST", "/v1/tokens", &headers, wanted).await.json();
+            let bearer = format!("Bearer {}", made["token"].as_str().unwrap());
+            let asks = async || other.call("GET", "/v1/gyros", &[("authorization", &bearer)], Vec::new()).await.status;
+            until("the other knows it", Duration::from_secs(3), async || asks().await == 200).await;
+            let at = Duration::from_millis(2250) * (series * PHASES + phase + 1);
+            tokio::time::sleep_until((begun + at).into()).await;
+            let path = format!("/v1/tokens/{}", made["id"].as_str().unwrap());
+            let revoked = one.call("DELETE", &path, &[("authorization", &lead)], Vec::new()).await;
+            assert!((200..300).contains(&revoked.status), "{}", revoked.text());
+            let revoked = Instant::now();
+            while asks().await != 401 {
+                assert!(revoked.elapsed() < Duration::from_secs(5), "it opens the other for ever");
+                tokio::time::sleep(Duration::from_millis(10)).await;
+            }
+            late = late.max(revoked.elapsed());
+        }
+        if late < MOST {
+            return;
+        }
+        slowest.push(late);
+    }
+    panic!("the other took so long to hear of it: {slowest:?}");
 }
 
 #[tokio::test]
@@ -496,6 +582,21 @@ async fn what_a_server_has_claimed_stays_its_own_however_long_it_takes() {
     assert_eq!(made_by(&server).await, many);
 }
 
+/// What a service says that ends by itself, with a failure.
+fn does_not_start(mut serve: Command) -> String {
+    let mut child = serve.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    let end = Instant::now() + Duration::from_secs(30);
+    while child.try_wait().unwrap().is_none() && Instant::now() < end {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // Kills nobody where it has ended.
+    child.kill().unwrap();
+    let ended = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert!(ended.status.code().is_some_and(|code| code != 0), "it has started: {said}");
+    said
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_is_said_to_the_database_is_encrypted_and_only_under_the_certificate_asked_for() {
     if !cluster::is_there() {
@@ -520,9 +621,8 @@ async fn what_is_said_to_the_database_is_encrypted_and_only_under_the_certificat
 
     let mut command = support::gyrowatch();
     command.arg("serve").env("GYROWATCH_LISTEN", "127.0.0.1:0").env("GYROWATCH_DATABASE_URL", trusting("tls/two.crt"));
-    let refused = tokio::task::block_in_place(|| command.output().unwrap());
-    let said = String::from_utf8_lossy(&refused.stderr);
-    assert!(!refused.status.success() && said.contains("certificate"), "{said}");
+    let said = tokio::task::block_in_place(|| does_not_start(command));
+    assert!(said.contains("certificate"), "{said}");
 }
 
 #[tokio::test]
@@ -571,9 +671,8 @@ async fn a_copy_that_is_killed_goes_on_and_is_the_same_in_the_end() {
     killed.wait().unwrap();
     let mut early = support::gyrowatch();
     early.args(["serve"]).env("GYROWATCH_DATABASE_URL", &url).env("GYROWATCH_LISTEN", "127.0.0.1:0");
-    let refused = early.output().unwrap();
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(!refused.status.success() && said.contains("gyrowatch copy"), "{said}");
+    let said = does_not_start(early);
+    assert!(said.contains("gyrowatch copy"), "{said}");
 
     let done = copy().output().unwrap();
     let said = String::from_utf8_lossy(&done.stdout).into_owned();

@@ -170,6 +170,22 @@ async fn a_server_that_writes_nothing_shows_what_another_stores_and_has_it_told_
     until("the message is told", SOON, async || !told.told().is_empty()).await;
 }
 
+#[tokio::test]
+async fn a_record_whose_names_are_new_is_shown_by_another_server_at_once() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let (one, other) = (server_on(&url).await, server_on(&url).await);
+    for number in 0..12 {
+        let sent = record(&format!("IMU-{number}"), &day(0), &[("G1", &format!("LFG-{number}"), 1.0, 2.0)]);
+        let stored = one.post_json("/v1/records", &sent).await;
+        assert_eq!(stored.status, 201, "{}", stored.text());
+        let shown = other.get(&format!("/v1/records/{}", stored.json()["id"].as_str().unwrap())).await;
+        assert_eq!(shown.status, 200, "{}", shown.text());
+    }
+}
+
 /// Four gyros that jump and come back; each record of a gyro goes to another server than the one before.
 async fn sent_in_turn(servers: &[&Server]) {
     for at in 0..24 {

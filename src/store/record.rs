@@ -130,7 +130,11 @@ impl Store {
         let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts
                    FROM record WHERE id = $1";
         let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
-        found.map(row).transpose()
+        let found = found.map(row).transpose()?;
+        if let Some(row) = &found {
+            self.know_names_of(row).await?;
+        }
+        Ok(found)
     }
 
     /// Every record, in order of arrival.

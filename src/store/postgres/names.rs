@@ -2,9 +2,11 @@
 
 use sqlx::PgPool;
 
-use crate::store::db::Whole;
+use crate::store::db::{Readers, Whole};
 use crate::store::error::StoreError;
 use crate::store::names::{Names, Table};
+use crate::store::open::Store;
+use crate::store::record::RecordRow;
 
 /// Learns the names that came after those that are known.
 ///
@@ -35,4 +37,21 @@ pub(super) async fn learn_new(readers: &PgPool, names: &Names) -> Result<(), Sto
         }
     });
     if whole { Ok(()) } else { Err(StoreError::Damaged("the numbers of names are out of sequence".to_owned())) }
+}
+
+impl Store {
+    /// A row of another server's may be read before the names that came with it were heard of.
+    ///
+    /// # Errors
+    /// As [`learn_new`].
+    pub(in crate::store) async fn know_names_of(&self, row: &RecordRow) -> Result<(), StoreError> {
+        let Readers::Postgres(readers) = &self.readers else { return Ok(()) };
+        let are_known = {
+            let tables = self.names.read();
+            tables.imus.name(row.imu).is_some()
+                && tables.stations.name(row.station).is_some()
+                && row.verdicts.0.iter().all(|(gyro, _)| tables.gyros.name(*gyro).is_some())
+        };
+        if are_known { Ok(()) } else { learn_new(readers, &self.names).await }
+    }
 }

@@ -103,6 +103,46 @@ fn of_two_causes_both_are_named_and_nothing_beside_them() {
 }
 
 #[test]
+fn however_strong_an_effect_is_it_alone_is_named_and_closes_the_gap() {
+    for d in [60.0, 400.0] {
+        let draw = Draw { seed: 5_117, cases: vec![Case::One], effects: vec![], detectability: vec![d] };
+        let answers: Vec<(Trial, Diagnosis)> = (0..12)
+            .map(|number| {
+                let trial = draw.trial(number);
+                let found = diagnose(&trial.simulated.campaign, &Options::default()).expect("can be diagnosed");
+                (trial, found)
+            })
+            .collect();
+        let alone = |(trial, answer): &&(Trial, Diagnosis)| {
+            answer.effects.len() == 1 && means(answer, &trial.simulated.truth.effects[0])
+        };
+        let found: Vec<_> = answers.iter().filter(alone).collect();
+        assert!(found.len() >= 11, "{} of 12 at d = {d}", found.len());
+        let explained = found.iter().filter(|(_, answer)| answer.verdict == Verdict::Explained).count();
+        assert!(explained >= 10, "{explained} of 12 at d = {d}");
+        for (trial, answer) in found {
+            assert!(answer.effects[0].held_out.closure > 0.9, "{} at d = {d}", trial.number);
+        }
+    }
+}
+
+#[test]
+fn standard_errors_that_repeats_show_to_be_too_small_are_told_and_get_no_name() {
+    let mut scenario = Scenario { seed: 9, ..Scenario::default() };
+    scenario.programme.repeats = 40;
+    let mut campaign = simulate(&scenario).unwrap().campaign;
+    let told =
+        |answer: &Diagnosis| answer.notes.iter().any(|note| note.starts_with("repeated dwells scatter 1.5 times"));
+    let answer = diagnose(&campaign, &Options::default()).unwrap();
+    assert!(answer.verdict == Verdict::NoGap && !told(&answer), "{:?}", answer.notes);
+    for sem in campaign.dwells.iter_mut().flat_map(|dwell| dwell.output_sem_pulse_s.iter_mut().flatten()) {
+        *sem /= 1.5;
+    }
+    let answer = diagnose(&campaign, &Options::default()).unwrap();
+    assert!(answer.effects.is_empty() && told(&answer), "{:?}", answer.notes);
+}
+
+#[test]
 fn half_of_what_is_hardly_there_is_named_all_the_same() {
     let answers = drawn(Case::Faint, 16);
     let found = answers.iter().filter(|(trial, d)| means(d, &trial.simulated.truth.effects[0])).count();

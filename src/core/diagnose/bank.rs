@@ -18,8 +18,9 @@ use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
 pub(super) const INVISIBLE: f64 = 1e-6;
 
 /// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column, by the
-/// number of coefficients: effects at the limit of detection and well above it, whatever the number.
-const FLAT_POWER: [[f64; 2]; 4] = [[16.0, 100.0], [8.0, 50.0], [5.0, 33.0], [3.0, 20.0]];
+/// number of coefficients: effects at the limit of detection, well above it and of any size, whatever the number. Without the last, a
+/// prior that knows no strong effects would rather have a strong one explained by a suspect with many columns.
+const FLAT_POWER: [[f64; 3]; 4] = [[16.0, 100.0, 1e5], [8.0, 50.0, 5e4], [5.0, 33.0, 3.3e4], [3.0, 20.0, 2e4]];
 /// Prior power of a whole smooth hypothesis.
 const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
 
@@ -90,11 +91,13 @@ struct Raw {
 }
 
 impl Bank {
-    /// Contract entries that could be a cause for this model, and all suspects.
-    pub fn of(frame: &Frame) -> Self {
+    /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`, and all suspects.
+    pub fn of(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
         for entry in CATALOGUE.iter().filter(|entry| nameable(frame, entry.effect)) {
-            push_shapes(&mut raws, Kind::Effect(entry.effect), (entry.shapes)(&frame.setting), |shape| {
+            let own = more.iter().filter(|(effect, _)| *effect == entry.effect).map(|(_, shape)| (*shape, 1.0));
+            let shapes = (entry.shapes)(&frame.setting).into_iter().chain(own).collect();
+            push_shapes(&mut raws, Kind::Effect(entry.effect), shapes, |shape| {
                 let columns = (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect();
                 (columns, Prior::Flat, entry.scope == Scope::Common)
             });

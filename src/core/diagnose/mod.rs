@@ -1,7 +1,7 @@
 //! Where a campaign and the error model part, which unmodelled effect parts them, and how far the gap shrinks.
 //!
 //! Reading order: [`answer`] (what comes out), `frame` (model (6) taken out of everything), `bank` and `evidence` (how
-//! a candidate scores), `null` (what noise alone scores), `search` and `settle` (which are adopted), `fit` (the augmented
+//! a candidate scores), `null` (what noise alone scores), `search`, `sharpen` and `settle` (which are adopted), `fit` (the augmented
 //! model), `heldout` (closure), `remaining` (tests without a catalogue), `identify`, `impact`, `next`, `report` (the answer).
 
 mod answer;
@@ -30,7 +30,9 @@ mod report;
 mod scatter;
 mod search;
 mod settle;
+mod sharpen;
 mod small;
+mod stated;
 mod tabled;
 mod why_not;
 

@@ -16,8 +16,9 @@ use super::next;
 use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
 use super::settle::{FALSE_ALARM, Settled};
+use super::sharpen::shape_sd;
+use super::stated;
 use super::why_not::WhyNot;
-use crate::core::calibrate::noise;
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
@@ -108,16 +109,14 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
         impact: impact::impact(frame, &parts, &fit),
         next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
         residuals: located::residuals(frame, &fit.residuals, &variances),
-        notes: frame.notes.iter().cloned().chain(overstated(frame)).collect(),
+        notes: frame
+            .notes
+            .iter()
+            .cloned()
+            .chain(stated::too_large(frame))
+            .chain(stated::too_small(frame, &fit))
+            .collect(),
     }
-}
-
-/// What is to be known of standard errors that are stated too large.
-fn overstated(frame: &Frame) -> Option<String> {
-    let gyros = frame.gyros.iter().zip(&frame.setting.gyros).filter(|_| frame.noise.stated);
-    noise::overstated_note(
-        gyros.filter_map(|(gyro, setting)| Some((setting.slot.name(), noise::overstated(gyro.rss(), gyro.dof())?))),
-    )
 }
 
 /// Contract entries among the choices; one that needs several dwells or shapes at once in a gyro is not that entry.
@@ -318,7 +317,7 @@ fn effects(
                     .map(|(j, class)| (frame.setting.gyros[*j].slot, class.clone()))
                     .collect(),
                 gyros: slots(frame, &parts[p].members),
-                estimates: estimates(frame, &parts[p], p, fit),
+                estimates: estimates(frame, parts, p, fit),
                 held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),
                 detectability: (rss(&fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
@@ -327,7 +326,7 @@ fn effects(
         .collect()
 }
 
-fn estimates(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<Estimate> {
+fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate> {
     let mut list: Vec<Estimate> = fit
         .fitted
         .iter()
@@ -341,13 +340,15 @@ fn estimates(frame: &Frame, part: &Part, p: usize, fit: &Fit) -> Vec<Estimate> {
         })
         .collect();
     let shape = |name, value, sd, unit| Some(Estimate { slot: None, name, value, sd, unit });
-    // The grid's spacing is what the shape is known to at best.
-    list.extend(match part.shape {
-        Shape::Tau(tau) => shape("tau", tau, 0.25 * tau, "s"),
+    let known_to = |grid: f64| shape_sd(frame, parts, p, &fit.variances, grid);
+    list.extend(match parts[p].shape {
+        Shape::Tau(tau) => shape("tau", tau, known_to(0.25 * tau), "s"),
         Shape::Instant(instant) => shape("instant", instant, 0.5 * frame.setting.interval(), "s"),
-        Shape::Period(period) => shape("period", period, 0.2 * period * period / frame.setting.span(), "s"),
+        Shape::Period(period) => shape("period", period, known_to(0.2 * period * period / frame.setting.span()), "s"),
         Shape::Dwell(dwell) => shape("dwell", dwell as f64, 0.0, "1"),
-        Shape::Azimuth(angle) => shape("field_azimuth", angle.to_degrees(), 5.0, "deg"),
+        Shape::Azimuth(angle) => {
+            shape("field_azimuth", angle.to_degrees(), known_to(5.0_f64.to_radians()).to_degrees(), "deg")
+        }
         _ => None,
     });
     list

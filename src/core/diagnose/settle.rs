@@ -10,6 +10,7 @@ use super::frame::Frame;
 use super::law::{GROWTHS, log_mean, profile};
 use super::null::Null;
 use super::search::{Choice, Known, Search, Threshold};
+use super::sharpen::sharpened;
 
 /// Probability with which noise alone may get anything named.
 pub const FALSE_ALARM: f64 = 0.008;
@@ -37,13 +38,20 @@ impl Settled {
     pub fn of(mut frame: Frame) -> Result<Self, Refusal> {
         let mut first = None;
         for round in 1.. {
-            let bank = Bank::of(&frame);
+            let mut bank = Bank::of(&frame, &[]);
             let null = Null::of(&frame, &bank);
             let threshold =
                 Threshold { alone: null.threshold(FALSE_ALARM), beside: null.threshold(FALSE_ALARM_BESIDE) };
-            let known = Known::default();
+            let mut known = Known::default();
             let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
             let mut found = search.run();
+            // A handful of shapes more: what noise alone scores is as good as the same.
+            let sharper = sharpened(&search, &found);
+            if !sharper.is_empty() {
+                (bank, known) = (Bank::of(&frame, &sharper), Known::default());
+                found = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known }.run();
+            }
+            let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
             let next = frame.noise.law.and_then(|(growth, fall)| {
                 found = confirmed(&search, growth, fall, std::mem::take(&mut found));
                 next_growth(&frame, &bank, &found, growth, fall)

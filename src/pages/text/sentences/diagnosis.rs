@@ -147,6 +147,11 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "给定的标准误差大于位置段的实际散布（{0}）：若其有误，以其为据的标准差偏大，且小的差异可能无法发现",
     ),
     (
+        "repeated dwells scatter {} times as much as the stated standard errors say: those are too small, or what changes from one \
+         time to the next is no noise",
+        "重复的位置段的散布是给定标准误差的{0}倍：标准误差偏小，或随时间变化的并非噪声",
+    ),
+    (
         "no dwell repeats another: there is no pure error to check the noise against",
         "没有重复的位置段：无法用纯误差检验噪声",
     ),

@@ -1,0 +1,141 @@
+//! Shapes between those of the grid, for effects so strong that what the grid misses of them would show.
+//!
+//! Time constants, periods and directions of a field are tried on a grid. What the nearest of them leaves of an effect is some
+//! hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for an effect of its own.
+
+use super::bank::Kind;
+use super::basis::dot;
+use super::fit::{self, Part};
+use super::frame::Frame;
+use super::search::{Choice, Search};
+use crate::core::effects::{Effect, Shape};
+
+/// ln of evidence from which on the grid is too coarse.
+const STRONG: f64 = 60.0;
+
+/// Steps of the golden section: the bracket shrinks to a ten-thousandth.
+const STEPS: usize = 20;
+
+/// The shapes at which strong entries explain most, each by itself and beside what was found, where they lie off the grid.
+pub(super) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape)> {
+    let parts: Vec<Part> = found.iter().filter_map(|choice| part(search, choice)).collect();
+    let mut shapes = Vec::new();
+    for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
+        let alone: Vec<Part> = part(search, &search.choice(score)).into_iter().collect();
+        shapes.extend(best(search, &alone, 0));
+    }
+    for (i, choice) in found.iter().filter(|choice| !choice.is_suspect()).enumerate() {
+        if choice.evidence > STRONG {
+            shapes.extend(best(search, &parts, i));
+        }
+    }
+    shapes
+}
+
+fn part(search: &Search, choice: &Choice) -> Option<Part> {
+    let Kind::Effect(effect) = choice.kind else { return None };
+    Some(Part { effect, shape: search.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() })
+}
+
+/// The best shape of part `i` between its neighbours on the grid, with all parts fitted.
+fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
+    let part = parts.get(i)?;
+    let at = value(part.shape)?;
+    let (low, high) = neighbours(search, part.effect, at)?;
+    let left = |x: f64| {
+        let mut parts = parts.to_vec();
+        parts[i].shape = with_value(part.shape, x);
+        power_left(search.frame, &parts)
+    };
+    let x = golden_section(low, high, left);
+    (left(x) < left(at)).then(|| (part.effect, with_value(part.shape, x)))
+}
+
+/// Standard deviation of the value that the shape of part `i` hangs on, from the curvature of the sum of squares about it: `chi^2(x + h) +
+/// chi^2(x - h) - 2 chi^2(x) = 2 (h/sd)^2`. At most `grid`, what the spacing of the grid is worth.
+pub(super) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64], grid: f64) -> f64 {
+    let Some(at) = value(parts[i].shape) else { return grid };
+    let chi2 = |x: f64| -> f64 {
+        let mut parts = parts.to_vec();
+        parts[i].shape = with_value(parts[i].shape, x);
+        fit::fit(frame, &parts).residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum()
+    };
+    let h = 0.05 * grid;
+    let curvature = (chi2(at + h) + chi2(at - h) - 2.0 * chi2(at)) / (h * h);
+    if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
+}
+
+/// Sum of squares, over the stated or found noise, that the fit of all parts leaves.
+fn power_left(frame: &Frame, parts: &[Part]) -> f64 {
+    fit::fit(frame, parts).residuals.iter().map(|r| dot(r, r)).sum()
+}
+
+/// Where a function with one minimum between `low` and `high` has it.
+fn golden_section(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let inner = |low: f64, high: f64| [high - ratio * (high - low), low + ratio * (high - low)];
+    let [mut a, mut b] = inner(low, high);
+    let (mut of_a, mut of_b) = (of(a), of(b));
+    for _ in 0..STEPS {
+        if of_a < of_b {
+            (high, b, of_b) = (b, a, of_a);
+            a = inner(low, high)[0];
+            of_a = of(a);
+        } else {
+            (low, a, of_a) = (a, b, of_b);
+            b = inner(low, high)[1];
+            of_b = of(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The shapes of the grid on either side of `at`; at its ends as far beyond as the neighbour on the other side lies. None for an
+/// entry with a single shape: then it is known.
+fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
+    let grid = search.bank.hypotheses.iter().filter(|hypothesis| hypothesis.kind == Kind::Effect(effect));
+    let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+    for x in grid.filter_map(|hypothesis| value(hypothesis.shape)) {
+        if x < at {
+            below = below.max(x);
+        } else if x > at {
+            above = above.min(x);
+        }
+    }
+    match (below.is_finite(), above.is_finite()) {
+        (true, true) => Some((below, above)),
+        (true, false) => Some((below, at + (at - below))),
+        (false, true) => Some((at - 0.5 * (above - at).min(at.abs()), above)),
+        (false, false) => None,
+    }
+}
+
+/// The number that a shape hangs on without a step.
+fn value(shape: Shape) -> Option<f64> {
+    match shape {
+        Shape::Tau(x) | Shape::Period(x) | Shape::Azimuth(x) => Some(x),
+        _ => None,
+    }
+}
+
+fn with_value(shape: Shape, x: f64) -> Shape {
+    match shape {
+        Shape::Tau(_) => Shape::Tau(x),
+        Shape::Period(_) => Shape::Period(x),
+        Shape::Azimuth(_) => Shape::Azimuth(x),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_of_a_valley_is_found() {
+        for least in [0.013, 0.5, 0.997] {
+            let x = golden_section(0.0, 1.0, |x| (x - least).abs().powf(1.5));
+            assert!((x - least).abs() < 1e-3, "{x} for {least}");
+        }
+    }
+}

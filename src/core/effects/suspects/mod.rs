@@ -58,6 +58,7 @@ pub const SUSPECTS: &[&Suspect] = &[
     &orientation::ORIENTATION_HARMONICS,
     &orientation::FRICTION,
     &orientation::HEADING,
+    &orientation::EARTH_RATE,
     &rate::RATE_EVEN,
     &rate::RATE_ODD,
     &rate::RATE_CURVE,

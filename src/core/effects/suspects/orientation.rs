@@ -52,6 +52,29 @@ pub const HEADING: Suspect = Suspect {
     columns: |s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
 };
 
+/// Its part along the vertical lies inside G.
+pub const EARTH_RATE: Suspect = Suspect {
+    id: "earth_rate",
+    looks_like: "an error of the Earth's rate along north",
+    cause: "the latitude, or the Earth's rate, that the dwells' rates were made with is wrong",
+    equation: "k . I C e_N in static dwells, k the error of the rate along north",
+    unit: "deg/h",
+    typical: Typical {
+        low: 0.0001,
+        high: 1.0,
+        source: "a latitude wrong by arc minutes to degrees: 15.04 deg/h sin(latitude)",
+    },
+    needs: "several headings a face, attitudes",
+    confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
+    prior: Prior::Flat,
+    shapes: one,
+    columns: |s, j, _| {
+        let Some(c) = &s.nav_to_body else { return Vec::new() };
+        let along = |k: usize| s.gyros[j].input.dot(&(c[k] * Vector3::y()));
+        vec![s.column(|k| if s.phase[k] == Phase::Static { along(k) } else { 0.0 })]
+    },
+};
+
 pub const ORIENTATION_BEFORE: Suspect = Suspect {
     id: "orientation_before",
     looks_like: "a memory of the orientation before",

@@ -124,6 +124,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("a function of orientation beyond second degree", "高于二次的姿态函数"),
     ("a dependence on the sense of specific force", "与比力正反有关"),
     ("a dependence on the table's heading", "与转台方位有关"),
+    ("an error of the Earth's rate along north", "地球自转角速度北向分量的误差"),
     ("an even function of rate", "角速度的偶函数"),
     ("an odd function of rate", "角速度的奇函数"),
     ("a smooth function of the rate along the input axis", "沿输入轴角速度的平滑函数"),

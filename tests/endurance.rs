@@ -12,19 +12,12 @@ use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use receiver::Receiver;
 use serde_json::{Value, json};
-use support::{Server, asked, data, required};
+use support::{Server, asked, paper_record, required};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 fn record(number: usize) -> String {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
-    record["imu"] = format!("IMU-{}", number % 40).into();
-    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
-        gyro["serial"] = format!("G-{}-{i}", number % 40).into();
-    }
-    record["calibrated_at"] =
-        jiff::Timestamp::from_second(1_700_000_000 + 60 * number as i64).unwrap().to_string().into();
-    record.to_string()
+    paper_record(number % 40, number).to_string()
 }
 
 /// A line of `/proc/PID/status`, kB.

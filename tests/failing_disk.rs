@@ -8,18 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
-use support::{Answer, Server, data, fill, gyrowatch_under, on_a_small_disk, required, small_disks_work};
+use support::{Answer, Server, fill, gyrowatch_under, on_a_small_disk, paper_record, required, small_disks_work};
 
 fn record(number: usize) -> String {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
-    record["imu"] = format!("IMU-{}", number % 20).into();
-    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
-        gyro["serial"] = format!("G-{}-{i}", number % 20).into();
-    }
-    record["calibrated_at"] =
-        jiff::Timestamp::from_second(1_700_000_000 + 60 * number as i64).unwrap().to_string().into();
-    record.to_string()
+    paper_record(number % 20, number).to_string()
 }
 
 async fn post(server: &Server, number: usize) -> Answer {

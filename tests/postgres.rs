@@ -19,7 +19,7 @@ use receiver::Receiver;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection, Row};
 use support::Server;
-use support::cluster::{self, Cluster};
+use support::cluster::{self, Cluster, count};
 
 const LEASE: Duration = Duration::from_secs(3);
 
@@ -27,11 +27,6 @@ const LEASE: Duration = Duration::from_secs(3);
 async fn server_on(url: &str) -> Server {
     let lease = LEASE.as_secs().to_string();
     Server::start_with(&[("GYROWATCH_DATABASE_URL", url), ("GYROWATCH_DATABASE__LEASE_S", &lease)]).await
-}
-
-async fn count(url: &str, sql: &'static str) -> i64 {
-    let mut connection = PgConnection::connect(url).await.unwrap();
-    sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
 }
 
 /// Returns once `is_so`.

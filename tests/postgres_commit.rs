@@ -9,9 +9,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use lab::{day, record};
 use serde_json::json;
-use sqlx::{Connection, PgConnection};
 use support::Server;
-use support::cluster;
+use support::cluster::{self, count};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 
@@ -93,11 +92,6 @@ async fn hand_on(mut server: TcpStream, mut database: TcpStream, cut: &AtomicU8)
 
 fn has(said: &[u8], words: &[u8]) -> bool {
     said.windows(words.len()).any(|found| found == words)
-}
-
-async fn count(url: &str, sql: &'static str) -> i64 {
-    let mut connection = PgConnection::connect(url).await.unwrap();
-    sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -7,10 +7,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
 use sqlx::{Connection, PgConnection};
 use support::cluster::{self, Cluster, Crowded};
-use support::{Server, data, fill, small_disks_work};
+use support::{Server, fill, paper_record, small_disks_work};
 
 const SENDERS: usize = 16;
 /// Serving again after there is room, and the database has come up.
@@ -20,14 +19,7 @@ const TREND: &str = "/v1/gyros/G-1-0/trend?coefficient=D_I";
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn record(number: usize) -> String {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
-    record["imu"] = format!("IMU-{}", number % 20).into();
-    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
-        gyro["serial"] = format!("G-{}-{i}", number % 20).into();
-    }
-    record["calibrated_at"] =
-        jiff::Timestamp::from_second(1_700_000_000 + 60 * number as i64).unwrap().to_string().into();
-    record.to_string()
+    paper_record(number % 20, number).to_string()
 }
 
 /// What was heard of the servers.

@@ -16,19 +16,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use sqlx::ConnectOptions;
-use support::{Server, asked, data, gyrowatch, required};
+use support::{Server, asked, gyrowatch, paper_record, required};
 
 /// Records of two IMUs, so that each gyro soon has enough of them to be folded into its place.
 fn record(number: usize) -> String {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
     let imu = if number < 505 { 0 } else { number % 2 };
-    record["imu"] = format!("IMU-{imu}").into();
-    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
-        gyro["serial"] = format!("G-{imu}-{i}").into();
-    }
-    let at = jiff::Timestamp::from_second(1_700_000_000 + 60 * number as i64).unwrap();
-    record["calibrated_at"] = at.to_string().into();
-    record.to_string()
+    paper_record(imu, number).to_string()
 }
 
 /// What a run has left: every call, and the text of each record by the identifier that its sender was told.

@@ -15,7 +15,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
-use support::{Server, asked, data, gyrowatch, seed};
+use support::{Server, asked, gyrowatch, paper_record, seed};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 fn client() -> reqwest::Client {
@@ -23,14 +23,7 @@ fn client() -> reqwest::Client {
 }
 
 fn record(number: usize) -> Value {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
-    record["imu"] = format!("IMU-{}", number % 40).into();
-    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
-        gyro["serial"] = format!("G-{}-{i}", number % 40).into();
-    }
-    let at = jiff::Timestamp::from_second(1_700_000_000 + 60 * number as i64).unwrap();
-    record["calibrated_at"] = at.to_string().into();
-    record
+    paper_record(number % 40, number)
 }
 
 /// The time below which 99 of 100 lie.

@@ -50,6 +50,12 @@ pub async fn fresh_database() -> String {
     SHARED.get_or_init(Cluster::start).fresh_database().await
 }
 
+/// The one number that a query answers.
+pub async fn count(url: &str, sql: &'static str) -> i64 {
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    sqlx::query_scalar(sql).fetch_one(&mut connection).await.unwrap()
+}
+
 /// A server of one's own.
 pub struct Cluster {
     keeper: Child,

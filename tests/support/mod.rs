@@ -32,6 +32,18 @@ pub fn data_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
+/// The paper's record as one of IMU number `imu` and its three gyros, the `minute`-th minute after a fixed instant.
+pub fn paper_record(imu: usize, minute: usize) -> Value {
+    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    record["imu"] = format!("IMU-{imu}").into();
+    for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
+        gyro["serial"] = format!("G-{imu}-{i}").into();
+    }
+    let at = jiff::Timestamp::from_second(1_700_000_000 + 60 * minute as i64).unwrap();
+    record["calibrated_at"] = at.to_string().into();
+    record
+}
+
 /// The service of this build, or the one that `scripts/soak` is told to put to the test (an absolute path), such as a release build.
 fn program() -> String {
     std::env::var("GYROWATCH_SOAK_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_gyrowatch").to_owned())

@@ -365,11 +365,9 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
     let mut alone: Vec<&Score> = known.iter().filter(open).collect();
     alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
     let judged = alone.iter().filter_map(|score| {
-        let Kind::Effect(effect) = score.kind else { return None };
         let choice = search.choice(score);
-        let earned = search.earned(&[], score.kind);
-        let part =
-            Part { effect, shape: settled.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() };
+        let part = search.part(&choice)?;
+        let (effect, earned) = (part.effect, search.earned(&[], score.kind));
         let visible = identify::visible(&settled.bank, effect) > super::bank::INVISIBLE;
         let held_out = visible.then(|| {
             let coefficients = part.columns(frame, 0).len() as f64;

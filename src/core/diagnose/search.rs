@@ -7,6 +7,7 @@ use std::rc::Rc;
 use super::bank::{Bank, Kind};
 use super::basis::Basis;
 use super::evidence::{Score, State, scores, state, together};
+use super::fit::Part;
 use super::frame::Frame;
 use super::null::Null;
 use crate::core::effects::suspects::{SUSPECTS, WANDERING};
@@ -124,6 +125,12 @@ impl Search<'_> {
         let best = (0..gyros).max_by(|&a, &b| score.gyro_log[a].total_cmp(&score.gyro_log[b])).unwrap_or(0);
         let members = (0..gyros).map(|j| hypothesis.common || j == best || score.gyro_log[j] > 0.0).collect();
         Choice { kind: score.kind, hypothesis: score.best, members, evidence: score.log_evidence, rival: None }
+    }
+
+    /// A choice as a part of the augmented model; none of a suspect.
+    pub fn part(&self, choice: &Choice) -> Option<Part> {
+        let Kind::Effect(effect) = choice.kind else { return None };
+        Some(Part { effect, shape: self.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() })
     }
 
     /// The strongest kind given `choices`; among contract entries only where `contract` says so.

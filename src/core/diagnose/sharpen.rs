@@ -18,56 +18,43 @@ const STEPS: usize = 20;
 
 /// The shapes at which strong entries explain most, each by itself and beside what was found, where they lie off the grid.
 pub(super) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape)> {
-    let parts: Vec<Part> = found.iter().filter_map(|choice| part(search, choice)).collect();
     let mut shapes = Vec::new();
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
-        let alone: Vec<Part> = part(search, &search.choice(score)).into_iter().collect();
-        shapes.extend(best(search, &alone, 0));
+        shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
     }
-    for (i, choice) in found.iter().filter(|choice| !choice.is_suspect()).enumerate() {
-        if choice.evidence > STRONG {
-            shapes.extend(best(search, &parts, i));
-        }
+    let named: Vec<&Choice> = found.iter().filter(|choice| !choice.is_suspect()).collect();
+    let parts: Vec<Part> = named.iter().filter_map(|choice| search.part(choice)).collect();
+    for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
+        shapes.extend(best(search, &parts, i));
     }
     shapes
 }
 
-fn part(search: &Search, choice: &Choice) -> Option<Part> {
-    let Kind::Effect(effect) = choice.kind else { return None };
-    Some(Part { effect, shape: search.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() })
-}
-
 /// The best shape of part `i` between its neighbours on the grid, with all parts fitted.
 fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
-    let part = parts.get(i)?;
-    let at = value(part.shape)?;
-    let (low, high) = neighbours(search, part.effect, at)?;
-    let left = |x: f64| {
-        let mut parts = parts.to_vec();
-        parts[i].shape = with_value(part.shape, x);
-        power_left(search.frame, &parts)
-    };
+    let Part { effect, shape, .. } = parts[i];
+    let at = value(shape)?;
+    let (low, high) = neighbours(search, effect, at)?;
+    let left = |x: f64| chi2(search.frame, parts, i, x, &vec![1.0; search.frame.gyros.len()]);
     let x = golden_section(low, high, left);
-    (left(x) < left(at)).then(|| (part.effect, with_value(part.shape, x)))
+    (left(x) < left(at)).then(|| (effect, with_value(shape, x)))
 }
 
 /// Standard deviation of the value that the shape of part `i` hangs on, from the curvature of the sum of squares about it: `chi^2(x + h) +
 /// chi^2(x - h) - 2 chi^2(x) = 2 (h/sd)^2`. At most `grid`, what the spacing of the grid is worth.
 pub(super) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64], grid: f64) -> f64 {
     let Some(at) = value(parts[i].shape) else { return grid };
-    let chi2 = |x: f64| -> f64 {
-        let mut parts = parts.to_vec();
-        parts[i].shape = with_value(parts[i].shape, x);
-        fit::fit(frame, &parts).residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum()
-    };
+    let left = |x: f64| chi2(frame, parts, i, x, variances);
     let h = 0.05 * grid;
-    let curvature = (chi2(at + h) + chi2(at - h) - 2.0 * chi2(at)) / (h * h);
+    let curvature = (left(at + h) + left(at - h) - 2.0 * left(at)) / (h * h);
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
 }
 
-/// Sum of squares, over the stated or found noise, that the fit of all parts leaves.
-fn power_left(frame: &Frame, parts: &[Part]) -> f64 {
-    fit::fit(frame, parts).residuals.iter().map(|r| dot(r, r)).sum()
+/// Sum of squares that the fit of all parts leaves where the shape of part `i` hangs on `x`, over the noise `variances` of each gyro.
+fn chi2(frame: &Frame, parts: &[Part], i: usize, x: f64, variances: &[f64]) -> f64 {
+    let mut parts = parts.to_vec();
+    parts[i].shape = with_value(parts[i].shape, x);
+    fit::fit(frame, &parts).residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum()
 }
 
 /// Where a function with one minimum between `low` and `high` has it.

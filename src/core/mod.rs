@@ -22,5 +22,6 @@ pub mod period;
 pub mod record;
 pub mod route;
 pub mod separate;
+pub mod tails;
 pub mod time;
 pub mod units;

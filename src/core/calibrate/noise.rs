@@ -23,9 +23,8 @@
 //! a factor sqrt(dof/(dof - 2)), so that rms(error/sd) is 1 whatever the dof. Below three dof no such deviation
 //! exists and none is reported.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
-
 use super::repeats::PureError;
+use crate::core::tails::{self, chi2_tail};
 
 /// Weight of the stated standard errors against repeats: as much as four repeats. A station's standard errors are
 /// right to some 35 % (1/sqrt(2 x 4)) before any repeat is seen.
@@ -125,7 +124,7 @@ impl Noise {
         match self.source {
             Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
             Source::None => None,
-            _ => f_tail(evidence.lack_of_fit(), self.repeated?),
+            _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated?),
         }
     }
 }
@@ -191,11 +190,12 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
 fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
     let (mine, all) = (own.pure_error, pooled.pure_error);
     let others = (all.chi2 - mine.chi2, (all.dof - mine.dof) as f64);
-    let odd = f_tail((mine.chi2, mine.dof as f64), others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
+    let odd =
+        mean_squares_tail((mine.chi2, mine.dof as f64), others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
     let used = if odd { own } else { pooled };
     let stated = (used.pure_error.chi2 + PRIOR_DOF, used.pure_error.dof as f64 + PRIOR_DOF);
     let rest = used.lack_of_fit();
-    if rest.1 > 0.0 && f_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
+    if rest.1 > 0.0 && mean_squares_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
         let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);
         return Noise::of(Source::SemRepeatsAndResiduals, chi2 / dof, dof, mine).held_against(stated);
     }
@@ -205,7 +205,7 @@ fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
 fn unweighted(e: &Evidence) -> Noise {
     let repeats = e.pure_error;
     let spread = (repeats.chi2, repeats.dof as f64);
-    if f_tail(e.lack_of_fit(), spread).is_some_and(|p| p < BEYOND_CHANCE) {
+    if mean_squares_tail(e.lack_of_fit(), spread).is_some_and(|p| p < BEYOND_CHANCE) {
         return Noise::of(Source::Repeats, spread.0 / spread.1, spread.1, repeats);
     }
     match e.residual {
@@ -215,11 +215,6 @@ fn unweighted(e: &Evidence) -> Noise {
             Noise { factor: None, factor_sd: None, ..none }
         }
     }
-}
-
-/// P(chi-square of `dof` > `chi2`); none without degrees of freedom.
-pub fn chi2_tail(chi2: f64, dof: usize) -> Option<f64> {
-    (dof > 0).then(|| ChiSquared::new(dof as f64).expect("positive dof").sf(chi2))
 }
 
 /// How many times the stated standard errors are too large for the scatter of the dwells: sqrt(dof/chi2), where the residuals are smaller
@@ -247,10 +242,10 @@ pub fn overstated_note(gyros: impl Iterator<Item = (&'static str, f64)>) -> Opti
 
 /// P(F > the ratio of the two mean squares), each given as (sum of squares, dof); none where either has no dof, or
 /// the denominator is zero.
-pub fn f_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {
+pub fn mean_squares_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {
     if numerator.1 <= 0.0 || denominator.1 <= 0.0 || denominator.0 <= 0.0 {
         return None;
     }
-    let ratio = (numerator.0.max(0.0) / numerator.1) / (denominator.0 / denominator.1);
-    Some(FisherSnedecor::new(numerator.1, denominator.1).expect("positive dof").sf(ratio))
+    let ratio = (numerator.0 / numerator.1) / (denominator.0 / denominator.1);
+    Some(tails::f_tail(ratio, numerator.1, denominator.1))
 }

@@ -15,13 +15,13 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::answer::Residual;
 use super::basis::{Basis, dot};
 use super::frame::Frame;
-use super::remaining::f_tail;
 use super::{Options, Refusal};
 use crate::core::calibrate::{GyroCalibration, calibrate_augmented};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Name, Record};
+use crate::core::tails::f_tail;
 use crate::core::time::UtcMicros;
 
 /// What a campaign is held against.

@@ -7,7 +7,6 @@
 mod likeness;
 
 use nalgebra::DMatrix;
-use statrs::function::beta::checked_beta_reg;
 use statrs::function::erf::erfc;
 
 use super::answer::Sign;
@@ -18,6 +17,7 @@ use super::frame::Frame;
 use crate::core::campaign::Phase;
 use crate::core::effects::Setting;
 use crate::core::mounting::Slot;
+use crate::core::tails::f_tail;
 use likeness::{Score, Weights};
 
 /// What one test says of one gyro, or of all together where `gyro` is none.
@@ -257,9 +257,4 @@ fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
 
 fn upper_tail(z: f64) -> f64 {
     0.5 * erfc(z / std::f64::consts::SQRT_2)
-}
-
-pub(super) fn f_tail(f: f64, numerator: f64, denominator: f64) -> f64 {
-    let x = denominator / (denominator + numerator * f.max(0.0));
-    checked_beta_reg(0.5 * denominator, 0.5 * numerator, x).unwrap_or(1.0)
 }

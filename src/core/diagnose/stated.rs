@@ -4,6 +4,7 @@ use super::fit::Fit;
 use super::floor;
 use super::frame::Frame;
 use crate::core::calibrate::noise;
+use crate::core::tails::chi2_tail;
 
 /// What is to be known of standard errors that are stated too large.
 pub(super) fn too_large(frame: &Frame) -> Option<String> {
@@ -18,7 +19,7 @@ pub(super) fn too_small(frame: &Frame, fit: &Fit) -> Option<String> {
     let of_gyros = frame.gyros.iter().zip(&fit.residuals).filter(|_| frame.noise.stated);
     let repeats = of_gyros.map(|(gyro, residual)| floor::pure_error(frame, gyro, residual));
     let (sum, dof) = repeats.fold((0.0, 0), |(sum, dof), pure| (sum + pure.sum, dof + pure.dof));
-    let beyond_chance = noise::chi2_tail(sum, dof).is_some_and(|p| p < 1e-3);
+    let beyond_chance = chi2_tail(sum, dof).is_some_and(|p| p < 1e-3);
     beyond_chance.then(|| {
         let times = (sum / dof as f64).sqrt();
         format!(

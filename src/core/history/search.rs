@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::core::fit::{Factor, Fit};
 use crate::core::judge::Coefficient;
+use crate::core::tails::f_tail;
 
 use super::candidates::{self, Candidate};
 use super::peers::{self, StationOffset};
@@ -129,8 +130,7 @@ fn trial(y: &DVector<f64>, taken: &[Candidate], candidate: &Candidate, base: &Fi
     let gain = base.chi2 - fit.chi2;
     // Noise-free histories: rounding stands in for a variance of zero.
     let variance = (fit.chi2 / fit.dof as f64).max(1e-24 * base.chi2);
-    let f = FisherSnedecor::new(1.0, fit.dof as f64).ok()?;
-    let p = if gain > 0.0 { f.sf(gain / variance) } else { 1.0 };
+    let p = if gain > 0.0 { f_tail(gain / variance, 1.0, fit.dof as f64) } else { 1.0 };
     let p_adjusted = (p * (kinds * candidate.tried) as f64).min(1.0);
     let left_out = left_out_rms(&fit)?;
     Some(Trial { candidate: candidate.clone(), fit, p_adjusted, left_out })

@@ -65,6 +65,11 @@ impl From<&StoreError> for Problem {
             StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) => {
                 Self::new(503, "Cannot store", "the service's database cannot be written now; nothing was stored")
             }
+            StoreError::Unanswered(_) => Self::new(
+                503,
+                "Perhaps stored",
+                "the service's database broke off while this was stored, and cannot be asked whether it is: a calibration can be sent again, of anything else look first",
+            ),
             StoreError::NotDurable(_) => Self::new(
                 503,
                 "Cannot store",

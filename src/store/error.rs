@@ -29,6 +29,9 @@ pub enum StoreError {
     /// A database server does not answer, or broke off what was under way; nothing was stored.
     #[error("the database cannot be reached: {0}")]
     Unreachable(String),
+    /// A database server broke off in the middle of a commit and cannot be asked what became of it.
+    #[error("a commit was not answered, and the database cannot be asked what became of it: {0}")]
+    Unanswered(String),
     /// A rule of the schema was broken: what was to be written contradicts what is stored.
     #[error("refused by the database: {0}")]
     Refused(String),

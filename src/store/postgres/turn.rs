@@ -251,7 +251,7 @@ impl ServerWriter {
             match self.last_commit().await {
                 Ok(found) if found == Some(version) => return Ok(()),
                 Ok(_) => return Err(error),
-                Err(unknown) if Instant::now() >= end => return Err(unknown),
+                Err(unknown) if Instant::now() >= end => return Err(StoreError::Unanswered(unknown.to_string())),
                 Err(_) => tokio::time::sleep(BREATH).await,
             }
         }

@@ -8,11 +8,12 @@ use std::collections::BTreeSet;
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
 use gyrowatch::core::diagnose::{Diagnosis, Options, Verdict, diagnose};
 use gyrowatch::core::effects::Effect;
+use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};
 use gyrowatch::simulate::simulate;
 use gyrowatch::wire::campaign::parse_json;
 use serde_json::Value;
-use support::data_path;
+use support::{data, data_path};
 
 fn drawn(case: Case, count: usize) -> Vec<(Trial, Diagnosis)> {
     let draw = Draw { seed: 20_261, cases: vec![case], effects: vec![], detectability: vec![12.0] };
@@ -38,6 +39,15 @@ fn practice(name: &str) -> Value {
 fn diagnosed(campaign: &Value) -> Diagnosis {
     let campaign = parse_json(campaign.to_string().as_bytes()).unwrap();
     diagnose(&campaign, &Options::default()).unwrap()
+}
+
+/// By itself each gyro would rather have an entry of its own, `scale_quadratic` and `scale_asymmetry`.
+#[test]
+fn a_cause_that_two_entries_explain_alike_has_one_name_in_all_its_gyros() {
+    let answer = diagnosed(&serde_json::from_str(&data("one-name-for-both.json")).unwrap());
+    assert_eq!(names(&answer), BTreeSet::from(["scale_asymmetry"]));
+    assert_eq!(answer.effects[0].gyros, [Slot::G1, Slot::G2]);
+    assert_eq!(answer.verdict, Verdict::Explained);
 }
 
 #[test]

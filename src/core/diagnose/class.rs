@@ -1,7 +1,8 @@
 //! What a campaign cannot tell apart from what was adopted, and which gyros have it.
 
 use super::bank::Kind;
-use super::evidence::{Products, criterion, gains, of_gyro, score};
+use super::evidence::{criterion, gains, of_gyro, score};
+use super::products::Products;
 use super::search::{Choice, Search};
 use crate::core::effects::Effect;
 

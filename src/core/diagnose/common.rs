@@ -3,8 +3,9 @@
 //! Each gyro weighs with its own noise, so the gyros do not multiply; the coefficients are found from all of them at once.
 
 use super::bank::Hypothesis;
-use super::evidence::{MAX_GYROS, Seen};
+use super::evidence::MAX_GYROS;
 use super::logsum::LogSum;
+use super::products::Seen;
 use super::small;
 
 /// A hypothesis whose coefficients all gyros share.

@@ -20,6 +20,7 @@ use super::common::Common;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
 use super::logsum::LogSum;
+use super::products::{Products, Seen};
 use super::scatter::{Scatter, pool};
 use super::small;
 
@@ -76,49 +77,6 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
     gyros
 }
 
-/// As many rows as make the library multiply by blocks and not column by column.
-const BLOCK: usize = 6;
-
-impl GyroState {
-    /// Of every column with the residual, and with the adopted columns: adopted x columns.
-    fn products(&self, columns: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let adopted = self.extra.rank();
-        let mut rows = DMatrix::zeros((1 + adopted).max(BLOCK), self.residual.len());
-        rows.row_mut(0).copy_from_slice(&self.residual);
-        for (i, vector) in self.extra.vectors().iter().enumerate() {
-            rows.row_mut(1 + i).copy_from_slice(vector);
-        }
-        let products = rows * columns;
-        (products.row(0).transpose(), products.rows(1, adopted).into_owned())
-    }
-}
-
-/// Products of every column of the bank with residuals and adopted columns.
-pub(super) struct Products {
-    /// Adopted x columns, so that what belongs to one column lies together.
-    with_extra: Vec<DMatrix<f64>>,
-    with_residual: Vec<DVector<f64>>,
-}
-
-impl Products {
-    pub fn of(bank: &Bank, state: &State) -> Self {
-        let (with_residual, with_extra) = state.iter().zip(&bank.columns).map(|(gyro, c)| gyro.products(c)).unzip();
-        Self { with_extra, with_residual }
-    }
-
-    pub fn seen<'a>(&'a self, state: &State) -> Vec<Seen<'a>> {
-        (0..state.len())
-            .map(|j| Seen {
-                with_residual: self.with_residual[j].as_slice(),
-                with_extra: self.with_extra[j].as_slice(),
-                adopted: self.with_extra[j].nrows(),
-                rss: state[j].rss,
-                nu: state[j].nu,
-            })
-            .collect()
-    }
-}
-
 /// Scores every kind of the bank.
 pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
     let products = Products::of(bank, state);
@@ -155,49 +113,6 @@ pub(super) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen
     score
 }
 
-/// What the evidence of one gyro is made of.
-pub(super) struct Seen<'a> {
-    /// Products of the gyro's columns with its residual.
-    pub with_residual: &'a [f64],
-    /// Products of what has been adopted with the gyro's columns, those of one column together.
-    pub with_extra: &'a [f64],
-    /// Number of adopted columns.
-    pub adopted: usize,
-    pub rss: f64,
-    pub nu: f64,
-}
-
-impl Seen<'_> {
-    /// Products of column `c` with what has been adopted.
-    fn taken(&self, c: usize) -> &[f64] {
-        &self.with_extra[c * self.adopted..][..self.adopted]
-    }
-
-    /// Gram matrix of a small block's columns, adopted columns projected out.
-    pub fn gram(&self, block: &Block) -> small::Matrix {
-        let mut gram = block.gram;
-        for (i, j) in (0..block.len).flat_map(|i| (0..=i).map(move |j| (i, j))) {
-            let taken: f64 =
-                self.taken(block.start + i).iter().zip(self.taken(block.start + j)).map(|(a, b)| a * b).sum();
-            gram[i][j] -= taken;
-            gram[j][i] = gram[i][j];
-        }
-        gram
-    }
-
-    /// Products of a small block's columns with the residual.
-    pub fn side(&self, block: &Block) -> small::Vector {
-        let mut side = [0.0; small::MOST];
-        side[..block.len].copy_from_slice(&self.with_residual[block.start..][..block.len]);
-        side
-    }
-
-    /// -nu/2 ln(1 - explained/R), safe where rounding explains a little more than there is.
-    fn gain(&self, explained: f64) -> f64 {
-        -0.5 * self.nu * (1.0 - (explained / self.rss).clamp(0.0, 1.0 - 1e-12)).ln()
-    }
-}
-
 /// A Bayes factor as `sum e^top`: only the largest in a search is ever asked for its logarithm.
 #[derive(Debug, Clone, Copy)]
 struct BayesFactor {
@@ -228,6 +143,16 @@ fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [BayesFactor; MAX_
         *factor = bayes_factor(hypothesis.powers, block, seen);
     }
     (hypothesis.log_weight + log_membership(&factors[..seen.len()]), factors)
+}
+
+/// As [`log_bayes`], with the effect in exactly the gyros `members`: one of the equally likely sets.
+pub(super) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[Seen]) -> f64 {
+    if hypothesis.common {
+        return log_bayes(hypothesis, seen).0;
+    }
+    let own = hypothesis.blocks.iter().zip(seen).zip(members).filter(|(_, member)| **member);
+    let factors: f64 = own.map(|((block, seen), _)| bayes_factor(hypothesis.powers, block, seen).log()).sum();
+    hypothesis.log_weight + factors - (2.0_f64.powi(seen.len() as i32) - 1.0).ln()
 }
 
 /// Bayes factor of one gyro, averaged over the powers.

@@ -24,6 +24,7 @@ mod lower;
 mod next;
 mod noise;
 mod null;
+mod products;
 mod reference;
 mod remaining;
 mod report;
@@ -35,6 +36,7 @@ mod small;
 mod stated;
 mod tabled;
 mod why_not;
+mod worth;
 
 pub use answer::*;
 pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
@@ -52,7 +54,7 @@ use super::model::Terms;
 use super::mounting::Slot;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 5;
+pub const METHOD: u32 = 6;
 
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]

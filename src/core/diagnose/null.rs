@@ -16,10 +16,11 @@ use std::cell::LazyCell;
 use nalgebra::DMatrix;
 
 use super::bank::{Bank, Kind, basis_matrix};
-use super::evidence::{Seen, together};
+use super::evidence::together;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
 use super::logsum::LogSum;
+use super::products::Seen;
 use super::scatter::{Scatter, pool};
 use super::tabled::Tabled;
 

@@ -28,7 +28,7 @@ const TIED: f64 = 0.3;
 const CONTRACT_FIRST: f64 = 2.5;
 
 /// ln of prior odds against each further cause.
-const PER_CAUSE: f64 = 3.0;
+pub(super) const PER_CAUSE: f64 = 3.0;
 
 /// Pairs start from this many contract entries with at least this evidence alone; what a first look finds to fall
 /// short by more than `POLISH` is not looked at again.
@@ -148,7 +148,7 @@ impl Search<'_> {
         {
             found = self.grown(pair);
         }
-        let found = self.prune(found);
+        let found = self.fewest(self.prune(found));
         let found = self.contract_first(found);
         let count = found.len();
         let mut found = merged(found);
@@ -179,7 +179,7 @@ impl Search<'_> {
         self.polish_among(choices, false);
     }
 
-    fn polish_contract(&self, choices: &mut [Choice]) {
+    pub(super) fn polish_contract(&self, choices: &mut [Choice]) {
         self.polish_among(choices, true);
     }
 
@@ -244,11 +244,6 @@ impl Search<'_> {
         best
     }
 
-    /// Evidence of all choices together less what each further cause costs beforehand.
-    fn worth(&self, choices: &[Choice]) -> f64 {
-        self.total(choices) - PER_CAUSE * choices.len() as f64
-    }
-
     /// A contract entry stands for a suspect that is hardly better; that the suspect explains it as well is noted.
     fn contract_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         for i in 0..choices.len() {
@@ -264,16 +259,6 @@ impl Search<'_> {
             }
         }
         choices
-    }
-
-    /// Evidence of all choices together: each given those before it.
-    pub fn total(&self, choices: &[Choice]) -> f64 {
-        (0..choices.len())
-            .map(|i| {
-                let scores = self.scores(&choices[..i]);
-                scores.iter().find(|s| s.kind == choices[i].kind).map_or(0.0, |s| s.log_evidence)
-            })
-            .sum()
     }
 
     /// What adoption beside so many others asks for.
@@ -326,7 +311,7 @@ impl Search<'_> {
     }
 
     /// Drops, weakest first, what the others make superfluous.
-    fn prune(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+    pub(super) fn prune(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         loop {
             for i in 0..choices.len() {
                 choices[i].evidence = self.earned_beside_others(&choices, i);
@@ -344,7 +329,7 @@ impl Search<'_> {
     }
 }
 
-fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
+pub(super) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
     let mut others = choices.to_vec();
     others.remove(i);
     others

@@ -7,7 +7,8 @@
 use std::ops::Range;
 
 use super::bank::{Bank, Hypothesis, Kind};
-use super::evidence::{MAX_GYROS, Seen, score};
+use super::evidence::{MAX_GYROS, score};
+use super::products::Seen;
 
 /// Cells of a table over u from 0 to 1.
 const CELLS: usize = 1024;

@@ -30,7 +30,7 @@ pub fn routes() -> OpenApiRouter<App> {
 }
 
 /// Lines that are read and stored together, at the most.
-const LINES_AT_ONCE: usize = 1024;
+const LINES_AT_ONCE: usize = 512;
 /// Such chunks under way at the same time: one is read while others wait for the disk.
 const CHUNKS_UNDER_WAY: usize = 3;
 /// Answers that wait for a client that does not read them, bytes.

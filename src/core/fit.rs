@@ -13,6 +13,9 @@ use nalgebra::{DMatrix, DVector};
 /// (1e-4 rad) at best. A direction that the design excites less than that is fed by the station's errors.
 pub const RANK_TOLERANCE: f64 = 1e-4;
 
+/// A whitened column shorter than this is nothing: the variance of its coefficient would be beyond all numbers.
+const SHORTEST: f64 = 1e-100;
+
 /// Of the singular values, a few a column; for numbers that are not finite they would never end.
 const MOST_ITERATIONS: usize = 10_000;
 
@@ -68,9 +71,15 @@ impl Factor {
         for (mut row, w) in whitened.row_iter_mut().zip(weights.iter()) {
             row *= *w;
         }
-        let column_scale = DVector::from_iterator(p, whitened.column_iter().map(|c| positive(c.norm())));
-        for (mut column, scale) in whitened.column_iter_mut().zip(column_scale.iter()) {
-            column /= *scale;
+        let mut column_scale = DVector::from_element(p, 1.0);
+        for (mut column, scale) in whitened.column_iter_mut().zip(column_scale.iter_mut()) {
+            let length = column.norm();
+            if length < SHORTEST {
+                column.fill(0.0);
+            } else {
+                *scale = length;
+                column /= length;
+            }
         }
         let qr = whitened.qr();
         let svd = qr.r().try_svd(true, true, 5.0 * f64::EPSILON, MOST_ITERATIONS).expect("finite numbers converge");

@@ -243,9 +243,7 @@ pub fn overstated_note(gyros: impl Iterator<Item = (&'static str, f64)>) -> Opti
 /// P(F > the ratio of the two mean squares), each given as (sum of squares, dof); none where either has no dof, or
 /// the denominator is zero.
 pub fn mean_squares_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {
-    if numerator.1 <= 0.0 || denominator.1 <= 0.0 || denominator.0 <= 0.0 {
-        return None;
-    }
     let ratio = (numerator.0 / numerator.1) / (denominator.0 / denominator.1);
-    Some(tails::f_tail(ratio, numerator.1, denominator.1))
+    let are_there = numerator.1 > 0.0 && denominator.1 > 0.0 && denominator.0 > 0.0 && !ratio.is_nan();
+    are_there.then(|| tails::f_tail(ratio, numerator.1, denominator.1))
 }

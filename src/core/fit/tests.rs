@@ -69,6 +69,19 @@ fn fewer_rows_than_columns_fit_what_they_can() {
     assert!(!factor.determines(&DVector::from_row_slice(&[0.0, 0.0, 1.0])));
 }
 
+/// Its coefficient would have a variance of 1e300 and more.
+#[test]
+fn a_column_of_next_to_nothing_determines_nothing() {
+    for tiny in [1e-101, 1e-160, 5e-324] {
+        let design = DMatrix::from_fn(4, 2, |i, j| if j == 0 { 1.0 } else { tiny * i as f64 });
+        let factor = Factor::new(design, &[1.0; 4]);
+        let fit = factor.fit(&DVector::from_row_slice(&[1.0, 2.0, 4.0, 5.0]));
+        assert_eq!((fit.rank, fit.estimate[0], fit.estimate[1]), (1, 3.0, 0.0), "{tiny:e}");
+        assert!(fit.covariance.iter().all(|c| c.is_finite()), "{tiny:e}");
+        assert!(!factor.determines(&DVector::from_row_slice(&[0.0, 1.0])), "{tiny:e}");
+    }
+}
+
 #[test]
 fn a_design_of_zeros_has_rank_zero() {
     let fit = Factor::new(DMatrix::zeros(3, 2), &[1.0; 3]).fit(&DVector::from_element(3, 1.0));

@@ -54,8 +54,19 @@ pub(super) struct Score {
 
 /// The model in use with further columns adopted.
 pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
+    let mut gyros = each_by_itself(frame, extras);
+    if frame.noise.stated {
+        let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
+        pool(&mut scatter);
+        gyros.iter_mut().zip(scatter).for_each(|(gyro, scatter)| (gyro.rss, gyro.nu) = (scatter.rss, scatter.nu));
+    }
+    gyros
+}
+
+/// As [`state`], with each gyro's noise from its own residuals alone: what one gyro holds is no noise in another.
+pub(super) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
     let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-    let mut gyros: State = frame
+    frame
         .gyros
         .iter()
         .zip(extras)
@@ -68,13 +79,7 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
             let rss = dot(&residual, &residual).max(rounding * dof);
             GyroState { rss: prior + rss, nu: prior + dof, residual, extra }
         })
-        .collect();
-    if frame.noise.stated {
-        let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
-        pool(&mut scatter);
-        gyros.iter_mut().zip(scatter).for_each(|(gyro, scatter)| (gyro.rss, gyro.nu) = (scatter.rss, scatter.nu));
-    }
-    gyros
+        .collect()
 }
 
 /// Scores every kind of the bank.

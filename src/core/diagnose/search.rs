@@ -83,8 +83,11 @@ impl Search<'_> {
 
     /// The model in use with the columns of `choices`.
     pub fn state(&self, choices: &[Choice]) -> State {
-        let extras = (0..self.frame.gyros.len()).map(|j| self.extra(choices, j)).collect();
-        state(self.frame, extras)
+        state(self.frame, self.extras(choices))
+    }
+
+    pub(super) fn extras(&self, choices: &[Choice]) -> Vec<Basis> {
+        (0..self.frame.gyros.len()).map(|j| self.extra(choices, j)).collect()
     }
 
     fn extra(&self, choices: &[Choice], j: usize) -> Basis {
@@ -149,7 +152,7 @@ impl Search<'_> {
             found = self.grown(pair);
         }
         let found = self.fewest(self.prune(found));
-        let found = self.contract_first(found);
+        let found = self.fewest(self.contract_first(found));
         let count = found.len();
         let mut found = merged(found);
         if found.len() < count {
@@ -175,7 +178,7 @@ impl Search<'_> {
     }
 
     /// Replaces choices one at a time by better ones given the others, until none is better.
-    fn polish(&self, choices: &mut [Choice]) {
+    pub(super) fn polish(&self, choices: &mut [Choice]) {
         self.polish_among(choices, false);
     }
 
@@ -186,7 +189,7 @@ impl Search<'_> {
     fn polish_among(&self, choices: &mut [Choice], contract: bool) {
         for _ in 0..4 {
             let mut changed = false;
-            for i in 0..choices.len() {
+            for i in (0..choices.len()).filter(|&i| !contract || !choices[i].is_suspect()).collect::<Vec<_>>() {
                 let mut others = choices.to_vec();
                 others.remove(i);
                 let known = self.scores(&others);

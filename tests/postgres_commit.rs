@@ -1,13 +1,18 @@
 //! The connection to PostgreSQL breaks in the middle of a commit: what came about counts, and what did not is done again, once.
 
 mod lab;
+mod receiver;
 mod support;
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::time::Duration;
 
+use axum::http::StatusCode;
+use axum::response::IntoResponse;
 use lab::{day, record};
+use receiver::Receiver;
 use serde_json::json;
 use support::Server;
 use support::cluster::{self, count};
@@ -29,7 +34,7 @@ enum Cut {
 struct Between {
     address: SocketAddr,
     cut: Arc<AtomicU8>,
-    /// Once it has cut a connection, it lets none through.
+    /// Once it has cut a connection, it lets no new one through.
     then_closed: Arc<AtomicBool>,
 }
 
@@ -60,7 +65,7 @@ impl Between {
         self.cut.store(when as u8, Ordering::SeqCst);
     }
 
-    /// The database cannot be reached any more once a connection has been cut; or it can again.
+    /// No new connection reaches the database once one has been cut; or one does again.
     fn closes_then(&self, closed: bool) {
         self.then_closed.store(closed, Ordering::SeqCst);
     }
@@ -109,7 +114,8 @@ async fn server_behind(url: &str) -> (Server, Between) {
     let there = url.strip_prefix("postgres://postgres@").unwrap().split_once('/').unwrap();
     let between = Between::start(there.0.parse().unwrap()).await;
     let through = format!("postgres://postgres@{}/{}", between.address, there.1);
-    (Server::start_with(&[("GYROWATCH_DATABASE_URL", &through)]).await, between)
+    let variables = [("GYROWATCH_DATABASE_URL", through.as_str()), ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1")];
+    (Server::start_with(&variables).await, between)
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -146,19 +152,62 @@ async fn of_a_commit_that_nobody_can_be_asked_about_it_is_not_said_that_nothing_
     }
     let url = cluster::fresh_database().await;
     let (server, between) = server_behind(&url).await;
-    between.closes_then(true);
-    between.cuts(Cut::After);
-    let sent = record("IMU-1", &day(1), &[("G1", "LFG-1", 1.0, 2.0)]);
-    let answer = server.post_json("/v1/records", &sent).await;
-    assert!(between.has_cut());
-    assert_eq!(answer.status, 503, "{}", answer.text());
-    assert!(answer.text().contains("cannot be asked whether it is"), "{}", answer.text());
-    assert_eq!(count(&url, "SELECT count(*) FROM record").await, 1);
+    for (when, stored, again, before) in [(Cut::After, 1, 200, 0), (Cut::Before, 0, 201, 1)] {
+        between.closes_then(true);
+        between.cuts(when);
+        let sent = record("IMU-1", &day(before + 1), &[("G1", "LFG-1", 1.0, 2.0)]);
+        let answer = server.post_json("/v1/records", &sent).await;
+        assert!(between.has_cut(), "{when:?}");
+        assert_eq!(answer.status, 503, "{when:?}: {}", answer.text());
+        assert!(answer.text().contains("cannot be asked whether it is"), "{when:?}: {}", answer.text());
+        assert!(answer.headers.contains_key("retry-after"), "{when:?}");
+        assert_eq!(count(&url, "SELECT count(*) FROM record").await, before + stored, "{when:?}");
 
+        between.closes_then(false);
+        let sent_again = server.post_json("/v1/records", &sent).await;
+        assert_eq!(sent_again.status, again, "{when:?}: {}", sent_again.text());
+        assert_eq!(count(&url, "SELECT count(*) FROM record").await, before + 1, "{when:?}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_attempt_that_was_perhaps_written_down_is_not_counted_twice() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let (server, between) = server_behind(&url).await;
+    let between = Arc::new(between);
+    let breaks = between.clone();
+    // What comes next through the connection is the attempt, written down.
+    let target = Receiver::answering(move |earlier, _| {
+        if earlier > 0 {
+            return StatusCode::OK.into_response();
+        }
+        breaks.closes_then(true);
+        breaks.cuts(Cut::After);
+        StatusCode::INTERNAL_SERVER_ERROR.into_response()
+    })
+    .await;
+    let hook = json!({"name": "h", "kind": "standard-webhooks", "url": target.url()});
+    assert_eq!(server.post_json("/v1/hooks", &hook).await.status, 201);
+    for (at, d_i) in [(1, 1.0), (2, 1.5)] {
+        let sent = record("IMU-1", &day(at), &[("G1", "LFG-1", d_i, 2.0)]);
+        assert_eq!(server.post_json("/v1/records", &sent).await.status, 201);
+    }
+    target.has_been_told(1).await;
+    // Longer than the service goes on asking what became of the commit.
+    tokio::time::sleep(Duration::from_secs(13)).await;
+    assert!(between.has_cut());
     between.closes_then(false);
-    let again = server.post_json("/v1/records", &sent).await;
-    assert_eq!(again.status, 200, "{}", again.text());
-    let next = server.post_json("/v1/records", &record("IMU-1", &day(2), &[("G1", "LFG-1", 1.0, 2.0)])).await;
-    assert_eq!(next.status, 201, "{}", next.text());
-    assert_eq!(count(&url, "SELECT count(*) FROM record").await, 2);
+    let open = "SELECT count(*) FROM delivery WHERE state = 'waiting'";
+    let end = std::time::Instant::now() + Duration::from_secs(30);
+    while count(&url, open).await > 0 {
+        assert!(std::time::Instant::now() < end, "deliveries are still waiting");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    let twice = "SELECT count(*) FROM (SELECT 1 FROM delivery_attempt GROUP BY delivery, at HAVING count(*) > 1) AS t";
+    assert_eq!(count(&url, twice).await, 0);
+    let counted = count(&url, "SELECT CAST(sum(attempts) AS BIGINT) FROM delivery").await;
+    assert_eq!(counted, target.told().len() as i64);
 }

@@ -68,7 +68,7 @@ impl From<&StoreError> for Problem {
             StoreError::Unanswered(_) => Self::new(
                 503,
                 "Perhaps stored",
-                "the service's database broke off while this was stored, and cannot be asked whether it is: a calibration can be sent again, of anything else look first",
+                "the service's database broke off while this was stored, and cannot be asked whether it is: measurements can be sent again; of hooks, tokens and other orders look first",
             ),
             StoreError::NotDurable(_) => Self::new(
                 503,

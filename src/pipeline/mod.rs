@@ -273,7 +273,7 @@ impl Pipeline {
     /// Stores and judges one item; returns once it is on disk.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing of it is stored.
+    /// [`Refused`]; then nothing of it is stored, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         self.bustle.stir();
         let (reply, answer) = oneshot::channel();

@@ -100,7 +100,7 @@ impl Pipeline {
     /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those before it.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing has changed.
+    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
         let (reply, answer) = oneshot::channel();
         self.offer(Job::Model { adoption: Box::new(adoption), by: Actor::by_caller(), reply })?;

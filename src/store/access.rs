@@ -287,7 +287,7 @@ impl Beside {
     /// Writes in one transaction; on disk when this returns.
     ///
     /// # Errors
-    /// [`StoreError`]; then nothing is written.
+    /// [`StoreError`]; then nothing is written, but see [`super::Writer::commit`].
     pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
         let changes = Changes { access, ..Changes::default() };
         match &mut self.0 {

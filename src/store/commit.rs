@@ -141,7 +141,7 @@ impl Writer {
     }
 
     /// Writes all changes in one transaction, and ends the turn; they are on disk when this returns. After an error nothing is
-    /// stored.
+    /// stored; only after [`StoreError::Unanswered`] that is not known.
     ///
     /// # Errors
     /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.

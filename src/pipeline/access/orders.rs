@@ -162,7 +162,7 @@ fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(Toke
 /// Makes a token in a database that a service may be serving.
 ///
 /// # Errors
-/// [`Refused`]; then there is no new token.
+/// [`Refused`]; then there is no new token that anybody could use.
 pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, Refused> {
     let secret = draw(database.next_id(now))?;
     let row = token_row(new, &secret, now);
@@ -194,7 +194,7 @@ impl Pipeline {
     /// Has the writer carry out an order about access.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing has changed.
+    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
     pub async fn order_access(&self, order: AccessOrder) -> Result<Option<Secret>, Refused> {
         self.order_access_by(order, Actor::by_caller()).await
     }

@@ -168,7 +168,7 @@ impl Pipeline {
     /// Has the writer carry out an order about many diagnoses; returns once it is on disk.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing has changed.
+    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
     pub async fn order_diagnoses(&self, order: DiagnosisOrder) -> Result<Accepted, Refused> {
         let (reply, answer) = oneshot::channel();
         self.offer(Job::Diagnoses { order, by: Actor::by_caller(), reply })?;

@@ -72,6 +72,8 @@ pub struct Attempted {
     pub gone: Option<String>,
     /// The target is back: what waits is due now.
     pub hasten: bool,
+    /// It was written down already, but whether that came about is not known.
+    pub perhaps_written: bool,
 }
 
 /// The writer at work on orders.
@@ -203,6 +205,9 @@ impl HookDesk<'_> {
     }
 
     async fn attempted(&mut self, attempted: &Attempted, changes: &mut Changes) -> Result<(), StoreError> {
+        if attempted.perhaps_written && self.is_written(attempted).await? {
+            return Ok(());
+        }
         let attempt = AttemptRow {
             id: self.writer.next_id(self.now),
             delivery: attempted.delivery,
@@ -227,6 +232,11 @@ impl HookDesk<'_> {
             });
         }
         Ok(())
+    }
+
+    async fn is_written(&self, attempted: &Attempted) -> Result<bool, StoreError> {
+        let delivery = self.store.delivery(attempted.delivery).await?;
+        Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 
     async fn hook(&self, id: Id) -> Result<HookRow, Refused> {

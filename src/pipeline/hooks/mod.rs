@@ -50,7 +50,7 @@ impl Pipeline {
     /// it is about.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing has changed.
+    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
     pub async fn order(&self, order: Order) -> Result<Id, Refused> {
         let (reply, answer) = oneshot::channel();
         self.offer(Job::Hook { order, by: Actor::by_caller(), reply })?;

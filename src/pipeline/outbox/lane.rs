@@ -233,12 +233,14 @@ impl Lane {
 impl Desk {
     /// Sees to it that an attempt is written down, however long the disk may be full: what was delivered and is not
     /// known to be would be sent again.
-    async fn write_down(&self, attempted: Attempted) {
+    async fn write_down(&self, mut attempted: Attempted) {
         loop {
             match self.pipeline.write_down(attempted.clone()).await {
                 Ok(()) | Err(Refused::Stopping) => return,
                 Err(error) => {
                     tracing::warn!(%error, delivery = %attempted.delivery, "an attempt cannot be written down; trying again");
+                    attempted.perhaps_written |=
+                        matches!(&error, Refused::Store(error) if matches!(**error, StoreError::Unanswered(_)));
                     tokio::time::sleep(BREATH).await;
                 }
             }

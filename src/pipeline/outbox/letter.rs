@@ -126,6 +126,7 @@ pub(super) fn report(
         progress,
         gone: (attempt.outcome == Outcome::Gone).then(|| to.row.url.clone()),
         hasten,
+        perhaps_written: false,
     }
 }
 

@@ -47,8 +47,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("the service's disk is full; nothing was stored", "服务的磁盘已满，未存储任何内容"),
     ("the service's database cannot be written now; nothing was stored", "服务的数据库暂时不能写入，未存储任何内容"),
     (
-        "the service's database broke off while this was stored, and cannot be asked whether it is: a calibration can be sent again, of anything else look first",
-        "服务的数据库在存储过程中断开，无法得知是否已存储：标定数据可重新发送，其他操作请先查看",
+        "the service's database broke off while this was stored, and cannot be asked whether it is: measurements can be sent again; of hooks, tokens and other orders look first",
+        "服务的数据库在存储过程中断开，无法得知是否已存储：测量数据可重新发送；通知目标、令牌及其他操作请先查看",
     ),
     ("the operating system gives no random numbers", "操作系统无法提供随机数"),
     ("the target answered 410 Gone at {}", "目标于{0}答复410 Gone"),

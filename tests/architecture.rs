@@ -206,6 +206,25 @@ fn no_machine_paths(text: &str) -> Vec<String> {
     complaints
 }
 
+/// Words of PostgreSQL's SQL that CockroachDB and YugabyteDB, which speak its protocol, do not document as their own, or that make
+/// servers wait for one another in ways that they do not know.
+fn only_what_relatives_run_too(text: &str) -> Vec<String> {
+    const FOREIGN: [&str; 10] = [
+        "create trigger",
+        "create extension",
+        "create sequence",
+        "create rule",
+        "nextval(",
+        "bigserial",
+        "pg_advisory",
+        "pg_notify",
+        "lock table",
+        "listen \"",
+    ];
+    let text = text.to_lowercase();
+    FOREIGN.iter().filter(|word| text.contains(*word)).map(|word| format!("{word:?}")).collect()
+}
+
 /// The names that the types of a file have in the description of the API.
 fn schema_names(text: &str) -> Vec<String> {
     let name = |item: &str| item.chars().take_while(|&c| is_ident(c)).collect::<String>();
@@ -292,6 +311,18 @@ fn nothing_unfinished_is_left_behind() {
     assert_eq!(nothing_is_left_behind(concat!("a\n// TO", "DO later\n")).len(), 1);
     for dir in ["src", "tests", "benches", "fuzz"] {
         keep(dir, |_, text| nothing_is_left_behind(text));
+    }
+}
+
+#[test]
+fn what_postgresql_is_asked_its_relatives_run_too() {
+    assert_eq!(only_what_relatives_run_too("SELECT pg_advisory_lock(1)").len(), 1);
+    keep("src/store", |_, text| only_what_relatives_run_too(production(text)));
+    let migrations = files_below(&root().join("migrations/postgres"));
+    assert!(!migrations.is_empty());
+    for path in migrations {
+        let complaints = only_what_relatives_run_too(&fs::read_to_string(&path).unwrap());
+        assert!(complaints.is_empty(), "{}: {complaints:?}", path.display());
     }
 }
 

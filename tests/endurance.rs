@@ -230,6 +230,7 @@ async fn hours_of_load_with_slow_readers_and_restarts_change_nothing() {
     // In the first half; in the second it is left alone, so that what grows can be seen.
     let restart_every = Duration::from_secs((seconds / 6).max(2));
     let rate = asked("GYROWATCH_SOAK_RATE", 60) as f64;
+    let senders = asked("GYROWATCH_SOAK_CONNECTIONS", 1);
     let pages = 1000_u64;
     let mut server = Server::start_with(&[("GYROWATCH_DATABASE__CHECKPOINT_PAGES", &pages.to_string())]).await;
     let began = Instant::now();
@@ -242,10 +243,13 @@ async fn hours_of_load_with_slow_readers_and_restarts_change_nothing() {
         for _ in 0..20 {
             let due = began + Duration::from_secs_f64(number as f64 / rate);
             tokio::time::sleep_until(due.into()).await;
-            let asked = Instant::now();
-            assert_eq!(server.post("/v1/records", "application/json", record(number)).await.status, 201);
-            latencies.push((began.elapsed().as_secs_f64(), asked.elapsed()));
-            number += 1;
+            let posts = (number..number + senders).map(async |number| {
+                let asked = Instant::now();
+                assert_eq!(server.post("/v1/records", "application/json", record(number)).await.status, 201);
+                (began.elapsed().as_secs_f64(), asked.elapsed())
+            });
+            latencies.extend(futures::future::join_all(posts).await);
+            number += senders;
         }
         largest_log = largest_log.max(metric(&server, "gyrowatch_database_log_size_bytes").await);
         samples.push((began.elapsed().as_secs_f64(), memory(&server, "VmRSS") as f64));

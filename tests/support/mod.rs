@@ -39,7 +39,7 @@ pub fn paper_record(imu: usize, minute: usize) -> Value {
     for (i, gyro) in record["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
         gyro["serial"] = format!("G-{imu}-{i}").into();
     }
-    let at = jiff::Timestamp::from_second(1_700_000_000 + 60 * minute as i64).unwrap();
+    let at = jiff::Timestamp::from_second(1_000_000_000 + 60 * minute as i64).unwrap();
     record["calibrated_at"] = at.to_string().into();
     record
 }

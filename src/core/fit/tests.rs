@@ -76,7 +76,8 @@ fn a_column_of_next_to_nothing_determines_nothing() {
         let design = DMatrix::from_fn(4, 2, |i, j| if j == 0 { 1.0 } else { tiny * i as f64 });
         let factor = Factor::new(design, &[1.0; 4]);
         let fit = factor.fit(&DVector::from_row_slice(&[1.0, 2.0, 4.0, 5.0]));
-        assert_eq!((fit.rank, fit.estimate[0], fit.estimate[1]), (1, 3.0, 0.0), "{tiny:e}");
+        assert_eq!((fit.rank, fit.estimate[1]), (1, 0.0), "{tiny:e}");
+        assert_close(fit.estimate[0], 3.0, 1e-14);
         assert!(fit.covariance.iter().all(|c| c.is_finite()), "{tiny:e}");
         assert!(!factor.determines(&DVector::from_row_slice(&[0.0, 1.0])), "{tiny:e}");
     }

@@ -1,15 +1,20 @@
 //! The verdicts of one record, packed with a checksum: what was decided, figure by figure, without the words.
 //!
-//! Words are made again from the history when somebody reads (they are ten times as long). Layout: version 1; then for
+//! Words are made again from the history when somebody reads (they are ten times as long). Layout: version 2; then for
 //! each gyro its number (4 bytes), how many verdicts (1), and each verdict as rule, coefficient, flags (1 byte each),
-//! limit (8), and those of value, standard deviation and probability (8 each) that the flags announce; at the
-//! end the CRC-32 of record number (8 bytes) and all before.
+//! limit, and those of value, standard deviation and probability (8 each) that the flags announce; at the
+//! end the CRC-32 of record number (8 bytes) and all before. Most limits of a sheet are alike: a limit is the place (1 byte) of the
+//! same one among those written out before, or 255 and itself (8). Version 1 wrote out each.
 
 use super::error::StoreError;
 use super::id::Id;
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
+/// Every limit written out.
+const FIRST_VERSION: u8 = 1;
+/// In the place of a limit: it follows.
+const NEW_LIMIT: u8 = u8::MAX;
 
 /// A verdict as it was decided, see [`Verdict`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,10 +59,11 @@ impl VerdictSheet {
     pub(super) fn pack(&self, record: Id, out: &mut Vec<u8>) {
         let start = out.len();
         out.push(VERSION);
+        let mut limits = Limits::default();
         for (gyro, verdicts) in &self.0 {
             out.extend(gyro.to_le_bytes());
             out.push(u8::try_from(verdicts.len()).expect("a gyro has a few dozen verdicts at most"));
-            verdicts.iter().for_each(|verdict| pack_one(verdict, out));
+            verdicts.iter().for_each(|verdict| pack_one(verdict, &mut limits, out));
         }
         out.extend(checksum(record, &out[start..]).to_le_bytes());
     }
@@ -74,15 +80,18 @@ impl VerdictSheet {
         if checksum(record, content) != u32::from_le_bytes(*sum) {
             return None;
         }
+        let (version, content) = content.split_first()?;
         let mut reader = Reader(content);
         let mut sheet = Self::default();
-        if reader.byte()? != VERSION {
-            return None;
-        }
+        let mut limits = match *version {
+            FIRST_VERSION => None,
+            VERSION => Some(Limits::default()),
+            _ => return None,
+        };
         while !reader.0.is_empty() {
             let gyro = u32::from_le_bytes(reader.take()?);
             let count = reader.byte()?;
-            let verdicts = (0..count).map(|_| reader.verdict()).collect::<Option<_>>()?;
+            let verdicts = (0..count).map(|_| reader.verdict(limits.as_mut())).collect::<Option<_>>()?;
             sheet.0.push((gyro, verdicts));
         }
         Some(sheet)
@@ -94,7 +103,40 @@ const HAS_VALUE: u8 = 8;
 const HAS_SD: u8 = 16;
 const HAS_PROBABILITY: u8 = 32;
 
-fn pack_one(verdict: &StoredVerdict, out: &mut Vec<u8>) {
+/// The limits of a sheet that have been written out, as many as a place can name.
+#[derive(Debug, Default)]
+struct Limits(Vec<f64>);
+
+impl Limits {
+    fn push(&mut self, limit: f64) {
+        if self.0.len() < usize::from(NEW_LIMIT) {
+            self.0.push(limit);
+        }
+    }
+
+    fn pack(&mut self, limit: f64, out: &mut Vec<u8>) {
+        if let Some(place) = self.0.iter().position(|known| known.to_bits() == limit.to_bits()) {
+            out.push(place as u8);
+        } else {
+            out.push(NEW_LIMIT);
+            out.extend(limit.to_le_bytes());
+            self.push(limit);
+        }
+    }
+
+    fn read(&mut self, reader: &mut Reader<'_>) -> Option<f64> {
+        match reader.byte()? {
+            NEW_LIMIT => {
+                let limit = reader.figure()?;
+                self.push(limit);
+                Some(limit)
+            }
+            place => self.0.get(usize::from(place)).copied(),
+        }
+    }
+}
+
+fn pack_one(verdict: &StoredVerdict, limits: &mut Limits, out: &mut Vec<u8>) {
     let flag = |set: bool, flag: u8| if set { flag } else { 0 };
     let flags = place(&State::ALL, verdict.state)
         | flag(verdict.confirmed, CONFIRMED)
@@ -102,7 +144,7 @@ fn pack_one(verdict: &StoredVerdict, out: &mut Vec<u8>) {
         | flag(verdict.sd.is_some(), HAS_SD)
         | flag(verdict.probability.is_some(), HAS_PROBABILITY);
     out.extend([place(&Rule::ALL, verdict.rule), place(&Coefficient::ALL, verdict.coefficient), flags]);
-    out.extend(verdict.limit.to_le_bytes());
+    limits.pack(verdict.limit, out);
     for figure in [verdict.value, verdict.sd, verdict.probability].into_iter().flatten() {
         out.extend(figure.to_le_bytes());
     }
@@ -137,9 +179,13 @@ impl Reader<'_> {
         self.take().map(f64::from_le_bytes)
     }
 
-    fn verdict(&mut self) -> Option<StoredVerdict> {
+    /// `limits` are those read before; none where each is written out.
+    fn verdict(&mut self, limits: Option<&mut Limits>) -> Option<StoredVerdict> {
         let [rule, coefficient, flags] = self.take()?;
-        let limit = self.figure()?;
+        let limit = match limits {
+            Some(limits) => limits.read(self)?,
+            None => self.figure()?,
+        };
         let mut optional = |flag| if flags & flag == 0 { Some(None) } else { self.figure().map(Some) };
         Some(StoredVerdict {
             value: optional(HAS_VALUE)?,
@@ -187,6 +233,34 @@ mod tests {
     #[test]
     fn verdicts_come_back_as_they_were_decided() {
         assert_eq!(VerdictSheet::unpack(Id(5), &packed(&sheet())).unwrap(), sheet());
+    }
+
+    #[test]
+    fn what_was_packed_before_limits_were_shared_is_still_read() {
+        let step = [0, 1, 2 | CONFIRMED | HAS_VALUE];
+        let mut old = vec![FIRST_VERSION];
+        for gyro in [7_u32, 8] {
+            old.extend(gyro.to_le_bytes());
+            old.push(1);
+            old.extend(step);
+            old.extend(0.01_f64.to_le_bytes());
+            old.extend(0.0123_f64.to_le_bytes());
+        }
+        old.extend(checksum(Id(5), &old).to_le_bytes());
+        let VerdictSheet(mut expected) = sheet();
+        expected.truncate(1);
+        expected[0].1.truncate(1);
+        expected[0].1[0].probability = None;
+        expected.push((8, expected[0].1.clone()));
+        assert_eq!(VerdictSheet::unpack(Id(5), &old).unwrap(), VerdictSheet(expected));
+    }
+
+    #[test]
+    fn more_limits_than_a_place_can_name_come_back_too() {
+        let [(_, verdicts), ..] = &sheet().0[..] else { panic!("a gyro") };
+        let of = |from: usize| (from..from + 150).map(|k| StoredVerdict { limit: k as f64, ..verdicts[0] }).collect();
+        let many = VerdictSheet(vec![(1, of(0)), (2, of(150)), (3, of(200))]);
+        assert_eq!(VerdictSheet::unpack(Id(5), &packed(&many)).unwrap(), many);
     }
 
     #[test]

@@ -1,19 +1,30 @@
 //! What one transaction writes: many rows a statement.
 //!
 //! A driver's call costs more than a database's work for a row, so the rows of a statement travel as one JSON array of
-//! arrays (numbers) and one run of bytes (everything else) that the numbers point into.
+//! arrays (numbers) and one run of bytes (everything else) that the numbers point into. For SQLite's busiest statements the
+//! numbers stand in the bytes too, in columns of [`FLAT_CELL`], and the JSON says only where each row begins: reading an array
+//! of twelve numbers out of JSON takes SQLite longer than storing the row.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 
 use sqlx::sqlite::SqliteArguments;
 use sqlx::{Arguments, AssertSqlSafe, PgConnection, SqliteConnection};
 
-use super::db::Sql;
+use super::db::{FlatSql, Sql};
 use super::error::StoreError;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]
-pub(super) struct Batch(Vec<(Sql, Rows)>);
+pub(super) struct Batch(Vec<Statement>);
+
+#[derive(Debug)]
+struct Statement {
+    sql: Sql,
+    rows: Rows,
+    /// For SQLite the rows' numbers stand in the bytes.
+    flat: bool,
+}
 
 /// SQLite's page size.
 const PAGE: usize = 4096;
@@ -22,27 +33,37 @@ impl Batch {
     /// Appends `sql` unless there are no rows. For SQLite `$ROWS` stands in it for the JSON array and `$BYTES` for the bytes, for
     /// PostgreSQL `$1` and `$2`.
     pub fn add(&mut self, sql: Sql, rows: Rows) {
-        if !rows.json.is_empty() {
-            self.0.push((sql, rows));
+        self.push(Statement { sql, rows, flat: false });
+    }
+
+    /// As [`Batch::add`], for rows of whole numbers and bytes.
+    pub fn add_flat(&mut self, FlatSql(sql): FlatSql, rows: Rows) {
+        self.push(Statement { sql, rows, flat: true });
+    }
+
+    fn push(&mut self, statement: Statement) {
+        if !statement.rows.ends.is_empty() {
+            self.0.push(statement);
         }
     }
 
     /// Roughly how many pages of SQLite's log it takes.
     pub fn pages(&self) -> u32 {
-        self.0.iter().map(|(_, rows)| rows.count + (rows.bytes.len() / PAGE) as u32).sum()
+        self.0.iter().map(|Statement { rows, .. }| (rows.ends.len() + rows.bytes.len() / PAGE) as u32).sum()
     }
 
     /// Runs everything in one round trip and commits; after an error nothing of it remains.
     pub async fn commit(self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
         let (mut all, mut arguments) = ("BEGIN IMMEDIATE".to_owned(), SqliteArguments::default());
         let cannot_fail = "text and bytes can always be encoded";
-        for (sql, rows) in self.0 {
+        for Statement { sql, rows, flat } in self.0 {
             let (first, second) = (arguments.len() + 1, arguments.len() + 2);
             let sql = sql.sqlite.replace("$ROWS", &format!("${first}")).replace("$BYTES", &format!("${second}"));
             all.push_str("; ");
             all.push_str(&sql);
-            arguments.add(rows.json + "]").expect(cannot_fail);
-            arguments.add(rows.bytes).expect(cannot_fail);
+            let (json, bytes) = if flat { rows.flat() } else { (rows.json(), rows.bytes) };
+            arguments.add(json).expect(cannot_fail);
+            arguments.add(bytes).expect(cannot_fail);
         }
         all.push_str("; COMMIT");
         let run = sqlx::query_with(AssertSqlSafe(all), arguments).execute(&mut *connection).await;
@@ -56,8 +77,8 @@ impl Batch {
 
     /// Runs everything within the transaction that is open.
     pub async fn run(self, connection: &mut PgConnection) -> Result<(), StoreError> {
-        for (sql, rows) in self.0 {
-            let query = sqlx::query(sql.postgres).bind(rows.json + "]");
+        for Statement { sql, rows, .. } in self.0 {
+            let query = sqlx::query(sql.postgres).bind(rows.json());
             let query = if sql.postgres.contains("$2") { query.bind(rows.bytes) } else { query };
             query.execute(&mut *connection).await?;
         }
@@ -65,69 +86,114 @@ impl Batch {
     }
 }
 
+/// Bytes of a number in a flat row: enough for any of 64 bits, padded with spaces.
+pub(super) const FLAT_CELL: usize = 20;
+
 /// The rows of one statement.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    json: String,
+    cells: Vec<Cell>,
+    /// How many cells there are at the end of each row.
+    ends: Vec<usize>,
     bytes: Vec<u8>,
-    count: u32,
+}
+
+#[derive(Debug)]
+enum Cell {
+    Null,
+    Integer(i64),
+    Real(f64),
+    Text(String),
 }
 
 impl Rows {
     /// Begins a row; its cells follow.
     pub fn row(&mut self) -> Row<'_> {
-        self.count += 1;
-        self.json.push_str(if self.json.is_empty() { "[[" } else { ",[" });
-        Row { rows: self, first: true }
+        Row { rows: self }
+    }
+
+    fn rows(&self) -> impl Iterator<Item = &[Cell]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| &self.cells[start..*end])
+    }
+
+    /// An array of a row's cells for each row.
+    fn json(&self) -> String {
+        let cannot_fail = "writing to a string cannot fail";
+        let mut json = String::with_capacity(2 + 12 * self.cells.len());
+        for row in self.rows() {
+            json.push_str(if json.is_empty() { "[[" } else { ",[" });
+            for (k, cell) in row.iter().enumerate() {
+                json.push_str(if k == 0 { "" } else { "," });
+                match cell {
+                    Cell::Null => json.push_str("null"),
+                    Cell::Integer(value) => write!(json, "{value}").expect(cannot_fail),
+                    Cell::Real(value) => write!(json, "{value:e}").expect(cannot_fail),
+                    Cell::Text(value) => {
+                        write!(json, "{}", serde_json::Value::from(value.as_str())).expect(cannot_fail)
+                    }
+                }
+            }
+            json.push(']');
+        }
+        json.push(']');
+        json
+    }
+
+    /// Where each row begins (counting from 1) in the bytes, and the bytes with the rows' numbers after them.
+    fn flat(mut self) -> (String, Vec<u8>) {
+        let mut bytes = std::mem::take(&mut self.bytes);
+        bytes.reserve(FLAT_CELL * self.cells.len());
+        let mut starts = String::with_capacity(2 + 9 * self.ends.len());
+        for row in self.rows() {
+            let comma = if starts.is_empty() { "[" } else { "," };
+            write!(starts, "{comma}{}", bytes.len() + 1).expect("writing to a string cannot fail");
+            for cell in row {
+                let Cell::Integer(value) = cell else { unreachable!("a flat row has whole numbers alone") };
+                write!(bytes, "{value:<FLAT_CELL$}").expect("writing to memory cannot fail");
+            }
+        }
+        starts.push(']');
+        (starts, bytes)
     }
 }
 
 /// A row under construction; dropping it ends it.
 pub(super) struct Row<'a> {
     rows: &'a mut Rows,
-    first: bool,
 }
 
 impl Row<'_> {
-    fn cell(&mut self, value: impl std::fmt::Display) -> &mut Self {
-        let comma = if std::mem::take(&mut self.first) { "" } else { "," };
-        write!(self.rows.json, "{comma}{value}").expect("writing to a string cannot fail");
+    fn cell(&mut self, cell: Cell) -> &mut Self {
+        self.rows.cells.push(cell);
         self
     }
 
     pub fn integer(&mut self, value: i64) -> &mut Self {
-        self.cell(value)
+        self.cell(Cell::Integer(value))
     }
 
     pub fn optional_integer(&mut self, value: Option<i64>) -> &mut Self {
-        match value {
-            Some(value) => self.cell(value),
-            None => self.cell("null"),
-        }
+        self.cell(value.map_or(Cell::Null, Cell::Integer))
     }
 
     /// One cell, for short texts: as a JSON string, without a detour through `$BYTES`.
     pub fn text(&mut self, value: &str) -> &mut Self {
-        self.cell(serde_json::Value::from(value))
+        self.cell(Cell::Text(value.to_owned()))
     }
 
     pub fn optional_text(&mut self, value: Option<&str>) -> &mut Self {
-        self.cell(serde_json::Value::from(value))
+        self.cell(value.map_or(Cell::Null, |value| Cell::Text(value.to_owned())))
     }
 
     /// Written with every digit it takes to read the same number back.
     pub fn real(&mut self, value: Option<f64>) -> &mut Self {
-        match value.filter(|v| v.is_finite()) {
-            Some(value) => self.cell(format_args!("{value:e}")),
-            None => self.cell("null"),
-        }
+        self.cell(value.filter(|v| v.is_finite()).map_or(Cell::Null, Cell::Real))
     }
 
     /// Two cells: where in `$BYTES` it begins (counting from 1) and how long it is.
     pub fn bytes(&mut self, value: &[u8]) -> &mut Self {
-        let start = self.rows.bytes.len() + 1;
-        self.rows.bytes.extend_from_slice(value);
-        self.cell(start).cell(value.len())
+        self.written(|out| out.extend_from_slice(value))
     }
 
     /// As [`Row::bytes`], written by `write` into the bytes directly.
@@ -135,20 +201,20 @@ impl Row<'_> {
         let start = self.rows.bytes.len();
         write(&mut self.rows.bytes);
         let len = self.rows.bytes.len() - start;
-        self.cell(start + 1).cell(len)
+        self.integer(start as i64 + 1).integer(len as i64)
     }
 
     /// As [`Row::bytes`]; nothing at all has length null, and `substr` then gives null.
     pub fn optional(&mut self, value: Option<&str>) -> &mut Self {
         match value {
             Some(value) => self.bytes(value.as_bytes()),
-            None => self.cell(1).cell("null"),
+            None => self.integer(1).cell(Cell::Null),
         }
     }
 }
 
 impl Drop for Row<'_> {
     fn drop(&mut self) {
-        self.rows.json.push(']');
+        self.rows.ends.push(self.rows.cells.len());
     }
 }

@@ -31,8 +31,8 @@ pub fn routes() -> OpenApiRouter<App> {
 
 /// Lines that are read and stored together, at the most.
 const LINES_AT_ONCE: usize = 512;
-/// Such chunks under way at the same time: one is read while others wait for the disk.
-const CHUNKS_UNDER_WAY: usize = 3;
+/// Such chunks under way at the same time: some are read while others are judged and others wait for the disk.
+const CHUNKS_UNDER_WAY: usize = 5;
 /// Answers that wait for a client that does not read them, bytes.
 const MAX_UNREAD_ANSWERS: usize = 32 << 20;
 

@@ -14,7 +14,7 @@ use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
     BenchRow, Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Names, PublishedFigures, RecordRow, Span,
-    States, Store, StoreError, StoredVerdict, VerdictSheet,
+    States, Store, StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::time;
 
@@ -48,6 +48,17 @@ impl Newest {
     /// Whether the IMU has nothing at this instant, and nothing newer.
     fn is_new(&self, imu: u32, at: UtcMicros) -> bool {
         self.imus.get(&imu).is_none_or(|newest| *newest < at)
+    }
+
+    /// Whether a calibration is of a known IMU, station and gyros, and newer than all there is of them: then nothing that is stored
+    /// can stand in its way.
+    pub fn passed_by(&self, sent: &Calibration, tables: &Tables) -> bool {
+        let at = sent.calibrated_at;
+        let imu = tables.imus.number(sent.imu.as_str()).and_then(|imu| self.imus.get(&imu));
+        let newest = |serial| tables.gyros.number(serial).and_then(|gyro| self.gyros.get(&gyro));
+        imu.is_some_and(|newest| *newest < at)
+            && tables.stations.number(sent.station.as_str()).is_some()
+            && sent.gyros.iter().all(|gyro| newest(gyro.serial.as_str()).is_some_and(|(newest, _)| *newest < at))
     }
 
     /// Takes note of what has been committed.

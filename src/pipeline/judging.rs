@@ -105,11 +105,15 @@ impl Judge {
         gyros.iter().for_each(|gyro| drop(self.lines.remove(gyro)));
     }
 
-    /// Keeps the memory within its bounds.
+    /// Keeps the memory within its bounds; when all that was judged is stored.
     pub fn tidy(&mut self) {
-        if self.lines.values().map(Line::len).sum::<usize>() > MAX_SAMPLES {
+        if self.is_full() {
             self.forget();
         }
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.lines.values().map(Line::len).sum::<usize>() > MAX_SAMPLES
     }
 
     async fn load(&mut self, gyro: u32, changes: &Changes) -> Result<(), StoreError> {

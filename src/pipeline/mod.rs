@@ -12,7 +12,8 @@
 //! ```
 //!
 //! The writer takes all that has queued up while the last group was committed, so that many senders share one flush
-//! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival.
+//! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival. Of an import in order of time
+//! one group is judged while the one before is still being written (`writer/beside.rs`).
 
 mod access;
 mod admit;

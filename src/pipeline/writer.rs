@@ -1,28 +1,31 @@
 //! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
 
+mod beside;
 mod following;
+mod group;
 mod turns;
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Instant;
 
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
-use super::admit::{Desk, Group, Newest};
+use super::admit::Newest;
 use super::alerting::AlertBook;
 use super::diagnosing::{DiagnosisOrder, JobDesk};
 use super::hooks::{Attempted, HookBook, HookDesk, Order};
-use super::judging::{Judge, Verdicts};
+use super::judging::Judge;
 use super::models::{ModelBook, adopt};
-use super::read::{Calibration, Submission};
-use super::{Accepted, Job, Judged, Refused, Reply};
+use super::read::Submission;
+use super::{Accepted, Job, Refused, Reply};
 use crate::config::Config;
-use crate::core::judge::{Rule, State, Verdict};
-use crate::store::{Id, Kind, Store, StoreError, Writer};
+use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
+use beside::UnderWay;
+use group::answer;
 use turns::in_turn;
 
 /// Most items of one transaction: more would hold up others for longer than it saves.
@@ -40,6 +43,8 @@ pub(super) struct Task {
     benched: HashSet<u32>,
     hooks: HookBook,
     after: After,
+    /// A group that is being written while the next is made ready.
+    under_way: Option<UnderWay>,
     /// What others have written could not be read: everything is read again before the next turn is used.
     behind: bool,
 }
@@ -85,7 +90,20 @@ impl Task {
         let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
         let alerts = AlertBook::load(&store, config.alerts.policy()).await?;
         let benched = store.gyros_on_benches().await?.into_iter().collect();
-        Ok(Self { store, writer, clock, config, newest, judge, alerts, benched, hooks, after, behind: false })
+        Ok(Self {
+            store,
+            writer,
+            clock,
+            config,
+            newest,
+            judge,
+            alerts,
+            benched,
+            hooks,
+            after,
+            under_way: None,
+            behind: false,
+        })
     }
 
     /// Works until every sender is gone and the queue is empty, then closes the database.
@@ -96,9 +114,24 @@ impl Task {
         let mut moves = self.store.moves();
         loop {
             tokio::select! {
-                received = queue.recv_many(&mut jobs, max_group) => if received == 0 { break },
-                _ = ticks.tick() => self.tick().await,
+                received = queue.recv_many(&mut jobs, max_group) => if received == 0 {
+                    self.finish().await;
+                    if jobs.is_empty() {
+                        break;
+                    }
+                },
+                () = beside::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
+                _ = ticks.tick() => {
+                    self.finish().await;
+                    self.tick().await;
+                }
                 Some(missed) = turns::next_of(&mut moves) => self.hear_of(&missed).await,
+            }
+            if self.is_to_wait(&jobs) {
+                continue;
+            }
+            if jobs.iter().any(|job| !matches!(job, Job::Store { .. })) {
+                self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
             let (mut orders, mut attempts) = (Orders::new(), Attempts::new());
@@ -159,6 +192,7 @@ impl Task {
             }
             self.carry_out(orders, attempts).await;
         }
+        self.finish().await;
         self.store.close().await;
         if let Err(error) = self.writer.close().await {
             tracing::error!(%error, "the database could not be closed in order; its log is kept and read at the next start");
@@ -166,14 +200,10 @@ impl Task {
     }
 
     async fn process(&mut self, jobs: Vec<StoreJob>) {
+        let Some(jobs) = self.write_beside(jobs).await else { return };
         let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         let replies = self.store_all(&items).await;
-        count(&items, &replies);
-        let mut replies = replies.into_iter();
-        for (items, _, reply) in jobs {
-            // A sender that has gone away is answered when it sends the same again.
-            let _gone = reply.send(replies.by_ref().take(items.len()).collect());
-        }
+        answer(jobs, replies);
     }
 
     /// What people order has one transaction each, attempts share one.
@@ -271,108 +301,15 @@ impl Task {
     }
 
     async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
-        let mut group = Group::default();
-        let mut replies = Vec::with_capacity(items.len());
-        let now = self.clock.now();
-        let mut desk = Desk { store: &self.store, ids: self.writer.ids(), newest: Some(&self.newest), now };
-        for item in items {
-            replies.push(desk.admit(item.sent, &mut group).await);
-        }
-        let judging = Instant::now();
-        let found = self.judge.judge(&mut group.changes).await?;
-        let agreements = self.agreements(&group.changes).await?;
-        self.alerts.refresh(&self.store).await?;
-        self.follow(&sent(items, &replies), &mut group.changes, &found, &agreements, now)?;
-        metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
-        if !group.changes.is_empty() {
+        let prepared = self.prepare(items).await?;
+        let changes = &prepared.changes;
+        if !changes.is_empty() {
             let committing = Instant::now();
-            self.commit(&group.changes).await?;
+            self.commit(changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
-            metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
-            self.newest.learn(&group.changes, &found.newest);
-            self.benched.extend(group.changes.benches.iter().map(|bench| bench.gyro));
+            self.newest.learn(changes, &prepared.found.newest);
+            self.benched.extend(changes.benches.iter().map(|bench| bench.gyro));
         }
-        let mut tally = Tally::default();
-        for (item, reply) in items.iter().zip(&mut replies) {
-            if let (Some(sent), Ok(Accepted::Stored { id, judged })) = (item.sent.calibration(), reply) {
-                if item.with_verdicts {
-                    *judged = self.judged(sent, *id, &found.verdicts);
-                }
-                tally.add(sent.gyros.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
-                if sent.kind == Kind::Campaign {
-                    self.after.due.send_modify(|moved| *moved += 1);
-                }
-            }
-        }
-        let new: HashSet<Id> = group.changes.records.iter().map(|record| record.id).collect();
-        for (_, verdicts) in found.verdicts.iter().filter(|((record, _), _)| new.contains(record)) {
-            tally.add(verdicts);
-        }
-        tally.count();
-        Ok(replies)
-    }
-
-    fn judged(&self, sent: &Calibration, id: Id, verdicts: &Verdicts) -> Vec<Judged> {
-        let tables = self.store.names().read();
-        let of = |gyro: &super::CalibratedGyro| {
-            let serial: Arc<str> = gyro.serial.as_str().into();
-            let by_history = tables.gyros.number(&serial).and_then(|number| verdicts.get(&(id, number)));
-            let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
-            Judged { serial, verdicts: verdicts.copied().collect() }
-        };
-        sent.gyros.iter().map(of).collect()
-    }
-}
-
-/// The calibrations that are new, by the identifiers that they were given.
-fn sent<'a>(items: &[Item<'a>], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
-    let new = |(item, reply): (&Item<'a>, &Reply)| match (item.sent.calibration(), reply) {
-        (Some(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, sent)),
-        _ => None,
-    };
-    items.iter().zip(replies).filter_map(new).collect()
-}
-
-/// Counts what has become of each item. Looking a counter up costs more than adding to it.
-fn count(items: &[Item<'_>], replies: &[Reply]) {
-    let mut counts: BTreeMap<(&str, &str), u64> = BTreeMap::new();
-    for (item, reply) in items.iter().zip(replies) {
-        let kind = match item.sent {
-            Submission::Calibration(_) => "calibration",
-            Submission::Bench(_) => "bench_result",
-            Submission::Event(_) => "event",
-            Submission::Correction(_) => "correction",
-        };
-        let outcome = match reply {
-            Ok(Accepted::Stored { .. }) => "stored",
-            Ok(Accepted::There { .. }) => "there",
-            Err(Refused::Store(_)) => "failed",
-            Err(_) => "refused",
-        };
-        *counts.entry((kind, outcome)).or_default() += 1;
-    }
-    for ((kind, outcome), count) in counts {
-        metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(count);
-    }
-}
-
-/// Verdicts on new records, by rule and state: a record has dozens.
-#[derive(Debug, Default)]
-struct Tally([[u64; State::ALL.len()]; Rule::ALL.len()]);
-
-impl Tally {
-    fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
-        for verdict in verdicts {
-            self.0[verdict.rule as usize][verdict.state as usize] += 1;
-        }
-    }
-
-    fn count(&self) {
-        for (rule, of_rule) in Rule::ALL.iter().zip(&self.0) {
-            for (state, count) in State::ALL.iter().zip(of_rule).filter(|(_, count)| **count > 0) {
-                metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name())
-                    .increment(*count);
-            }
-        }
+        Ok(self.settle(items, prepared))
     }
 }

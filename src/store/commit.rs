@@ -1,5 +1,10 @@
 //! The writing side: one connection, one transaction a group.
 
+use std::sync::Arc;
+
+use tokio::sync::Mutex;
+use tokio::task::JoinHandle;
+
 use super::access::{self, AccessChanges};
 use super::alerts::{self, AlertRow, StepRow};
 use super::batch::{Batch, Rows};
@@ -92,14 +97,14 @@ pub struct Writer {
 
 #[derive(Debug)]
 enum Engine {
-    File(Box<FileWriter>),
+    File(Arc<Mutex<FileWriter>>),
     Server(Box<ServerWriter>),
 }
 
 impl Writer {
     /// Of a database in a file, which no other process writes.
     pub(super) fn of_file(ids: IdSource, writer: FileWriter) -> Self {
-        Self { ids, engine: Engine::File(Box::new(writer)) }
+        Self { ids, engine: Engine::File(Arc::new(Mutex::new(writer))) }
     }
 
     /// Of a database that other processes may write as well.
@@ -147,8 +152,17 @@ impl Writer {
     /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
     pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
         match &mut self.engine {
-            Engine::File(writer) => writer.commit(changes).await,
+            Engine::File(writer) => writer.lock().await.commit(changes).await,
             Engine::Server(writer) => writer.commit(changes, self.ids.last()).await,
+        }
+    }
+
+    /// Commits as [`Writer::commit`] does, on a task of its own; none where servers take turns, and each transaction needs its own.
+    /// What comes after waits for it.
+    pub fn committer(&self) -> Option<Committer> {
+        match &self.engine {
+            Engine::File(writer) => Some(Committer(Arc::clone(writer))),
+            Engine::Server(_) => None,
         }
     }
 
@@ -158,20 +172,37 @@ impl Writer {
     /// As [`Writer::commit`].
     pub async fn probe(&mut self) -> Result<(), StoreError> {
         match &mut self.engine {
-            Engine::File(writer) => writer.probe().await,
+            Engine::File(writer) => writer.lock().await.probe().await,
             Engine::Server(writer) => writer.probe().await,
         }
     }
 
-    /// Ends writing in order.
+    /// Ends writing in order; nothing is being written beside any more.
     ///
     /// # Errors
     /// [`StoreError`], where the end is not in order; what was committed is stored all the same.
     pub async fn close(self) -> Result<(), StoreError> {
         match self.engine {
-            Engine::File(writer) => writer.close().await,
+            Engine::File(writer) => {
+                let writer = Arc::into_inner(writer).expect("whoever commits beside has been waited for");
+                writer.into_inner().close().await
+            }
             Engine::Server(writer) => writer.close().await,
         }
+    }
+}
+
+/// A way to commit while the writer makes ready what comes next.
+#[derive(Debug)]
+pub struct Committer(Arc<Mutex<FileWriter>>);
+
+impl Committer {
+    /// Begins to write `changes`, and gives them back when it is known what has become of them.
+    pub fn commit(self, changes: Changes) -> JoinHandle<(Changes, Result<(), StoreError>)> {
+        tokio::spawn(async move {
+            let written = self.0.lock().await.commit(&changes).await;
+            (changes, written)
+        })
     }
 }
 

@@ -64,10 +64,15 @@ impl Task {
     /// Commits, and wakes the worker where that gave it something to do.
     pub(super) async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
         self.writer.commit(changes).await?;
+        self.wake(changes);
+        Ok(())
+    }
+
+    /// Wakes the worker where what has been committed gives it something to do.
+    pub(super) fn wake(&self, changes: &Changes) {
         if !changes.outbox.queued.is_empty() {
             self.after.wake.send_modify(|moved| *moved += 1);
         }
-        Ok(())
     }
 
     pub(super) fn ticks(&self) -> Interval {

@@ -1,0 +1,148 @@
+//! Many records at once: a group is judged while the one before it is written.
+//!
+//! The next group is judged by what is remembered of its gyros, which holds what is still being written. Nothing but the
+//! newest records of known gyros is therefore taken ahead: for all else the database is asked, and has to hold everything first.
+//! A small group is not worth it: while it waited, more would come that can share its transaction.
+
+use std::time::Instant;
+
+use tokio::task::JoinHandle;
+
+use super::group::{Prepared, answer};
+use super::{Item, StoreJob, Task, items_of};
+use crate::pipeline::Job;
+use crate::pipeline::read::Submission;
+use crate::store::{Changes, Committer, StoreError, Tables};
+use crate::telemetry;
+
+/// Items from which on a group is written beside.
+const MANY: usize = 128;
+/// Items from which on the next group is begun while one is under way. The more there are in a group, the more rows a page takes that has to
+/// be written anyway.
+const ENOUGH: usize = 384;
+
+/// A group that is being written.
+pub(super) struct UnderWay {
+    jobs: Vec<StoreJob>,
+    /// Without its changes, which are with the task that writes them.
+    prepared: Prepared,
+    begun: Instant,
+    writing: JoinHandle<Written>,
+    written: Option<Written>,
+}
+
+type Written = (Changes, Result<(), StoreError>);
+
+/// Waits until what is under way has been written, or could not be. Nothing is waited for where nothing is.
+pub(super) async fn written(under_way: &mut Option<UnderWay>) {
+    if let Some(under_way) = under_way {
+        under_way.wait().await;
+    }
+}
+
+impl UnderWay {
+    fn begin(jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> Self {
+        let writing = committer.commit(std::mem::take(&mut prepared.changes));
+        Self { jobs, prepared, begun: Instant::now(), writing, written: None }
+    }
+
+    async fn wait(&mut self) {
+        if self.written.is_none() {
+            let written = (&mut self.writing).await;
+            self.written = Some(written.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic())));
+        }
+    }
+
+    fn is_stored(&self) -> bool {
+        matches!(self.written, Some((_, Ok(()))))
+    }
+}
+
+/// Lets what this task has just begun or woken run: no other thread takes it over while this one computes.
+async fn step_back() {
+    tokio::task::yield_now().await;
+}
+
+impl Task {
+    /// Whether more is to be waited for before the next group is begun: until what is under way has been written, or enough has come.
+    pub(super) fn is_to_wait(&self, jobs: &[Job]) -> bool {
+        let to_store = |job: &Job| match job {
+            Job::Store { items, .. } => Some(items.len()),
+            _ => None,
+        };
+        let waiting = jobs.iter().map(to_store).sum::<Option<usize>>();
+        self.under_way.is_some() && waiting.is_some_and(|items| items < ENOUGH)
+    }
+
+    /// Has a group written beside, where it can be; otherwise gives it back, and nothing is under way.
+    pub(super) async fn write_beside(&mut self, jobs: Vec<StoreJob>) -> Option<Vec<StoreJob>> {
+        let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
+        if !self.can_go_beside(&items) {
+            self.finish().await;
+            return Some(jobs);
+        }
+        let prepared = self.prepare(&items).await;
+        written(&mut self.under_way).await;
+        let before = self.under_way.take();
+        let holds = before.as_ref().is_none_or(UnderWay::is_stored);
+        if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.writer.committer()) {
+            self.newest.learn(&prepared.changes, &prepared.found.newest);
+            self.under_way = Some(UnderWay::begin(jobs, prepared, committer));
+            step_back().await;
+            self.conclude(before).await;
+            return None;
+        }
+        self.conclude(before).await;
+        self.forget();
+        Some(jobs)
+    }
+
+    fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
+        let tables = self.store.names().read();
+        let room = !self.behind && !self.judge.is_full() && self.writer.committer().is_some();
+        room && items.len() >= MANY && items.iter().all(|item| self.asks_nothing(item, &tables))
+    }
+
+    /// Whether an item can be judged by what is remembered, without the database.
+    fn asks_nothing(&self, item: &Item<'_>, tables: &Tables) -> bool {
+        let Submission::Calibration(sent) = item.sent else { return false };
+        let benched = |serial| tables.gyros.number(serial).is_some_and(|gyro| self.benched.contains(&gyro));
+        sent.idempotency_key.is_none()
+            && self.newest.passed_by(sent, tables)
+            && (self.benched.is_empty() || !sent.gyros.iter().any(|gyro| benched(gyro.serial.as_str())))
+    }
+
+    /// Waits for what is under way, and answers it.
+    pub(super) async fn finish(&mut self) {
+        written(&mut self.under_way).await;
+        let under_way = self.under_way.take();
+        self.conclude(under_way).await;
+    }
+
+    /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is under way then.
+    async fn conclude(&mut self, group: Option<UnderWay>) {
+        let Some(UnderWay { jobs, mut prepared, begun, written, .. }) = group else { return };
+        let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
+        let replies = match written {
+            Some((changes, Ok(()))) => {
+                metrics::histogram!(telemetry::COMMIT).record(begun.elapsed());
+                self.wake(&changes);
+                prepared.changes = changes;
+                self.settle(&items, prepared)
+            }
+            _ => {
+                self.forget();
+                self.store_all(&items).await
+            }
+        };
+        answer(jobs, replies);
+        step_back().await;
+    }
+
+    /// What is remembered is not what is stored.
+    fn forget(&mut self) {
+        self.judge.forget();
+        self.alerts.forget();
+        self.behind = true;
+    }
+}

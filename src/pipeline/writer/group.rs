@@ -1,0 +1,157 @@
+//! A group on its way: admitted, judged and followed by alerts; then written; then answered.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::{Item, StoreJob, Task, items_of};
+use crate::core::judge::{Rule, State, Verdict};
+use crate::pipeline::admit::{Desk, Group};
+use crate::pipeline::judging::{self, Verdicts};
+use crate::pipeline::read::{Calibration, Submission};
+use crate::pipeline::{Accepted, CalibratedGyro, Judged, Refused, Reply};
+use crate::store::{Changes, Id, Kind, StoreError};
+use crate::telemetry;
+
+/// What a group comes to, before it is written.
+pub(super) struct Prepared {
+    pub changes: Changes,
+    pub found: judging::Judged,
+    /// One an item, without verdicts as yet; to be sent when the changes are on disk.
+    replies: Vec<Reply>,
+    tally: Tally,
+}
+
+impl Task {
+    /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what is stored.
+    pub(super) async fn prepare(&mut self, items: &[Item<'_>]) -> Result<Prepared, StoreError> {
+        let mut group = Group::default();
+        let mut replies = Vec::with_capacity(items.len());
+        let now = self.clock.now();
+        let mut desk = Desk { store: &self.store, ids: self.writer.ids(), newest: Some(&self.newest), now };
+        for item in items {
+            replies.push(desk.admit(item.sent, &mut group).await);
+        }
+        let judging = Instant::now();
+        let mut changes = group.changes;
+        let mut found = self.judge.judge(&mut changes).await?;
+        let agreements = self.agreements(&changes).await?;
+        self.alerts.refresh(&self.store).await?;
+        let sent = sent(items, &replies);
+        self.follow(&sent, &mut changes, &found, &agreements, now)?;
+        metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
+        let tally = Tally::of(&sent, &changes, &found.verdicts);
+        if !items.iter().any(|item| item.with_verdicts) {
+            // Six kilobytes a record that nobody is told.
+            found.verdicts = Verdicts::default();
+        }
+        Ok(Prepared { changes, found, replies, tally })
+    }
+
+    /// The answers to a group that has been written.
+    pub(super) fn settle(&self, items: &[Item<'_>], prepared: Prepared) -> Vec<Reply> {
+        let Prepared { changes, found, mut replies, tally } = prepared;
+        if !changes.is_empty() {
+            metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
+        }
+        for (item, reply) in items.iter().zip(&mut replies) {
+            if let (Some(sent), Ok(Accepted::Stored { id, judged })) = (item.sent.calibration(), reply) {
+                if item.with_verdicts {
+                    *judged = self.judged(sent, *id, &found.verdicts);
+                }
+                if sent.kind == Kind::Campaign {
+                    self.after.due.send_modify(|moved| *moved += 1);
+                }
+            }
+        }
+        tally.count();
+        replies
+    }
+
+    fn judged(&self, sent: &Calibration, id: Id, verdicts: &Verdicts) -> Vec<Judged> {
+        let tables = self.store.names().read();
+        let of = |gyro: &CalibratedGyro| {
+            let serial: Arc<str> = gyro.serial.as_str().into();
+            let by_history = tables.gyros.number(&serial).and_then(|number| verdicts.get(&(id, number)));
+            let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
+            Judged { serial, verdicts: verdicts.copied().collect() }
+        };
+        sent.gyros.iter().map(of).collect()
+    }
+}
+
+/// Sends everyone their part of a group's answers.
+pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>) {
+    count(jobs.iter().flat_map(items_of), &replies);
+    let mut replies = replies.into_iter();
+    for (items, _, reply) in jobs {
+        // A sender that has gone away is answered when it sends the same again.
+        let _gone = reply.send(replies.by_ref().take(items.len()).collect());
+    }
+}
+
+/// The calibrations that are new, by the identifiers that they were given.
+fn sent<'a>(items: &[Item<'a>], replies: &[Reply]) -> HashMap<Id, &'a Calibration> {
+    let new = |(item, reply): (&Item<'a>, &Reply)| match (item.sent.calibration(), reply) {
+        (Some(sent), Ok(Accepted::Stored { id, .. })) => Some((*id, sent)),
+        _ => None,
+    };
+    items.iter().zip(replies).filter_map(new).collect()
+}
+
+/// Counts what has become of each item. Looking a counter up costs more than adding to it.
+fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
+    let mut counts: BTreeMap<(&str, &str), u64> = BTreeMap::new();
+    for (item, reply) in items.zip(replies) {
+        let kind = match item.sent {
+            Submission::Calibration(_) => "calibration",
+            Submission::Bench(_) => "bench_result",
+            Submission::Event(_) => "event",
+            Submission::Correction(_) => "correction",
+        };
+        let outcome = match reply {
+            Ok(Accepted::Stored { .. }) => "stored",
+            Ok(Accepted::There { .. }) => "there",
+            Err(Refused::Store(_)) => "failed",
+            Err(_) => "refused",
+        };
+        *counts.entry((kind, outcome)).or_default() += 1;
+    }
+    for ((kind, outcome), count) in counts {
+        metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(count);
+    }
+}
+
+/// Verdicts on new records, by rule and state: a record has dozens.
+#[derive(Debug, Default)]
+struct Tally([[u64; State::ALL.len()]; Rule::ALL.len()]);
+
+impl Tally {
+    /// Of the records of a group that are new: what needs no history is with what was sent.
+    fn of(sent: &HashMap<Id, &Calibration>, changes: &Changes, verdicts: &Verdicts) -> Self {
+        let mut tally = Self::default();
+        for sent in sent.values() {
+            tally.add(sent.gyros.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
+        }
+        let new: HashSet<Id> = changes.records.iter().map(|record| record.id).collect();
+        for (_, verdicts) in verdicts.iter().filter(|((record, _), _)| new.contains(record)) {
+            tally.add(verdicts);
+        }
+        tally
+    }
+
+    fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
+        for verdict in verdicts {
+            self.0[verdict.rule as usize][verdict.state as usize] += 1;
+        }
+    }
+
+    fn count(&self) {
+        for (rule, of_rule) in Rule::ALL.iter().zip(&self.0) {
+            for (state, count) in State::ALL.iter().zip(of_rule).filter(|(_, count)| **count > 0) {
+                metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name())
+                    .increment(*count);
+            }
+        }
+    }
+}

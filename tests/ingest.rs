@@ -2,9 +2,13 @@
 
 mod lab;
 
+use std::collections::BTreeSet;
+
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
+use sqlx::ConnectOptions;
+use sqlx::sqlite::SqliteConnectOptions;
 
 use lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, day, record, tables_3_and_4, verdict};
 
@@ -301,6 +305,84 @@ async fn an_import_of_thousands_is_judged_as_if_posted_one_by_one() {
     let posted = states(by_post.sees_trend("A", "").await);
     assert_eq!(states(by_import.sees_trend("A", "").await), posted);
     assert!(posted.iter().any(|(_, state)| state == "exceeded") && posted.iter().any(|(_, state)| state == "within"));
+}
+
+/// `days` records of each of twenty IMUs in the order of time, after those of the days before; a gyro of some of them moves by ten budgets and back.
+fn of_a_fleet(from: i64, days: i64) -> Vec<Value> {
+    let of_day = |day_of: i64| {
+        (0..20).map(move |imu| {
+            let moved = imu % 4 == 0 && (60..90).contains(&day_of);
+            let value = 1.0 + ((day_of * 7919 + imu) % 13) as f64 * 2e-4 + if moved { 0.1 } else { 0.0 };
+            record(&format!("IMU-{imu}"), &day(day_of), &[("G1", &format!("A{imu}"), value, 2.0)])
+        })
+    };
+    (from..from + days).flat_map(of_day).collect()
+}
+
+/// What is said of a gyro's calibrations and of its alerts, without identifiers and times of arrival.
+async fn said_of(lab: &Lab, serial: &str) -> (Vec<[Value; 3]>, Vec<[Value; 4]>) {
+    let trend = lab.sees_trend(serial, "coefficient=D_I").await;
+    let alerts = lab.get(&format!("/v1/alerts?serial={serial}&limit=200")).await.ok();
+    let members = |of: &Value, names: [&str; 4]| names.map(|name| of[name].clone());
+    let points = trend.iter().map(|point| ["calibrated_at", "value", "state"].map(|name| point[name].clone()));
+    let of_alert = |alert: &Value| members(alert, ["coefficient", "rule", "state", "value"]);
+    let mut alerts: Vec<[Value; 4]> = alerts["alerts"].as_array().expect("alerts").iter().map(of_alert).collect();
+    alerts.sort_by_key(|alert| format!("{alert:?}"));
+    (points.collect(), alerts)
+}
+
+#[tokio::test]
+async fn an_import_that_is_judged_while_it_is_written_ends_as_in_small_parts() {
+    let (at_once, in_parts) = (Lab::open().await, Lab::open().await);
+    let (first, rest) = (of_a_fleet(0, 1), of_a_fleet(1, 150));
+    for part in first.chunks(20).chain(rest.chunks(100)) {
+        assert!(in_parts.imports(part).await.iter().all(|answer| answer["status"] == 201));
+    }
+    assert!(at_once.imports(&first).await.iter().all(|answer| answer["status"] == 201));
+    let twice: Vec<Value> = rest.iter().chain(&rest).cloned().collect();
+    let answers = at_once.imports(&twice).await;
+    let (new, again) = answers.split_at(rest.len());
+    assert!(new.iter().all(|answer| answer["status"] == 201));
+    let ids: BTreeSet<&str> = new.iter().map(|answer| answer["id"].as_str().unwrap()).collect();
+    assert_eq!(ids.len(), rest.len());
+    let are_the_same = |(new, again): (&Value, &Value)| again["status"] == 200 && again["id"] == new["id"];
+    assert!(new.iter().zip(again).all(are_the_same), "what is sent twice is stored once");
+    let mut alerts = 0;
+    for imu in 0..20 {
+        let said = said_of(&at_once, &format!("A{imu}")).await;
+        assert_eq!(said, said_of(&in_parts, &format!("A{imu}")).await, "A{imu}");
+        assert_eq!(said.0.len(), 151);
+        alerts += said.1.len();
+    }
+    assert!(alerts >= 5, "{alerts} alerts");
+}
+
+#[tokio::test]
+async fn a_record_that_the_database_refuses_takes_nothing_of_a_great_import_along() {
+    if cluster::is_wanted() {
+        return;
+    }
+    let (lab, spared) = (Lab::open().await, Lab::open().await);
+    let trigger = "CREATE TRIGGER poison BEFORE INSERT ON record WHEN instr(CAST(NEW.body AS TEXT), 'POISON') > 0
+                   BEGIN SELECT raise(ABORT, 'poisoned'); END";
+    let file = SqliteConnectOptions::new().filename(lab.database());
+    sqlx::raw_sql(trigger).execute(&mut file.connect().await.unwrap()).await.unwrap();
+    let (first, mut rest) = (of_a_fleet(0, 1), of_a_fleet(1, 150));
+    lab.imports(&first).await;
+    spared.imports(&first).await;
+    let poisoned = [400, 1_700];
+    let good: Vec<Value> = (0..).zip(&rest).filter(|(k, _)| !poisoned.contains(k)).map(|(_, of)| of.clone()).collect();
+    poisoned.into_iter().for_each(|k| rest[k]["note"] = json!("POISON"));
+    let statuses: Vec<u64> = lab.imports(&rest).await.iter().map(|answer| answer["status"].as_u64().unwrap()).collect();
+    let expected: Vec<u64> = (0..rest.len()).map(|k| if poisoned.contains(&k) { 500 } else { 201 }).collect();
+    assert_eq!(statuses, expected);
+    for part in good.chunks(100) {
+        spared.imports(part).await;
+    }
+    for imu in 0..20 {
+        let serial = format!("A{imu}");
+        assert_eq!(said_of(&lab, &serial).await, said_of(&spared, &serial).await, "{serial}");
+    }
 }
 
 #[tokio::test]

@@ -5,7 +5,7 @@
 //! Client and service share the machine. Each connection posts records of one IMU of its own, one after the other; a
 //! record counts when its 201 is read. Then one import brings many records of a fleet at once, as a move from another system does.
 //! After the records one connection posts raw campaigns (78 dwells, three gyros). The bare loop writes the same body and three rows of 120 bytes a record, one
-//! transaction a record, WAL and `synchronous = FULL` as the service has them.
+//! transaction a record, then many, WAL and `synchronous = FULL` as the service has them.
 
 mod client;
 
@@ -30,6 +30,8 @@ const CAMPAIGNS: usize = 1_000;
 /// Records of one import, and how many IMUs they are of.
 const IMPORTED: usize = 60_000;
 const IMPORTED_IMUS: usize = 200;
+/// Records in a transaction of the bare loop that the import is held against.
+const MANY: usize = 512;
 const CAMPAIGN: &str = include_str!("../tests/data/practice/campaign-00.json");
 
 /// What is posted, and how often.
@@ -47,8 +49,10 @@ fn main() {
     system::install_crypto();
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     runtime.block_on(async {
-        let bare = bare_loop().await;
+        let bare = bare_loop(1).await;
         println!("{:<34}{bare:>9.0} records/s", "bare sqlx, one commit a record");
+        let bare_many = bare_loop(MANY).await;
+        println!("{:<34}{bare_many:>9.0} records/s", format!("bare sqlx, {MANY} records a commit"));
         for connections in connections() {
             let times = over_http(connections, OF_RECORDS).await;
             let (rate, p99) = (times.rate(), times.quantile(0.99));
@@ -60,7 +64,12 @@ fn main() {
             );
         }
         let rate = imported().await;
-        println!("{:<34}{rate:>9.0} records/s  {:>5.2} of bare", "HTTP, one import of many", rate / bare);
+        println!(
+            "{:<34}{rate:>9.0} records/s  {:>5.2} of bare, {:.2} of bare with {MANY} a commit",
+            "HTTP, one import of many",
+            rate / bare,
+            rate / bare_many
+        );
         // Short runs by turns: what else the machine does falls on both.
         let (mut one_campaign, mut one_record) = (0.0, 0.0);
         for _ in 0..4 {
@@ -91,7 +100,8 @@ fn campaign(imu: usize, k: usize) -> String {
     format!("{head}\"measured_at\":\"{at}\",{rest}")
 }
 
-async fn bare_loop() -> f64 {
+/// Records/s with `each` of them in a transaction.
+async fn bare_loop(each: usize) -> f64 {
     let dir = TempDir::new().expect("a directory");
     let mut connection = SqliteConnectOptions::new()
         .filename(dir.path().join("bare.db"))
@@ -108,24 +118,27 @@ async fn bare_loop() -> f64 {
     ] {
         sqlx::query(sql).execute(&mut connection).await.expect("a table");
     }
+    let count = if each == 1 { RECORDS } else { IMPORTED };
     let begun = Instant::now();
-    for k in 0..RECORDS {
+    for first in (0..count).step_by(each) {
         let mut transaction = connection.begin_with("BEGIN IMMEDIATE").await.expect("a transaction");
-        sqlx::query("INSERT INTO record VALUES ($1, $2)")
-            .bind(k as i64)
-            .bind(record(0, k))
-            .execute(&mut *transaction)
-            .await
-            .expect("a row");
-        sqlx::query("INSERT INTO history VALUES (1, $1, $2), (2, $1, $2), (3, $1, $2)")
-            .bind(k as i64)
-            .bind(vec![7_u8; 120])
-            .execute(&mut *transaction)
-            .await
-            .expect("rows");
+        for k in first..count.min(first + each) {
+            sqlx::query("INSERT INTO record VALUES ($1, $2)")
+                .bind(k as i64)
+                .bind(record(0, k))
+                .execute(&mut *transaction)
+                .await
+                .expect("a row");
+            sqlx::query("INSERT INTO history VALUES (1, $1, $2), (2, $1, $2), (3, $1, $2)")
+                .bind(k as i64)
+                .bind(vec![7_u8; 120])
+                .execute(&mut *transaction)
+                .await
+                .expect("rows");
+        }
         transaction.commit().await.expect("a commit");
     }
-    RECORDS as f64 / begun.elapsed().as_secs_f64()
+    count as f64 / begun.elapsed().as_secs_f64()
 }
 
 /// The service on a free port with a fresh database.

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use sqlx::ConnectOptions;
 use sqlx::sqlite::SqliteConnectOptions;
 
-use lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, day, record, tables_3_and_4, verdict};
+use lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, cluster, day, record, tables_3_and_4, verdict};
 
 #[tokio::test]
 async fn the_papers_record_is_separated_by_both_methods_to_the_golden_figures() {

@@ -61,7 +61,21 @@ impl Newest {
             && sent.gyros.iter().all(|gyro| newest(gyro.serial.as_str()).is_some_and(|(newest, _)| *newest < at))
     }
 
-    /// Takes note of what has been committed.
+    /// What is known of the IMUs and gyros that `changes` are of.
+    pub fn of(&self, changes: &Changes) -> Self {
+        let of_record = |record: &RecordRow| Some((record.imu, *self.imus.get(&record.imu)?));
+        let of_row = |row: &HistoryRow| Some((row.gyro, *self.gyros.get(&row.gyro)?));
+        let imus = changes.records.iter().filter_map(of_record).collect();
+        Self { imus, gyros: changes.history.iter().filter_map(of_row).collect() }
+    }
+
+    /// Takes back what was learned of changes that were not committed: `before` is what was known of theirs, which was known of all.
+    pub fn unlearn(&mut self, before: Self) {
+        self.imus.extend(before.imus);
+        self.gyros.extend(before.gyros);
+    }
+
+    /// Takes note of what has been committed, or is about to be.
     pub fn learn(&mut self, changes: &Changes, found: &[judging::Newest]) {
         for record in &changes.records {
             let newest = self.imus.entry(record.imu).or_insert(record.calibrated_at);

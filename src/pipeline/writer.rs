@@ -113,8 +113,9 @@ impl Task {
         let mut ticks = self.ticks();
         let mut moves = self.store.moves();
         loop {
+            let room = max_group.saturating_sub(jobs.len()).max(1);
             tokio::select! {
-                received = queue.recv_many(&mut jobs, max_group) => if received == 0 {
+                received = queue.recv_many(&mut jobs, room) => if received == 0 {
                     self.finish().await;
                     if jobs.is_empty() {
                         break;
@@ -130,7 +131,9 @@ impl Task {
             if self.is_to_wait(&jobs) {
                 continue;
             }
-            if jobs.iter().any(|job| !matches!(job, Job::Store { .. })) {
+            // Orders are for what is stored, and are carried out when nothing is under way.
+            let mixed = jobs.iter().any(|job| !matches!(job, Job::Store { .. }));
+            if mixed {
                 self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
@@ -182,6 +185,9 @@ impl Task {
                 };
                 if items + job.0.len() > MAX_ITEMS && items > 0 {
                     self.process(std::mem::take(&mut group)).await;
+                    if mixed {
+                        self.finish().await;
+                    }
                     items = 0;
                 }
                 items += job.0.len();
@@ -189,6 +195,9 @@ impl Task {
             }
             if !group.is_empty() {
                 self.process(group).await;
+            }
+            if mixed {
+                self.finish().await;
             }
             self.carry_out(orders, attempts).await;
         }

@@ -89,6 +89,8 @@ impl Batch {
 /// Bytes of a number in a flat row: enough for any of 64 bits, padded with spaces.
 pub(super) const FLAT_CELL: usize = 20;
 
+const _: () = assert!(FLAT_CELL == 20, "as `cell!(flat …)` of `super::db` has it");
+
 /// The rows of one statement.
 #[derive(Debug, Default)]
 pub(super) struct Rows {

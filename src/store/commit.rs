@@ -1,6 +1,7 @@
 //! The writing side: one connection, one transaction a group.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use tokio::sync::Mutex;
 use tokio::task::JoinHandle;
@@ -157,8 +158,8 @@ impl Writer {
         }
     }
 
-    /// Commits as [`Writer::commit`] does, on a task of its own; none where servers take turns, and each transaction needs its own.
-    /// What comes after waits for it.
+    /// A way to commit as [`Writer::commit`] does, on a task of its own; none where servers take turns, and each transaction needs
+    /// its own.
     pub fn committer(&self) -> Option<Committer> {
         match &self.engine {
             Engine::File(writer) => Some(Committer(Arc::clone(writer))),
@@ -196,12 +197,23 @@ impl Writer {
 #[derive(Debug)]
 pub struct Committer(Arc<Mutex<FileWriter>>);
 
+/// What has become of changes that were written beside.
+#[derive(Debug)]
+pub struct Written {
+    pub changes: Changes,
+    /// As of [`Writer::commit`].
+    pub outcome: Result<(), StoreError>,
+    pub took: Duration,
+}
+
 impl Committer {
-    /// Begins to write `changes`, and gives them back when it is known what has become of them.
-    pub fn commit(self, changes: Changes) -> JoinHandle<(Changes, Result<(), StoreError>)> {
+    /// Begins to write `changes`. Nothing else may be under way; what is asked of the writer meanwhile waits.
+    pub fn commit(self, changes: Changes) -> JoinHandle<Written> {
+        let mut writer = self.0.try_lock_owned().expect("what was under way before has been waited for");
         tokio::spawn(async move {
-            let written = self.0.lock().await.commit(&changes).await;
-            (changes, written)
+            let begun = Instant::now();
+            let outcome = writer.commit(&changes).await;
+            Written { changes, outcome, took: begun.elapsed() }
         })
     }
 }

@@ -42,7 +42,7 @@ pub use access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, Token
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
 pub use backup::{Holdings, backup, check, check_all_but_records, open_to_read, restore};
 pub use bench::BenchRow;
-pub use commit::{Changes, Committer, Rejudged, Writer};
+pub use commit::{Changes, Committer, Rejudged, Writer, Written};
 pub use copy::{Copied, copy};
 pub use correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use delivery::{

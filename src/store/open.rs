@@ -55,7 +55,7 @@ pub(super) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 9] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 10] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -65,6 +65,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 9] = [
     (7, "diagnoses", include_str!("../../migrations/sqlite/0007_diagnoses.sql")),
     (8, "fixed_baselines", include_str!("../../migrations/sqlite/0008_fixed_baselines.sql")),
     (9, "diagnosis_jobs", include_str!("../../migrations/sqlite/0009_diagnosis_jobs.sql")),
+    (10, "shared_limits", include_str!("../../migrations/sqlite/0010_shared_limits.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.

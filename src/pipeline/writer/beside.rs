@@ -4,15 +4,14 @@
 //! newest records of known gyros is therefore taken ahead: for all else the database is asked, and has to hold everything first.
 //! A small group is not worth it: while it waited, more would come that can share its transaction.
 
-use std::time::Instant;
-
 use tokio::task::JoinHandle;
 
 use super::group::{Prepared, answer};
 use super::{Item, StoreJob, Task, items_of};
 use crate::pipeline::Job;
+use crate::pipeline::admit::Newest;
 use crate::pipeline::read::Submission;
-use crate::store::{Changes, Committer, StoreError, Tables};
+use crate::store::{Committer, Tables, Written};
 use crate::telemetry;
 
 /// Items from which on a group is written beside.
@@ -26,12 +25,11 @@ pub(super) struct UnderWay {
     jobs: Vec<StoreJob>,
     /// Without its changes, which are with the task that writes them.
     prepared: Prepared,
-    begun: Instant,
+    /// What was the newest of its gyros and IMUs before it.
+    newest_before: Newest,
     writing: JoinHandle<Written>,
     written: Option<Written>,
 }
-
-type Written = (Changes, Result<(), StoreError>);
 
 /// Waits until what is under way has been written, or could not be. Nothing is waited for where nothing is.
 pub(super) async fn written(under_way: &mut Option<UnderWay>) {
@@ -41,11 +39,6 @@ pub(super) async fn written(under_way: &mut Option<UnderWay>) {
 }
 
 impl UnderWay {
-    fn begin(jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> Self {
-        let writing = committer.commit(std::mem::take(&mut prepared.changes));
-        Self { jobs, prepared, begun: Instant::now(), writing, written: None }
-    }
-
     async fn wait(&mut self) {
         if self.written.is_none() {
             let written = (&mut self.writing).await;
@@ -54,7 +47,7 @@ impl UnderWay {
     }
 
     fn is_stored(&self) -> bool {
-        matches!(self.written, Some((_, Ok(()))))
+        self.written.as_ref().is_some_and(|written| written.outcome.is_ok())
     }
 }
 
@@ -71,7 +64,8 @@ impl Task {
             _ => None,
         };
         let waiting = jobs.iter().map(to_store).sum::<Option<usize>>();
-        self.under_way.is_some() && waiting.is_some_and(|items| items < ENOUGH)
+        let may_wait = self.under_way.is_some() && jobs.len() < self.config.database.max_group;
+        may_wait && waiting.is_some_and(|items| items < ENOUGH)
     }
 
     /// Has a group written beside, where it can be; otherwise gives it back, and nothing is under way.
@@ -86,15 +80,22 @@ impl Task {
         let before = self.under_way.take();
         let holds = before.as_ref().is_none_or(UnderWay::is_stored);
         if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.writer.committer()) {
-            self.newest.learn(&prepared.changes, &prepared.found.newest);
-            self.under_way = Some(UnderWay::begin(jobs, prepared, committer));
+            self.under_way = Some(self.begin_beside(jobs, prepared, committer));
             step_back().await;
             self.conclude(before).await;
             return None;
         }
         self.conclude(before).await;
-        self.forget();
+        self.start_over();
         Some(jobs)
+    }
+
+    fn begin_beside(&mut self, jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> UnderWay {
+        let changes = std::mem::take(&mut prepared.changes);
+        let newest_before = self.newest.of(&changes);
+        self.newest.learn(&changes, &prepared.found.newest);
+        let writing = committer.commit(changes);
+        UnderWay { jobs, prepared, newest_before, writing, written: None }
     }
 
     fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
@@ -121,17 +122,18 @@ impl Task {
 
     /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is under way then.
     async fn conclude(&mut self, group: Option<UnderWay>) {
-        let Some(UnderWay { jobs, mut prepared, begun, written, .. }) = group else { return };
+        let Some(UnderWay { jobs, mut prepared, newest_before, written, .. }) = group else { return };
         let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         let replies = match written {
-            Some((changes, Ok(()))) => {
-                metrics::histogram!(telemetry::COMMIT).record(begun.elapsed());
+            Some(Written { changes, outcome: Ok(()), took }) => {
+                metrics::histogram!(telemetry::COMMIT).record(took);
                 self.wake(&changes);
                 prepared.changes = changes;
                 self.settle(&items, prepared)
             }
             _ => {
-                self.forget();
+                self.newest.unlearn(newest_before);
+                self.start_over();
                 self.store_all(&items).await
             }
         };
@@ -139,10 +141,9 @@ impl Task {
         step_back().await;
     }
 
-    /// What is remembered is not what is stored.
-    fn forget(&mut self) {
+    /// Forgets what is remembered of gyros and alerts: it is not what is stored.
+    fn start_over(&mut self) {
         self.judge.forget();
         self.alerts.forget();
-        self.behind = true;
     }
 }

@@ -201,7 +201,6 @@ impl Task {
             }
             self.carry_out(orders, attempts).await;
         }
-        self.finish().await;
         self.store.close().await;
         if let Err(error) = self.writer.close().await {
             tracing::error!(%error, "the database could not be closed in order; its log is kept and read at the next start");
@@ -297,10 +296,8 @@ impl Task {
                     self.judge.tidy();
                     return Ok(replies);
                 }
-                // What was remembered of the gyros is ahead of what is stored.
                 Err(error) => {
-                    self.judge.forget();
-                    self.alerts.forget();
+                    self.start_over();
                     if !turns::another_try(&error, &mut tries).await {
                         return Err(error);
                     }

@@ -141,8 +141,8 @@ impl Task {
         step_back().await;
     }
 
-    /// Forgets what is remembered of gyros and alerts: it is not what is stored.
-    fn start_over(&mut self) {
+    /// Forgets what is remembered of gyros and alerts: it is ahead of what is stored.
+    pub(super) fn start_over(&mut self) {
         self.judge.forget();
         self.alerts.forget();
     }

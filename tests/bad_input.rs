@@ -781,7 +781,11 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
         for (number, (status, id)) in answers.into_iter().enumerate() {
             match status {
                 201 => {
-                    assert!(ids.insert(id.unwrap()), "{what}: an identifier twice");
+                    // Identifiers of the group that was refused as a whole have come to nothing.
+                    let id = id.unwrap();
+                    let stored = server.get(&format!("/v1/records/{id}")).await.json();
+                    assert_eq!(stored["record"]["imu"], json!(format!("IMU-{number}")), "{what}: {id}");
+                    assert!(ids.insert(id), "{what}: an identifier twice");
                     good[number] += 1;
                 }
                 500 => poisoned += 1,

@@ -1,9 +1,10 @@
 //! Weighted least squares that returns its own evidence.
 //!
 //! The design is whitened (each row divided by its standard deviation), its columns are scaled to unit length, and
-//! the result is taken apart as Q R by Householder reflections and R = U S V^T by singular values. Normal equations
-//! are never formed: they square the condition number. The singular values say what the design determines; what it
-//! does not comes back as null directions, and the estimate is then the shortest of the equally good ones.
+//! the result is taken apart as Q R by Householder reflections. Normal equations are never formed: they square the condition
+//! number. Where R is far from singular, its inverse gives the estimate; otherwise R = U S V^T, and the singular values say what
+//! the design determines: what it does not comes back as null directions, and the estimate is then the shortest of the equally
+//! good ones.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -82,17 +83,12 @@ impl Factor {
             }
         }
         let qr = whitened.qr();
-        let svd = qr.r().try_svd(true, true, 5.0 * f64::EPSILON, MOST_ITERATIONS).expect("finite numbers converge");
-        let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
-        let threshold = RANK_TOLERANCE * svd.singular_values.max();
-        let (kept, dropped): (Vec<usize>, Vec<usize>) = (0..p).partition(|&i| svd.singular_values[i] > threshold);
-
-        let basis = (qr.q() * u.select_columns(&kept)).rows(0, n).into_owned();
-        let mut back = v_t.select_rows(&kept).transpose();
-        for (k, &i) in kept.iter().enumerate() {
-            back.column_mut(k).unscale_mut(svd.singular_values[i]);
-        }
-        let scaled_null = v_t.select_rows(&dropped).transpose();
+        let (q, r) = (qr.q(), qr.r());
+        let Solved { basis, mut back, scaled_null } = match by_inverse(&r) {
+            Some(back) => Solved { basis: q, back, scaled_null: DMatrix::zeros(p, 0) },
+            None => by_singular_values(&q, r),
+        };
+        let basis = basis.resize_vertically(n, 0.0);
         let mut null = scaled_null.clone();
         for (i, scale) in column_scale.iter().enumerate() {
             back.row_mut(i).unscale_mut(*scale);
@@ -147,6 +143,9 @@ impl Factor {
     ///
     /// Judged in the units of the scaled columns, with the tolerance of the rank.
     pub fn determines(&self, functional: &DVector<f64>) -> bool {
+        if self.scaled_null.ncols() == 0 {
+            return true;
+        }
         let scaled = functional.component_div(&self.column_scale);
         (self.scaled_null.transpose() * &scaled).norm() <= RANK_TOLERANCE * scaled.norm()
     }
@@ -173,6 +172,36 @@ impl Factor {
             dof: y.len() - self.rank(),
         }
     }
+}
+
+/// What solves a design with columns of unit length.
+struct Solved {
+    /// Orthonormal columns that span what the design can produce.
+    basis: DMatrix<f64>,
+    /// Turns coordinates on `basis` into parameters.
+    back: DMatrix<f64>,
+    /// Orthonormal columns that the design does not see.
+    scaled_null: DMatrix<f64>,
+}
+
+/// The inverse of R, where its condition is certainly better than the tolerance: the product of the Frobenius norms of a
+/// matrix and its inverse is never less than the largest singular value over the smallest.
+fn by_inverse(r: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let inverse = r.solve_upper_triangular(&DMatrix::identity(r.nrows(), r.ncols()))?;
+    (r.norm() * inverse.norm() * RANK_TOLERANCE < 1.0).then_some(inverse)
+}
+
+fn by_singular_values(q: &DMatrix<f64>, r: DMatrix<f64>) -> Solved {
+    let p = r.ncols();
+    let svd = r.try_svd(true, true, 5.0 * f64::EPSILON, MOST_ITERATIONS).expect("finite numbers converge");
+    let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
+    let threshold = RANK_TOLERANCE * svd.singular_values.max();
+    let (kept, dropped): (Vec<usize>, Vec<usize>) = (0..p).partition(|&i| svd.singular_values[i] > threshold);
+    let mut back = v_t.select_rows(&kept).transpose();
+    for (k, &i) in kept.iter().enumerate() {
+        back.column_mut(k).unscale_mut(svd.singular_values[i]);
+    }
+    Solved { basis: q * u.select_columns(&kept), back, scaled_null: v_t.select_rows(&dropped).transpose() }
 }
 
 /// A length to divide by: that of a vector of zeros counts as one.

@@ -21,14 +21,14 @@ impl<T: Serialize> IntoResponse for Answer<T> {
 
 /// An answer, its own verdicts the last member and empty, with those that were just decided.
 pub struct JustJudged<'a, T> {
-    pub answer: T,
+    pub answer: &'a T,
     pub judged: &'a [Judged],
 }
 
 impl<T: Serialize> IntoResponse for JustJudged<'_, T> {
     fn into_response(self) -> Response {
         let verdicts = self.judged.iter().map(|gyro| (&*gyro.serial, gyro.verdicts.as_slice()));
-        json(with_verdicts(&self.answer, verdicts))
+        json(with_verdicts(self.answer, verdicts))
     }
 }
 

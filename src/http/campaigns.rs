@@ -75,7 +75,7 @@ async fn post_campaign(
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
     let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
-    let ReadCampaign { fitted, mut answer, body } = read.map_err(|faults| match form {
+    let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
         Form::Json => Document::problem(&bytes, faults),
     })?;
@@ -87,22 +87,26 @@ async fn post_campaign(
     };
     let submission = Submission::from(fitted.with_key(key));
     caller.may_submit(&submission)?;
-    let accepted = app.pipeline.submit(submission).await?;
+    let answer_of = |id: Id| CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
+    let worded = app.pipeline.submit_worded(submission, |accepted| {
+        let Accepted::Stored { id, judged } = accepted else { return None };
+        let answer = answer_of(*id);
+        let location = [(LOCATION, format!("/v1/{place}/{id}"))];
+        Some((StatusCode::CREATED, location, JustJudged { answer: &answer, judged }).into_response())
+    });
+    let (accepted, created) = worded.await?;
+    if let Some(created) = created {
+        return Ok(created);
+    }
     let id = app.pipeline.settle(&accepted, sent).await?;
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
-    answer.id = Some(id.to_string());
-    match &accepted {
-        Accepted::Stored { judged, .. } => {
-            Ok((StatusCode::CREATED, location, JustJudged { answer, judged }).into_response())
-        }
+    if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        Accepted::There { .. } if is_bench => Ok((location, Json(answer)).into_response()),
-        Accepted::There { .. } => {
-            let answer = stored(&app, id).await?.answer;
-            let standing = standing(&app, id).await?.unless_valid();
-            Ok((location, Answer(Standing { answer, standing })).into_response())
-        }
+        return Ok((location, Json(answer_of(id))).into_response());
     }
+    let answer = stored(&app, id).await?.answer;
+    let standing = standing(&app, id).await?.unless_valid();
+    Ok((location, Answer(Standing { answer, standing })).into_response())
 }
 
 /// A stored campaign.

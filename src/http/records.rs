@@ -55,21 +55,22 @@ async fn post_record(
     let separations = app.pipeline.separations(&calibration.gyros);
     let submission = Submission::Calibration(Box::new(calibration));
     caller.may_submit(&submission)?;
-    let accepted = app.pipeline.submit(submission).await?;
-    match &accepted {
-        Accepted::Stored { id, judged } => {
-            let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts: Vec::new() };
-            let location = [(LOCATION, format!("/v1/records/{id}"))];
-            Ok((StatusCode::CREATED, location, JustJudged { answer, judged }).into_response())
-        }
-        Accepted::There { .. } => {
-            let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
-            let stored = stored(&app, id).await?;
-            let standing = standing(&app, id).await?.unless_valid();
-            let answer = Standing { answer: stored.answer, standing };
-            Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
-        }
+    let mut answer = RecordAnswer { id: None, separations, verdicts: Vec::new() };
+    let worded = app.pipeline.submit_worded(submission, |accepted| {
+        let Accepted::Stored { id, judged } = accepted else { return None };
+        answer.id = Some(id.to_string());
+        let location = [(LOCATION, format!("/v1/records/{id}"))];
+        Some((StatusCode::CREATED, location, JustJudged { answer: &answer, judged }).into_response())
+    });
+    let (accepted, created) = worded.await?;
+    if let Some(created) = created {
+        return Ok(created);
     }
+    let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
+    let stored = stored(&app, id).await?;
+    let standing = standing(&app, id).await?.unless_valid();
+    let answer = Standing { answer: stored.answer, standing };
+    Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
 }
 
 /// A stored record.

@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use super::admit::figures_of;
-use super::campaign::FittedAgain;
+use super::campaign::CampaignFit;
 use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
 use crate::core::diagnose::{ClosureDiagnosis, closures};
@@ -28,7 +28,7 @@ pub(super) struct Reread {
     pub row: RecordRow,
     pub calibration: Calibration,
     /// Of a campaign.
-    pub fitted: Option<FittedAgain>,
+    pub fitted: Option<CampaignFit>,
 }
 
 impl Pipeline {

@@ -18,11 +18,12 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 
-/// A campaign that can be stored: what was fitted to it, and the answer but for its id and verdicts.
+/// A campaign that can be stored.
 #[derive(Debug, Clone)]
 pub struct ReadCampaign {
     pub fitted: Fitted,
-    pub answer: CampaignAnswer,
+    /// What its answer is made of.
+    pub fit: CampaignFit,
     /// As it is kept: JSON, whichever form it came in.
     pub body: Arc<str>,
 }
@@ -64,12 +65,13 @@ pub struct StoredCampaign {
     pub seen: Vec<Option<Verdict>>,
 }
 
-/// A stored campaign as it was fitted when it came.
+/// A campaign as it is fitted when it comes, and again whenever it is read.
 #[derive(Debug, Clone)]
-pub(super) struct FittedAgain {
-    pub campaign: Campaign,
-    pub outcome: Outcome,
-    pub model: Option<Id>,
+pub struct CampaignFit {
+    pub(super) campaign: Campaign,
+    pub(super) outcome: Outcome,
+    /// The adopted model that it is fitted with.
+    pub(super) model: Option<Id>,
 }
 
 impl Pipeline {
@@ -93,8 +95,6 @@ impl Pipeline {
         campaign.check_known_scales(&limits)?;
         let outcome = evaluate_with(&campaign, &options, &limits)?;
         let (body, body_sha256) = kept(as_json.as_deref().unwrap_or(bytes))?;
-        let mut answer = CampaignAnswer::of(&campaign, &outcome, self.method());
-        answer.imu_model = in_force.id.map(|id| id.to_string());
         let fitted = match &outcome {
             Outcome::Imu { .. } => {
                 let fitted = self.calibration_of(&campaign, &outcome, in_force.id, (body.clone(), body_sha256));
@@ -107,20 +107,27 @@ impl Pipeline {
                 idempotency_key: None,
             })),
         };
-        Ok(ReadCampaign { fitted, answer, body })
+        Ok(ReadCampaign { fitted, fit: CampaignFit { campaign, outcome, model: in_force.id }, body })
+    }
+
+    /// What is answered to a campaign, but for its id and verdicts.
+    pub fn campaign_answer(&self, fit: &CampaignFit) -> CampaignAnswer {
+        let mut answer = CampaignAnswer::of(&fit.campaign, &fit.outcome, self.method());
+        answer.imu_model = fit.model.map(|id| id.to_string());
+        answer
     }
 
     /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
-    pub(super) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<FittedAgain, Faults>, StoreError> {
+    pub(super) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
         let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
         let work = tokio::task::spawn_blocking(move || {
             let (campaign, outcome) = evaluated(&body, &model)?;
-            Ok(FittedAgain { campaign, outcome, model: model.id })
+            Ok(CampaignFit { campaign, outcome, model: model.id })
         });
         work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
     }
 
-    pub(super) fn calibration_again(&self, row: &RecordRow, fitted: &FittedAgain) -> Calibration {
+    pub(super) fn calibration_again(&self, row: &RecordRow, fitted: &CampaignFit) -> Calibration {
         let kept = (Arc::clone(&row.body), row.body_sha256);
         self.calibration_of(&fitted.campaign, &fitted.outcome, fitted.model, kept)
     }
@@ -174,9 +181,8 @@ impl Pipeline {
     pub async fn stored_campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StoreError> {
         let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
-        let mut answer = CampaignAnswer::of(&fitted.campaign, &fitted.outcome, self.method());
+        let mut answer = self.campaign_answer(&fitted);
         answer.id = Some(id.to_string());
-        answer.imu_model = fitted.model.map(|id| id.to_string());
         answer.verdicts = verdicts;
         Ok(Some(StoredCampaign { row, answer, seen }))
     }

@@ -35,6 +35,7 @@ mod line;
 mod models;
 mod outbox;
 mod read;
+mod reply;
 mod stations;
 mod verify;
 mod writer;
@@ -97,8 +98,8 @@ pub struct Pipeline {
 /// What the writer is asked to do.
 #[derive(Debug)]
 enum Job {
-    /// Submissions that are to be answered together, in order; whether with the verdicts on them.
-    Store { items: Vec<Submission>, with_verdicts: bool, reply: oneshot::Sender<Vec<Reply>> },
+    /// Submissions that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk.
+    Store { items: Vec<Submission>, with_verdicts: bool, reply: reply::Teller },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// An attempt to tell a hook is to be written down.
@@ -276,11 +277,27 @@ impl Pipeline {
     /// # Errors
     /// [`Refused`]; then nothing of it is stored, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
+        let (accepted, ()) = self.submit_worded(item, |_| ()).await?;
+        Ok(accepted)
+    }
+
+    /// As [`Pipeline::submit`], with what `word` makes of what became of the item. It is called while the disk works, so what it
+    /// makes may be told to nobody before this returns; it is called again where something else came true.
+    ///
+    /// # Errors
+    /// As [`Pipeline::submit`].
+    pub async fn submit_worded<T>(
+        &self,
+        item: Submission,
+        mut word: impl FnMut(&Accepted) -> T,
+    ) -> Result<(Accepted, T), Refused> {
         self.bustle.stir();
-        let (reply, answer) = oneshot::channel();
+        let (reply, listener) = reply::channel();
         self.offer(Job::Store { items: vec![item], with_verdicts: true, reply })?;
-        let mut replies = answer.await.map_err(|_| Refused::Stopping)?;
-        replies.pop().unwrap_or(Err(Refused::Stopping))
+        let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut word)).await;
+        let (mut replies, worded) = heard.ok_or(Refused::Stopping)?;
+        let accepted = replies.pop().unwrap_or(Err(Refused::Stopping))?;
+        Ok((accepted, worded.ok_or(Refused::Stopping)?))
     }
 
     /// As [`Pipeline::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in the queue; what it then returns waits
@@ -288,9 +305,12 @@ impl Pipeline {
     pub async fn enqueue(&self, items: Vec<Submission>) -> impl Future<Output = Vec<Reply>> + use<> {
         self.bustle.stir();
         let count = items.len();
-        let (reply, answer) = oneshot::channel();
+        let (reply, listener) = reply::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
         let _queued = self.jobs.send(Job::Store { items, with_verdicts: false, reply }).await;
-        async move { answer.await.unwrap_or_else(|_| vec![Err(Refused::Stopping); count]) }
+        async move {
+            let heard = listener.hear(|_| ()).await;
+            heard.map_or_else(|| vec![Err(Refused::Stopping); count], |(replies, ())| replies)
+        }
     }
 }

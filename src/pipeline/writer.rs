@@ -19,13 +19,14 @@ use super::hooks::{Attempted, HookBook, HookDesk, Order};
 use super::judging::Judge;
 use super::models::{ModelBook, adopt};
 use super::read::Submission;
+use super::reply::Teller;
 use super::{Accepted, Job, Refused, Reply};
 use crate::config::Config;
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 use beside::UnderWay;
-use group::answer;
+use group::{Told, answer, foretell};
 use turns::in_turn;
 
 /// Most items of one transaction: more would hold up others for longer than it saves.
@@ -73,8 +74,8 @@ pub(super) struct After {
 
 /// Orders that concern hooks, and where their answers go.
 type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
-/// Submissions, whether they are answered with verdicts, and where the answers go.
-type StoreJob = (Vec<Submission>, bool, oneshot::Sender<Vec<Reply>>);
+/// Submissions, whether they are answered with verdicts and ahead of the disk, and where the answers go.
+type StoreJob = (Vec<Submission>, bool, Teller);
 type Attempts = Vec<(Attempted, oneshot::Sender<Result<(), Refused>>)>;
 
 impl Task {
@@ -208,10 +209,9 @@ impl Task {
     }
 
     async fn process(&mut self, jobs: Vec<StoreJob>) {
-        let Some(jobs) = self.write_beside(jobs).await else { return };
-        let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
-        let replies = self.store_all(&items).await;
-        answer(jobs, replies);
+        if let Some(jobs) = self.write_beside(jobs).await {
+            self.store_all(jobs).await;
+        }
     }
 
     /// What people order has one transaction each, attempts share one.
@@ -263,14 +263,15 @@ impl Task {
     }
 
     /// One transaction for all; where the database refuses it, one for each, so that only the culprit is refused.
-    async fn store_all(&mut self, items: &[Item<'_>]) -> Vec<Reply> {
+    async fn store_all(&mut self, jobs: Vec<StoreJob>) {
+        let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         let mut replies = Vec::with_capacity(items.len());
-        match self.store_group(items).await {
-            Ok(stored) => return stored,
+        match self.store_group(&items, &jobs).await {
+            Ok(stored) => return answer(jobs, stored, Told::Ahead),
             Err(StoreError::Refused(why)) if items.len() > 1 => {
                 tracing::warn!(%why, items = items.len(), "a group was refused; its items are stored one by one");
-                for item in items {
-                    let reply = self.store_group(&[*item]).await;
+                for item in &items {
+                    let reply = self.store_group(&[*item], &[]).await;
                     replies.extend(reply.unwrap_or_else(|error| vec![Err(error.into())]));
                 }
             }
@@ -280,14 +281,15 @@ impl Task {
                 replies.resize(items.len(), Err(Refused::Store(error)));
             }
         }
-        replies
+        answer(jobs, replies, Told::Now);
     }
 
-    async fn store_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
+    /// Stores the items of `ahead`, who are told what will be; or any, and tells nobody.
+    async fn store_group(&mut self, items: &[Item<'_>], ahead: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
         let mut tries = 0;
         loop {
             let stored = match self.begin().await {
-                Ok(()) => self.try_group(items).await,
+                Ok(()) => self.try_group(items, ahead).await,
                 Err(error) => Err(error),
             };
             self.writer.give_back().await;
@@ -306,8 +308,9 @@ impl Task {
         }
     }
 
-    async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
+    async fn try_group(&mut self, items: &[Item<'_>], ahead: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
         let prepared = self.prepare(items).await?;
+        foretell(ahead, &prepared.replies);
         let changes = &prepared.changes;
         if !changes.is_empty() {
             let committing = Instant::now();

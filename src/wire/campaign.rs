@@ -292,7 +292,8 @@ impl DwellBody {
         let specific_force_g0 = self.specific_force_g0.vector(format_args!("/dwells/{i}/specific_force_g0"), faults);
         let rate_arcsec_s = self.rate_arcsec_s.vector(format_args!("/dwells/{i}/rate_arcsec_s"), faults);
         let attitude = self.attitude.as_ref().and_then(|q| attitude(q, i, faults));
-        let temperature_c = text::temperature(&format!("/dwells/{i}/temperature_c"), self.temperature_c, faults);
+        let place = format_args!("/dwells/{i}/temperature_c");
+        let temperature_c = text::temperature(place, self.temperature_c, faults);
         let outputs = |list: &Numbers, field: &str, faults: &mut Faults| {
             list.slice(gyros, format_args!("/dwells/{i}/{field}"), faults).map(<[f64]>::to_vec)
         };

@@ -3,6 +3,8 @@
 //! A refused member is given a stand-in, so that checking can go on and name the other faults as well; the
 //! stand-in never leaves the conversion, which fails once any fault was noted.
 
+use std::fmt::Display;
+
 use nalgebra::Vector3;
 
 use super::time;
@@ -81,11 +83,12 @@ fn optional(
     Some(text.clone())
 }
 
-pub fn temperature(pointer: &str, celsius: Option<f64>, faults: &mut Faults) -> Option<f64> {
+/// `pointer` is written out only for a fault.
+pub fn temperature(pointer: impl Display, celsius: Option<f64>, faults: &mut Faults) -> Option<f64> {
     if let Some(t) = celsius
         && !TEMPERATURE_RANGE_C.contains(&t)
     {
-        faults.push(pointer, format!("must be a temperature between -273.15 and 1000 deg C, is {t}"));
+        faults.push(pointer.to_string(), format!("must be a temperature between -273.15 and 1000 deg C, is {t}"));
     }
     celsius
 }

@@ -129,15 +129,15 @@ fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: 
         );
     }
     let Some((j, before)) = before else { return };
-    let place = format!("/dwells/{i}/start_s");
+    let place = || format!("/dwells/{i}/start_s");
     let end = before.start_s + before.duration_s.max(0.0);
     if dwell.start_s < before.start_s {
         faults.push(
-            place,
+            place(),
             format!("out of time order: starts at {} s, /dwells/{j} at {} s", dwell.start_s, before.start_s),
         );
     } else if dwell.start_s < end - limits.overlap_s {
-        faults.push(place, format!("overlaps /dwells/{j}: starts at {} s, that ends at {end} s", dwell.start_s));
+        faults.push(place(), format!("overlaps /dwells/{j}: starts at {} s, that ends at {end} s", dwell.start_s));
     }
 }
 

@@ -6,7 +6,7 @@
 
 use tokio::task::JoinHandle;
 
-use super::group::{Prepared, answer};
+use super::group::{Prepared, Told, answer, foretell};
 use super::{Item, StoreJob, Task, items_of};
 use crate::pipeline::Job;
 use crate::pipeline::admit::Newest;
@@ -95,6 +95,7 @@ impl Task {
         let newest_before = self.newest.of(&changes);
         self.newest.learn(&changes, &prepared.found.newest);
         let writing = committer.commit(changes);
+        foretell(&jobs, &prepared.replies);
         UnderWay { jobs, prepared, newest_before, writing, written: None }
     }
 
@@ -123,21 +124,21 @@ impl Task {
     /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is under way then.
     async fn conclude(&mut self, group: Option<UnderWay>) {
         let Some(UnderWay { jobs, mut prepared, newest_before, written, .. }) = group else { return };
-        let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
-        let replies = match written {
+        match written {
             Some(Written { changes, outcome: Ok(()), took }) => {
                 metrics::histogram!(telemetry::COMMIT).record(took);
                 self.wake(&changes);
                 prepared.changes = changes;
-                self.settle(&items, prepared)
+                let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
+                let replies = self.settle(&items, prepared);
+                answer(jobs, replies, Told::Ahead);
             }
             _ => {
                 self.newest.unlearn(newest_before);
                 self.start_over();
-                self.store_all(&items).await
+                self.store_all(jobs).await;
             }
-        };
-        answer(jobs, replies);
+        }
         step_back().await;
     }
 

@@ -1,7 +1,6 @@
 //! A group on its way: admitted, judged and followed by alerts; then written; then answered.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::sync::Arc;
 use std::time::Instant;
 
 use super::{Item, StoreJob, Task, items_of};
@@ -17,8 +16,8 @@ use crate::telemetry;
 pub(super) struct Prepared {
     pub changes: Changes,
     pub found: judging::Judged,
-    /// One an item, without verdicts as yet; to be sent when the changes are on disk.
-    replies: Vec<Reply>,
+    /// One an item; they hold when the changes are on disk.
+    pub replies: Vec<Reply>,
     tally: Tally,
 }
 
@@ -41,52 +40,75 @@ impl Task {
         self.follow(&sent, &mut changes, &found, &agreements, now)?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         let tally = Tally::of(&sent, &changes, &found.verdicts);
-        if !items.iter().any(|item| item.with_verdicts) {
-            // Six kilobytes a record that nobody is told.
-            found.verdicts = Verdicts::default();
-        }
+        // Six kilobytes a record; nobody else is told.
+        let verdicts = std::mem::take(&mut found.verdicts);
+        self.enter_verdicts(items, &mut replies, &verdicts, &changes);
         Ok(Prepared { changes, found, replies, tally })
+    }
+
+    /// Enters the verdicts into the replies that are to hold them.
+    fn enter_verdicts(&self, items: &[Item<'_>], replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
+        let tables = self.store.names().read();
+        // Names that nobody can look up before this group is stored.
+        let new: HashMap<&str, u32> = changes.gyros.iter().map(|(number, serial)| (serial.as_str(), *number)).collect();
+        let number = |serial: &str| tables.gyros.number(serial).or_else(|| new.get(serial).copied());
+        let judged = |id: Id, gyro: &CalibratedGyro| {
+            let by_history = number(gyro.serial.as_str()).and_then(|number| verdicts.get(&(id, number)));
+            let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
+            Judged { serial: gyro.serial.as_str().into(), verdicts: verdicts.copied().collect() }
+        };
+        for (item, reply) in items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
+            if let (Some(sent), Ok(Accepted::Stored { id, judged: entered })) = (item.sent.calibration(), reply) {
+                *entered = sent.gyros.iter().map(|gyro| judged(*id, gyro)).collect();
+            }
+        }
     }
 
     /// The answers to a group that has been written.
     pub(super) fn settle(&self, items: &[Item<'_>], prepared: Prepared) -> Vec<Reply> {
-        let Prepared { changes, found, mut replies, tally } = prepared;
+        let Prepared { changes, replies, tally, .. } = prepared;
         if !changes.is_empty() {
             metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
         }
-        for (item, reply) in items.iter().zip(&mut replies) {
-            if let (Some(sent), Ok(Accepted::Stored { id, judged })) = (item.sent.calibration(), reply) {
-                if item.with_verdicts {
-                    *judged = self.judged(sent, *id, &found.verdicts);
-                }
-                if sent.kind == Kind::Campaign {
-                    self.after.due.send_modify(|moved| *moved += 1);
-                }
-            }
+        let is_campaign = |item: &Item<'_>| item.sent.calibration().is_some_and(|sent| sent.kind == Kind::Campaign);
+        let new = items.iter().zip(&replies).filter(|(_, reply)| matches!(reply, Ok(Accepted::Stored { .. })));
+        if new.into_iter().any(|(item, _)| is_campaign(item)) {
+            self.after.due.send_modify(|moved| *moved += 1);
         }
         tally.count();
         replies
     }
+}
 
-    fn judged(&self, sent: &Calibration, id: Id, verdicts: &Verdicts) -> Vec<Judged> {
-        let tables = self.store.names().read();
-        let of = |gyro: &CalibratedGyro| {
-            let serial: Arc<str> = gyro.serial.as_str().into();
-            let by_history = tables.gyros.number(&serial).and_then(|number| verdicts.get(&(id, number)));
-            let verdicts = by_history.into_iter().flatten().chain(gyro.requirements.iter().flatten());
-            Judged { serial, verdicts: verdicts.copied().collect() }
-        };
-        sent.gyros.iter().map(of).collect()
+/// When those who are told ahead have been told what a group's answers are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Told {
+    Ahead,
+    Now,
+}
+
+/// Tells those who are told ahead what will be answered to them.
+pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
+    for (items, ahead, teller) in jobs {
+        let (own, others) = replies.split_at(items.len());
+        if *ahead {
+            teller.foretell(own.to_vec());
+        }
+        replies = others;
     }
 }
 
 /// Sends everyone their part of a group's answers.
-pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>) {
+pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>, told: Told) {
     count(jobs.iter().flat_map(items_of), &replies);
     let mut replies = replies.into_iter();
-    for (items, _, reply) in jobs {
-        // A sender that has gone away is answered when it sends the same again.
-        let _gone = reply.send(replies.by_ref().take(items.len()).collect());
+    for (items, ahead, teller) in jobs {
+        let own = replies.by_ref().take(items.len()).collect();
+        if ahead && told == Told::Ahead {
+            teller.hold();
+        } else {
+            teller.tell(own);
+        }
     }
 }
 

@@ -1,0 +1,151 @@
+//! How the writer answers: first with what will hold once it is on disk, so that the words can be made while the disk works, and then
+//! with whether it does.
+
+use tokio::sync::mpsc;
+
+use super::Reply;
+
+#[derive(Debug)]
+enum Word {
+    /// What the answer will be, where the database takes it.
+    Foretold(Vec<Reply>),
+    /// What was foretold last is on disk.
+    Holds,
+    /// The answer, whatever was foretold.
+    Told(Vec<Reply>),
+}
+
+/// The writer's end.
+#[derive(Debug)]
+pub(super) struct Teller(mpsc::UnboundedSender<Word>);
+
+/// The end of whoever waits.
+#[derive(Debug)]
+pub(super) struct Listener(mpsc::UnboundedReceiver<Word>);
+
+pub(super) fn channel() -> (Teller, Listener) {
+    // Unbounded, for the writer waits for nobody; it says a word or two.
+    let (words, heard) = mpsc::unbounded_channel();
+    (Teller(words), Listener(heard))
+}
+
+impl Teller {
+    pub fn foretell(&self, replies: Vec<Reply>) {
+        self.say(Word::Foretold(replies));
+    }
+
+    /// What was foretold last has come true.
+    pub fn hold(self) {
+        self.say(Word::Holds);
+    }
+
+    pub fn tell(self, replies: Vec<Reply>) {
+        self.say(Word::Told(replies));
+    }
+
+    fn say(&self, word: Word) {
+        // Who has gone away is answered when it sends the same again.
+        let _gone = self.0.send(word);
+    }
+}
+
+impl Listener {
+    /// The replies when they hold, and what `word` makes of them: it is called as soon as they are foretold, and again where
+    /// something else came true. None where the writer has gone without a final word.
+    pub async fn hear<T>(mut self, mut word: impl FnMut(&[Reply]) -> T) -> Option<(Vec<Reply>, T)> {
+        let mut foretold = None;
+        loop {
+            match self.0.recv().await? {
+                Word::Foretold(replies) => {
+                    let worded = word(&replies);
+                    foretold = Some((replies, worded));
+                }
+                Word::Holds => return foretold,
+                Word::Told(replies) => {
+                    let worded = word(&replies);
+                    return Some((replies, worded));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::future::Future;
+    use std::pin::pin;
+    use std::task::{Context, Poll, Waker};
+
+    use super::*;
+    use crate::pipeline::{Accepted, Id, Refused};
+
+    fn stored(id: i64) -> Vec<Reply> {
+        vec![Ok(Accepted::Stored { id: Id(id), judged: Vec::new() })]
+    }
+
+    fn id(replies: &[Reply]) -> Option<i64> {
+        match replies {
+            [Ok(Accepted::Stored { id, .. })] => Some(id.0),
+            _ => None,
+        }
+    }
+
+    /// What is worded, and what comes of it, when `words` have been said; a teller that is given back lives on.
+    fn heard(
+        words: impl FnOnce(Teller) -> Option<Teller>,
+    ) -> (Vec<Option<i64>>, Poll<Option<(Option<i64>, Option<i64>)>>) {
+        let (teller, listener) = channel();
+        let _lives_on = words(teller);
+        let mut worded = Vec::new();
+        let heard = {
+            let mut hearing = pin!(listener.hear(|replies| {
+                worded.push(id(replies));
+                id(replies)
+            }));
+            hearing.as_mut().poll(&mut Context::from_waker(Waker::noop()))
+        };
+        (worded, heard.map(|heard| heard.map(|(replies, worded)| (id(&replies), worded))))
+    }
+
+    #[test]
+    fn what_is_foretold_is_worded_at_once_and_answered_only_when_it_holds() {
+        let foretold = |teller: Teller| {
+            teller.foretell(stored(1));
+            Some(teller)
+        };
+        assert_eq!(heard(foretold), (vec![Some(1)], Poll::Pending));
+        let held = heard(|teller| {
+            teller.foretell(stored(1));
+            teller.hold();
+            None
+        });
+        assert_eq!(held, (vec![Some(1)], Poll::Ready(Some((Some(1), Some(1))))));
+    }
+
+    #[test]
+    fn what_came_true_instead_is_worded_anew() {
+        let otherwise = heard(|teller| {
+            teller.foretell(stored(1));
+            teller.foretell(stored(2));
+            teller.tell(vec![Err(Refused::Busy)]);
+            None
+        });
+        assert_eq!(otherwise, (vec![Some(1), Some(2), None], Poll::Ready(Some((None, None)))));
+        let again = heard(|teller| {
+            teller.foretell(stored(1));
+            teller.foretell(stored(2));
+            teller.hold();
+            None
+        });
+        assert_eq!(again, (vec![Some(1), Some(2)], Poll::Ready(Some((Some(2), Some(2))))));
+    }
+
+    #[test]
+    fn a_writer_that_goes_without_a_final_word_has_stored_nothing_that_is_known() {
+        let gone = heard(|teller| {
+            teller.foretell(stored(1));
+            None
+        });
+        assert_eq!(gone, (vec![Some(1)], Poll::Ready(None)));
+    }
+}

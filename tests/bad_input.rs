@@ -729,17 +729,18 @@ fn of_imu(number: usize, day: usize, poisoned: bool) -> Value {
     record
 }
 
-/// Status and identifier of each of `bodies`, sent as lines of one import or as posts at once.
-async fn sent(server: &Server, bodies: &[String], as_import: bool) -> Vec<(u16, Option<String>)> {
-    let outcome = |status: u16, answer: &Value| (status, answer["id"].as_str().map(str::to_owned));
-    if as_import {
-        let answer = server.post("/v1/import", "application/x-ndjson", bodies.join("\n")).await.text();
-        let lines = answer.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
-        return lines.map(|line| outcome(line["status"].as_u64().unwrap() as u16, &line)).collect();
-    }
-    let posts = bodies.iter().map(|body| server.post("/v1/records", "application/json", body.clone()));
-    let answers = futures::future::join_all(posts).await;
-    answers.iter().map(|answer| outcome(answer.status, &answer.json())).collect()
+/// Status and answer to each of `bodies`: the first `imported` of them are sent as lines of one import, the others as posts, all at once.
+async fn sent(server: &Server, bodies: &[String], imported: usize) -> Vec<(u16, Value)> {
+    let (lines, posts) = bodies.split_at(imported);
+    let import = async {
+        let answer = server.post("/v1/import", "application/x-ndjson", lines.join("\n")).await.text();
+        let of_lines = answer.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        of_lines.map(|line| (line["status"].as_u64().unwrap() as u16, line)).collect::<Vec<_>>()
+    };
+    let posts = posts.iter().map(|body| server.post("/v1/records", "application/json", body.clone()));
+    let (mut answers, posted) = futures::future::join(import, futures::future::join_all(posts)).await;
+    answers.extend(posted.iter().map(|answer| (answer.status, answer.json())));
+    answers
 }
 
 /// `scripts/soak poison`. `tests/postgres.rs` has one for PostgreSQL.
@@ -756,11 +757,14 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
     let trigger = "CREATE TRIGGER poison BEFORE INSERT ON record WHEN instr(CAST(NEW.body AS TEXT), 'POISON') > 0
                    BEGIN SELECT raise(ABORT, 'poisoned'); END";
     sqlx::raw_sql(trigger).execute(&mut database).await.unwrap();
-    let (mut good, mut poisoned, mut unreadable, mut ids) = ([0_i64; 64], 0, 0, BTreeSet::new());
+    // The larger ones are judged while another is being written.
+    let sizes = [64, 320];
+    let (mut good, mut poisoned, mut unreadable, mut ids) = ([0_i64; 320], 0, 0, BTreeSet::new());
     for group in 0..groups {
         let mut chance = ChaCha8Rng::seed_from_u64(seed(group));
         let of_poison = chance.random_range(0.01..0.2);
-        let kinds: Vec<u16> = (0..64)
+        let size = sizes[group % sizes.len()];
+        let kinds: Vec<u16> = (0..size)
             .map(|_| match chance.random_bool(of_poison) {
                 false => 201,
                 true => *[500, 500, 400].choose(&mut chance).unwrap(),
@@ -775,16 +779,21 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
                 },
             )
             .collect();
-        let answers = sent(&server, &bodies, chance.random()).await;
+        let imported = *[0, size / 2, size].choose(&mut chance).unwrap();
+        let answers = sent(&server, &bodies, imported).await;
         let what = format!("seed {}", seed(group));
         assert_eq!(answers.iter().map(|answer| answer.0).collect::<Vec<_>>(), kinds, "{what}");
-        for (number, (status, id)) in answers.into_iter().enumerate() {
+        for (number, (status, answer)) in answers.into_iter().enumerate() {
             match status {
                 201 => {
-                    // Identifiers of the group that was refused as a whole have come to nothing.
-                    let id = id.unwrap();
+                    // What was made ready for a group that was refused as a whole has come to nothing.
+                    let id = answer["id"].as_str().unwrap().to_owned();
                     let stored = server.get(&format!("/v1/records/{id}")).await.json();
                     assert_eq!(stored["record"]["imu"], json!(format!("IMU-{number}")), "{what}: {id}");
+                    if number >= imported {
+                        assert_eq!(stored["verdicts"], answer["verdicts"], "{what}: {id}");
+                        assert_eq!(stored["separations"], answer["separations"], "{what}: {id}");
+                    }
                     assert!(ids.insert(id), "{what}: an identifier twice");
                     good[number] += 1;
                 }
@@ -802,6 +811,6 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
     let stored = server.holdings().await.into_iter().find(|(table, _)| table == "record").unwrap().1;
     assert_eq!(stored, ids.len() as i64);
     println!(
-        "poison: {groups} groups of 64: {stored} stored, {poisoned} refused by the database, {unreadable} unreadable"
+        "poison: {groups} groups of 64 and 320: {stored} stored, {poisoned} refused by the database, {unreadable} unreadable"
     );
 }

@@ -142,7 +142,7 @@ impl Desk<'_> {
             return Ok(Accepted::There { id, same_bytes: true });
         }
         let id = self.enter(sent, group).await?;
-        Ok(Accepted::Stored { id, judged: Vec::new() })
+        Ok(Accepted::Stored { id, judged: [].into() })
     }
 
     /// Takes a calibration in at an instant at which its IMU has none.
@@ -220,7 +220,7 @@ impl Desk<'_> {
             body: Arc::clone(&sent.body),
             body_sha256: sent.body_sha256,
         });
-        Ok(Accepted::Stored { id, judged: Vec::new() })
+        Ok(Accepted::Stored { id, judged: [].into() })
     }
 
     async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
@@ -253,7 +253,7 @@ impl Desk<'_> {
             author: sent.author.clone(),
             received_at: self.now,
         });
-        Ok(Accepted::Stored { id, judged: Vec::new() })
+        Ok(Accepted::Stored { id, judged: [].into() })
     }
 
     async fn by_key(&self, key: Option<&str>, hash: &[u8; 32], group: &Group) -> Result<Option<Accepted>, Refused> {

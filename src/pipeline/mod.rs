@@ -7,7 +7,8 @@
 //! judge     each gyro touched, late arrivals in place  │ one group at a time, by the writer
 //! alert     follow the newest verdicts of each gyro    │
 //! commit    one transaction, on disk                   ┘
-//! answer    the verdicts, or what stands in the way
+//! word      the answer, by the caller's task while the disk works
+//! answer    the verdicts, or what stands in the way, when it is on disk
 //! outbox    what hooks are to be told, from the database to their targets
 //! ```
 //!
@@ -124,8 +125,8 @@ pub type Reply = Result<Accepted, Refused>;
 /// What has become of a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Accepted {
-    /// It is on disk.
-    Stored { id: Id, judged: Vec<Judged> },
+    /// It is new, and on disk once [`Pipeline::submit`] or [`Pipeline::submit_worded`] has returned it.
+    Stored { id: Id, judged: Arc<[Judged]> },
     /// An item with the same key has been there before; whether it says the same is for [`Pipeline::settle`] to find out.
     There { id: Id, same_bytes: bool },
 }
@@ -281,7 +282,7 @@ impl Pipeline {
         Ok(accepted)
     }
 
-    /// As [`Pipeline::submit`], with what `word` makes of what became of the item. It is called while the disk works, so what it
+    /// As [`Pipeline::submit`], with what `put_into_words` makes of what becomes of the item. It is called while the disk works, so what it
     /// makes may be told to nobody before this returns; it is called again where something else came true.
     ///
     /// # Errors
@@ -289,15 +290,15 @@ impl Pipeline {
     pub async fn submit_worded<T>(
         &self,
         item: Submission,
-        mut word: impl FnMut(&Accepted) -> T,
+        mut put_into_words: impl FnMut(&Accepted) -> T,
     ) -> Result<(Accepted, T), Refused> {
         self.bustle.stir();
         let (reply, listener) = reply::channel();
         self.offer(Job::Store { items: vec![item], with_verdicts: true, reply })?;
-        let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut word)).await;
-        let (mut replies, worded) = heard.ok_or(Refused::Stopping)?;
+        let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
+        let (mut replies, words) = heard.ok_or(Refused::Stopping)?;
         let accepted = replies.pop().unwrap_or(Err(Refused::Stopping))?;
-        Ok((accepted, worded.ok_or(Refused::Stopping)?))
+        Ok((accepted, words.expect("the one reply was accepted, so it was put into words")))
     }
 
     /// As [`Pipeline::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in the queue; what it then returns waits

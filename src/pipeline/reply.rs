@@ -6,7 +6,7 @@ use tokio::sync::mpsc;
 use super::Reply;
 
 #[derive(Debug)]
-enum Word {
+enum Message {
     /// What the answer will be, where the database takes it.
     Foretold(Vec<Reply>),
     /// What was foretold last is on disk.
@@ -17,11 +17,11 @@ enum Word {
 
 /// The writer's end.
 #[derive(Debug)]
-pub(super) struct Teller(mpsc::UnboundedSender<Word>);
+pub(super) struct Teller(mpsc::UnboundedSender<Message>);
 
 /// The end of whoever waits.
 #[derive(Debug)]
-pub(super) struct Listener(mpsc::UnboundedReceiver<Word>);
+pub(super) struct Listener(mpsc::UnboundedReceiver<Message>);
 
 pub(super) fn channel() -> (Teller, Listener) {
     // Unbounded, for the writer waits for nobody; it says a word or two.
@@ -31,39 +31,42 @@ pub(super) fn channel() -> (Teller, Listener) {
 
 impl Teller {
     pub fn foretell(&self, replies: Vec<Reply>) {
-        self.say(Word::Foretold(replies));
+        self.say(Message::Foretold(replies));
     }
 
     /// What was foretold last has come true.
     pub fn hold(self) {
-        self.say(Word::Holds);
+        self.say(Message::Holds);
     }
 
     pub fn tell(self, replies: Vec<Reply>) {
-        self.say(Word::Told(replies));
+        self.say(Message::Told(replies));
     }
 
-    fn say(&self, word: Word) {
+    fn say(&self, message: Message) {
         // Who has gone away is answered when it sends the same again.
-        let _gone = self.0.send(word);
+        let _gone = self.0.send(message);
     }
 }
 
 impl Listener {
-    /// The replies when they hold, and what `word` makes of them: it is called as soon as they are foretold, and again where
-    /// something else came true. None where the writer has gone without a final word.
-    pub async fn hear<T>(mut self, mut word: impl FnMut(&[Reply]) -> T) -> Option<(Vec<Reply>, T)> {
+    /// The replies when they hold, and what `put_into_words` makes of them: it is called as soon as they are foretold, and again
+    /// where something else came true. None where the writer has gone without a final word.
+    ///
+    /// # Panics
+    /// Where what was never foretold is said to hold.
+    pub async fn hear<T>(mut self, mut put_into_words: impl FnMut(&[Reply]) -> T) -> Option<(Vec<Reply>, T)> {
         let mut foretold = None;
         loop {
             match self.0.recv().await? {
-                Word::Foretold(replies) => {
-                    let worded = word(&replies);
-                    foretold = Some((replies, worded));
+                Message::Foretold(replies) => {
+                    let words = put_into_words(&replies);
+                    foretold = Some((replies, words));
                 }
-                Word::Holds => return foretold,
-                Word::Told(replies) => {
-                    let worded = word(&replies);
-                    return Some((replies, worded));
+                Message::Holds => return Some(foretold.expect("only what was foretold can hold")),
+                Message::Told(replies) => {
+                    let words = put_into_words(&replies);
+                    return Some((replies, words));
                 }
             }
         }
@@ -80,7 +83,7 @@ mod tests {
     use crate::pipeline::{Accepted, Id, Refused};
 
     fn stored(id: i64) -> Vec<Reply> {
-        vec![Ok(Accepted::Stored { id: Id(id), judged: Vec::new() })]
+        vec![Ok(Accepted::Stored { id: Id(id), judged: [].into() })]
     }
 
     fn id(replies: &[Reply]) -> Option<i64> {

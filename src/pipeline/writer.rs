@@ -284,12 +284,12 @@ impl Task {
         answer(jobs, replies, Told::Now);
     }
 
-    /// Stores the items of `ahead`, who are told what will be; or any, and tells nobody.
-    async fn store_group(&mut self, items: &[Item<'_>], ahead: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
+    /// Stores `items`: those of `to_foretell`, who are told what will be answered, or any, while nobody is.
+    async fn store_group(&mut self, items: &[Item<'_>], to_foretell: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
         let mut tries = 0;
         loop {
             let stored = match self.begin().await {
-                Ok(()) => self.try_group(items, ahead).await,
+                Ok(()) => self.try_group(items, to_foretell).await,
                 Err(error) => Err(error),
             };
             self.writer.give_back().await;
@@ -308,15 +308,15 @@ impl Task {
         }
     }
 
-    async fn try_group(&mut self, items: &[Item<'_>], ahead: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
+    async fn try_group(&mut self, items: &[Item<'_>], to_foretell: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
         let prepared = self.prepare(items).await?;
-        foretell(ahead, &prepared.replies);
+        foretell(to_foretell, &prepared.replies);
         let changes = &prepared.changes;
         if !changes.is_empty() {
             let committing = Instant::now();
             self.commit(changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
-            self.newest.learn(changes, &prepared.found.newest);
+            self.newest.learn(changes, &prepared.newest);
             self.benched.extend(changes.benches.iter().map(|bench| bench.gyro));
         }
         Ok(self.settle(items, prepared))

@@ -138,3 +138,30 @@ fn a_design_that_is_not_finite_is_a_panic_and_not_an_endless_loop() {
     design[(3, 2)] = f64::NAN;
     Factor::new(design, &[1.0; 8]);
 }
+
+/// Unit columns e1, e2 and e1 cos t + e3 sin t: the smallest singular value is tan(t/2) of the largest, and the product of the
+/// Frobenius norms of R and its inverse is sqrt(6)/t, to first order in t.
+#[test]
+fn the_rank_is_the_same_by_either_way_and_so_is_the_estimate() {
+    let factor = |t: f64| {
+        let design =
+            DMatrix::from_row_slice(4, 3, &[1.0, 0.0, t.cos(), 0.0, 1.0, 0.0, 0.0, 0.0, t.sin(), 0.0, 0.0, 0.0]);
+        let r = design.clone().qr().r();
+        (Factor::new(design, &[1.0; 4]), by_inverse(&r).is_some())
+    };
+    for (t, rank, inverted) in [(1.9e-4, 2, false), (2.2e-4, 3, false), (3e-4, 3, true), (0.5, 3, true)] {
+        let (factor, by_inverse) = factor(t);
+        assert_eq!((factor.rank(), by_inverse), (rank, inverted), "{t}");
+        if rank == 3 {
+            // y = 2 e1 - e2 + 3 e3 + 5 e4: the last two coefficients follow from e2 and e3 alone.
+            let fit = factor.fit(&DVector::from_row_slice(&[2.0, -1.0, 3.0, 5.0]));
+            for (found, by_hand) in [(0, 2.0 - 3.0 / t.tan()), (1, -1.0), (2, 3.0 / t.sin())] {
+                let found = fit.estimate[found];
+                assert!((found - by_hand).abs() <= 1e-10 * by_hand.abs(), "{t}: {found} is not {by_hand}");
+            }
+            let variance = fit.covariance[(2, 2)] * t.sin().powi(2);
+            assert!((variance - 1.0).abs() < 1e-8, "{t}: {variance}");
+            assert_close(fit.chi2, 25.0, 1e-9);
+        }
+    }
+}

@@ -37,12 +37,12 @@ impl Desk<'_> {
                     }
                     let new = entered?;
                     self.take_down(sent, Some(new), group);
-                    return Ok(Accepted::Stored { id: new, judged: Vec::new() });
+                    return Ok(Accepted::Stored { id: new, judged: [].into() });
                 }
             }
         }
         self.take_down(sent, None, group);
-        Ok(Accepted::Stored { id, judged: Vec::new() })
+        Ok(Accepted::Stored { id, judged: [].into() })
     }
 
     fn take_down(&mut self, sent: &Correction, replaced_by: Option<Id>, group: &mut Group) {

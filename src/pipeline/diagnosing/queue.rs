@@ -26,7 +26,7 @@ const PAUSE: Duration = Duration::from_secs(5);
 /// A diagnosis begins when nothing has come in for this long,
 const QUIET: Duration = Duration::from_millis(100);
 /// or when it has given way for this long.
-const GIVES_WAY: Duration = Duration::from_secs(3);
+const GIVES_WAY: Duration = Duration::from_secs(1);
 
 impl Diagnoser {
     /// Makes what is due and what is ordered, until nobody can make anything due any more.

@@ -83,6 +83,10 @@ impl Task {
             self.under_way = Some(self.begin_beside(jobs, prepared, committer));
             step_back().await;
             self.conclude(before).await;
+            // Not sooner: what has been written is answered before others are woken to make words.
+            if let Some(UnderWay { jobs, prepared, .. }) = &self.under_way {
+                foretell(jobs, &prepared.replies);
+            }
             return None;
         }
         self.conclude(before).await;
@@ -93,9 +97,8 @@ impl Task {
     fn begin_beside(&mut self, jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> UnderWay {
         let changes = std::mem::take(&mut prepared.changes);
         let newest_before = self.newest.of(&changes);
-        self.newest.learn(&changes, &prepared.found.newest);
+        self.newest.learn(&changes, &prepared.newest);
         let writing = committer.commit(changes);
-        foretell(&jobs, &prepared.replies);
         UnderWay { jobs, prepared, newest_before, writing, written: None }
     }
 

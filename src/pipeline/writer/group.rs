@@ -1,4 +1,4 @@
-//! A group on its way: admitted, judged and followed by alerts; then written; then answered.
+//! A group on its way: admitted, judged and followed by alerts; its answers foretold; then written; then answered.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::time::Instant;
@@ -15,7 +15,7 @@ use crate::telemetry;
 /// What a group comes to, before it is written.
 pub(super) struct Prepared {
     pub changes: Changes,
-    pub found: judging::Judged,
+    pub newest: Vec<judging::Newest>,
     /// One an item; they hold when the changes are on disk.
     pub replies: Vec<Reply>,
     tally: Tally,
@@ -33,17 +33,17 @@ impl Task {
         }
         let judging = Instant::now();
         let mut changes = group.changes;
-        let mut found = self.judge.judge(&mut changes).await?;
+        let found = self.judge.judge(&mut changes).await?;
         let agreements = self.agreements(&changes).await?;
         self.alerts.refresh(&self.store).await?;
         let sent = sent(items, &replies);
         self.follow(&sent, &mut changes, &found, &agreements, now)?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         let tally = Tally::of(&sent, &changes, &found.verdicts);
-        // Six kilobytes a record; nobody else is told.
-        let verdicts = std::mem::take(&mut found.verdicts);
-        self.enter_verdicts(items, &mut replies, &verdicts, &changes);
-        Ok(Prepared { changes, found, replies, tally })
+        if items.iter().any(|item| item.with_verdicts) {
+            self.enter_verdicts(items, &mut replies, &found.verdicts, &changes);
+        }
+        Ok(Prepared { changes, newest: found.newest, replies, tally })
     }
 
     /// Enters the verdicts into the replies that are to hold them.
@@ -71,8 +71,8 @@ impl Task {
             metrics::histogram!(telemetry::GROUP).record(items.len() as f64);
         }
         let is_campaign = |item: &Item<'_>| item.sent.calibration().is_some_and(|sent| sent.kind == Kind::Campaign);
-        let new = items.iter().zip(&replies).filter(|(_, reply)| matches!(reply, Ok(Accepted::Stored { .. })));
-        if new.into_iter().any(|(item, _)| is_campaign(item)) {
+        let is_new = |reply: &Reply| matches!(reply, Ok(Accepted::Stored { .. }));
+        if items.iter().zip(&replies).any(|(item, reply)| is_campaign(item) && is_new(reply)) {
             self.after.due.send_modify(|moved| *moved += 1);
         }
         tally.count();
@@ -80,18 +80,18 @@ impl Task {
     }
 }
 
-/// When those who are told ahead have been told what a group's answers are.
+/// Whether a group's answers have been foretold.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Told {
     Ahead,
     Now,
 }
 
-/// Tells those who are told ahead what will be answered to them.
+/// Tells those who make words of their answers, with verdicts, what these will be.
 pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
-    for (items, ahead, teller) in jobs {
+    for (items, with_verdicts, teller) in jobs {
         let (own, others) = replies.split_at(items.len());
-        if *ahead {
+        if *with_verdicts {
             teller.foretell(own.to_vec());
         }
         replies = others;
@@ -102,9 +102,9 @@ pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
 pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>, told: Told) {
     count(jobs.iter().flat_map(items_of), &replies);
     let mut replies = replies.into_iter();
-    for (items, ahead, teller) in jobs {
+    for (items, with_verdicts, teller) in jobs {
         let own = replies.by_ref().take(items.len()).collect();
-        if ahead && told == Told::Ahead {
+        if with_verdicts && told == Told::Ahead {
             teller.hold();
         } else {
             teller.tell(own);

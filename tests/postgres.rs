@@ -6,6 +6,7 @@ mod receiver;
 mod support;
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -506,10 +507,10 @@ async fn a_database_that_crashes_under_load_loses_nothing_and_servers_go_on_with
     }
 }
 
-/// Campaigns as one import, of so many IMUs.
-fn campaigns(count: usize) -> String {
+/// Campaigns as one import, of IMUs with these numbers.
+fn campaigns(numbers: Range<usize>) -> String {
     let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
-    let lines = (0..count).map(|number| {
+    let lines = numbers.map(|number| {
         let mut campaign = campaign.clone();
         campaign["imu"] = json!(format!("IMU-{number}"));
         for (slot, gyro) in campaign["gyros"].as_array_mut().unwrap().iter_mut().enumerate() {
@@ -537,7 +538,7 @@ async fn servers_share_the_diagnoses_and_make_those_of_one_that_is_killed() {
     const CAMPAIGNS: usize = 24;
     let url = cluster::fresh_database().await;
     let servers = [server_on(&url).await, server_on(&url).await];
-    let answer = servers[0].post("/v1/import", "application/x-ndjson", campaigns(CAMPAIGNS)).await;
+    let answer = servers[0].post("/v1/import", "application/x-ndjson", campaigns(0..CAMPAIGNS)).await;
     assert_eq!(answer.text().matches("\"status\":201").count(), CAMPAIGNS);
     until("all are diagnosed", Duration::from_secs(180), async || count(&url, DIAGNOSED).await == CAMPAIGNS as i64)
         .await;
@@ -569,28 +570,32 @@ async fn what_a_server_has_claimed_stays_its_own_however_long_it_takes() {
     let many = 4 * std::thread::available_parallelism().map_or(2, |n| n.get().max(2));
     let url = cluster::fresh_database().await;
     let server = server_on(&url).await;
-    let answer = server.post("/v1/import", "application/x-ndjson", campaigns(many)).await;
-    assert_eq!(answer.text().matches("\"status\":201").count(), many);
-    let sent = record("IMU-0", &day(0), &[("G1", "LFG-0", 1.0, 2.0)]);
+    let sent = record("IMU-R", &day(0), &[("G1", "LFG-R", 1.0, 2.0)]);
     let mut connection = PgConnection::connect(&url).await.unwrap();
-    let (begun, mut longest) = (Instant::now(), Duration::ZERO);
-    let (mut claimed, mut since) = (Vec::new(), Instant::now());
-    while count(&url, DIAGNOSED).await < many as i64 {
-        // A diagnosis gives way to what comes in, so that those that were claimed together take longer than a claim holds.
-        assert!(server.post_json("/v1/records", &sent).await.status < 300);
-        let sql = "SELECT record, until > now() FROM diagnosis_claim ORDER BY record";
-        let found: Vec<(i64, bool)> = sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap();
-        assert!(found.iter().all(|(_, holds)| *holds), "a claim has ended under the work");
-        if found != claimed {
-            (claimed, since) = (found, Instant::now());
-        } else if !claimed.is_empty() {
-            longest = longest.max(since.elapsed());
+    let (begun, mut longest, mut brought) = (Instant::now(), Duration::ZERO, 0);
+    // Once more where the machine was slow: what comes in then leaves gaps in which diagnoses are made.
+    while longest <= LEASE && begun.elapsed() < Duration::from_secs(60) {
+        let answer = server.post("/v1/import", "application/x-ndjson", campaigns(brought..brought + many)).await;
+        assert_eq!(answer.text().matches("\"status\":201").count(), many);
+        brought += many;
+        let (mut claimed, mut since) = (Vec::new(), Instant::now());
+        while count(&url, DIAGNOSED).await < brought as i64 {
+            // A diagnosis gives way to what comes in, so that those that were claimed together take longer than a claim holds.
+            assert!(server.post_json("/v1/records", &sent).await.status < 300);
+            let sql = "SELECT record, until > now() FROM diagnosis_claim ORDER BY record";
+            let found: Vec<(i64, bool)> = sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap();
+            assert!(found.iter().all(|(_, holds)| *holds), "a claim has ended under the work");
+            if found != claimed {
+                (claimed, since) = (found, Instant::now());
+            } else if !claimed.is_empty() {
+                longest = longest.max(since.elapsed());
+            }
+            assert!(begun.elapsed() < Duration::from_secs(180), "not all are diagnosed");
+            tokio::time::sleep(Duration::from_millis(20)).await;
         }
-        assert!(begun.elapsed() < Duration::from_secs(180), "not all are diagnosed");
-        tokio::time::sleep(Duration::from_millis(20)).await;
     }
     assert!(longest > LEASE, "nothing took longer than a claim holds: {longest:?} prove nothing");
-    assert_eq!(made_by(&server).await, many);
+    assert_eq!(made_by(&server).await, brought);
 }
 
 /// What a service says that ends by itself, with a failure.

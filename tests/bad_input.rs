@@ -3,6 +3,7 @@
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
 //! pointer, or words of the detail), and leave the service's holdings as they were.
 
+mod behind;
 mod spoken;
 mod support;
 
@@ -13,7 +14,6 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use sqlx::ConnectOptions;
 use support::{Server, asked, cluster, seed};
 use tokio::io::AsyncReadExt;
 
@@ -751,12 +751,7 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
     }
     let groups = asked("GYROWATCH_SOAK_ROUNDS", 4);
     let server = Server::start().await;
-    // Behind the service's back, so that only the database knows.
-    let file = sqlx::sqlite::SqliteConnectOptions::new().filename(server.dir().join("gyrowatch.db"));
-    let mut database = file.connect().await.unwrap();
-    let trigger = "CREATE TRIGGER poison BEFORE INSERT ON record WHEN instr(CAST(NEW.body AS TEXT), 'POISON') > 0
-                   BEGIN SELECT raise(ABORT, 'poisoned'); END";
-    sqlx::raw_sql(trigger).execute(&mut database).await.unwrap();
+    behind::execute(&server.dir().join("gyrowatch.db"), behind::POISON).await;
     // The larger ones are judged while another is being written.
     let sizes = [64, 320];
     let (mut good, mut poisoned, mut unreadable, mut ids) = ([0_i64; 320], 0, 0, BTreeSet::new());

@@ -1,5 +1,6 @@
 //! What a station sees: records are accepted, judged and kept, or refused with the place named.
 
+mod behind;
 mod lab;
 
 use std::collections::BTreeSet;
@@ -8,8 +9,6 @@ use gyrowatch::config::Config;
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
-use sqlx::ConnectOptions;
-use sqlx::sqlite::SqliteConnectOptions;
 
 use lab::{Answer, JSON, Lab, NDJSON, assert_close, bench, cluster, day, record, tables_3_and_4, verdict};
 
@@ -323,12 +322,6 @@ fn of_a_fleet(from: i64, days: i64) -> Vec<Value> {
 /// Makes the database take half a millisecond or more for a record, so that more comes while a group is written.
 const SLOW: &str = "CREATE TRIGGER slow AFTER INSERT ON record BEGIN SELECT length(hex(randomblob(100000))); END";
 
-/// What the database alone knows.
-async fn behind_its_back(lab: &Lab, sql: &'static str) {
-    let file = SqliteConnectOptions::new().filename(lab.database());
-    sqlx::raw_sql(sql).execute(&mut file.connect().await.unwrap()).await.unwrap();
-}
-
 /// What is said of a gyro's calibrations, without identifiers.
 async fn states_of(lab: &Lab, serial: &str) -> Vec<[Value; 3]> {
     let trend = lab.sees_trend(serial, "coefficient=D_I").await;
@@ -359,7 +352,7 @@ async fn an_import_that_is_judged_while_it_is_written_ends_as_in_small_parts() {
     };
     let (at_once, in_parts) = (Lab::with(steps_alone).await, Lab::with(steps_alone).await);
     if !cluster::is_wanted() {
-        behind_its_back(&at_once, SLOW).await;
+        behind::execute(&at_once.database(), SLOW).await;
     }
     // Stretches of 25 days, of which the later comes first twice.
     let stretch = |k: i64| of_a_fleet(1 + 25 * k, 25);
@@ -393,10 +386,8 @@ async fn a_record_that_the_database_refuses_takes_nothing_of_a_great_import_alon
         return;
     }
     let (lab, spared) = (Lab::open().await, Lab::open().await);
-    let trigger = "CREATE TRIGGER poison BEFORE INSERT ON record WHEN instr(CAST(NEW.body AS TEXT), 'POISON') > 0
-                   BEGIN SELECT raise(ABORT, 'poisoned'); END";
-    behind_its_back(&lab, trigger).await;
-    behind_its_back(&lab, SLOW).await;
+    behind::execute(&lab.database(), behind::POISON).await;
+    behind::execute(&lab.database(), SLOW).await;
     let (first, mut rest) = (of_a_fleet(0, 1), of_a_fleet(1, 150));
     lab.imports(&first).await;
     spared.imports(&first).await;

@@ -5,15 +5,16 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gyrowatch::core::judge::{BASELINE_RECORDS, History, Limits, Measured, Sample, judge};
+use gyrowatch::core::judge::{BASELINE_RECORDS, History, Limits, Measured, Sample, Series, judge};
 use gyrowatch::core::time::UtcMicros;
 
 fn one_gyro(c: &mut Criterion) {
     let wobble = |i: usize, factor: f64| ((i as f64 * factor).fract() - 0.5) * 3e-3;
-    let history = |per_record: f64| -> Vec<Sample> {
+    let history = |per_record: f64| -> Series {
         let figure = |value| Measured { value, sd: Some(5e-4) };
         let d = |i| [3.0 + wobble(i, 0.618) + per_record * i as f64, 5.0 + wobble(i, 0.414), wobble(i, 0.732)];
-        (0..52).map(|i| Sample { at: UtcMicros(0).plus_days(14.0 * i as f64), d: d(i).map(figure) }).collect()
+        let sample = |i| Sample { at: UtcMicros(0).plus_days(14.0 * i as f64), d: d(i).map(figure) };
+        (0..52).map(sample).collect::<Vec<_>>().into()
     };
     let limits = Limits::default();
     for (name, per_record) in [("a stable gyro", 0.0), ("a drifting gyro", 4e-4)] {

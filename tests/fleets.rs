@@ -5,7 +5,8 @@ mod fleet;
 
 use fleet::{Course, Fired, Fleet, replay};
 use gyrowatch::core::judge::{
-    BASELINE_RECORDS, Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Rule, Sample, Verdict, judge,
+    BASELINE_RECORDS, Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Rule, Sample, Series, Verdict,
+    judge,
 };
 use gyrowatch::core::time::UtcMicros;
 use rand_distr::{Distribution, StandardNormal};
@@ -94,7 +95,7 @@ fn records_that_arrive_late_end_in_the_same_verdicts() {
 
 fn newest(samples: &[Sample]) -> Vec<Verdict> {
     let mut verdicts = Vec::new();
-    let history = History { samples, baseline: &samples[..BASELINE_RECORDS], marks: &[] };
+    let history = History { samples: &samples.into(), baseline: &samples[..BASELINE_RECORDS], marks: &[] };
     judge(&history, samples.len() - 1, &Limits::default(), &mut verdicts);
     verdicts
 }
@@ -116,7 +117,7 @@ fn a_stable_coefficient_passes_the_cumulative_sum_once_in_as_many_records_as_con
 }
 
 fn run_length(seed: u32, limits: &Limits) -> usize {
-    let (mut rng, mut samples, mut verdicts) = (Fleet::rng(u64::from(seed)), Vec::new(), Vec::new());
+    let (mut rng, mut samples, mut verdicts) = (Fleet::rng(u64::from(seed)), Series::default(), Vec::new());
     loop {
         let z: f64 = StandardNormal.sample(&mut rng);
         let at = UtcMicros(0).plus_days(samples.len() as f64);

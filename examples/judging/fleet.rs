@@ -3,7 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use gyrowatch::core::judge::{BASELINE_RECORDS, Coefficient, History, Limits, Measured, Rule, Sample, Verdict, judge};
+use gyrowatch::core::judge::{
+    BASELINE_RECORDS, Coefficient, History, Limits, Measured, Rule, Sample, Series, Verdict, judge,
+};
 use gyrowatch::core::notify::{Action, Alert, Policy, follow};
 use gyrowatch::core::time::UtcMicros;
 use rand::{RngExt, SeedableRng};
@@ -89,11 +91,10 @@ pub struct Fired {
 /// Judges one gyro's records as they arrive and collects every alert that begins to fire.
 pub fn replay(arrivals: &[Arrival], limits: &Limits) -> Vec<Fired> {
     let policy = Policy::default();
-    let (mut samples, mut alerts, mut fired) = (Vec::<Sample>::new(), BTreeMap::<_, Alert>::new(), Vec::new());
+    let (mut samples, mut alerts, mut fired) = (Series::default(), BTreeMap::<_, Alert>::new(), Vec::new());
     let mut verdicts: Vec<Verdict> = Vec::new();
     for (i, arrival) in arrivals.iter().enumerate() {
-        let place = samples.partition_point(|sample| sample.at < arrival.sample.at);
-        samples.insert(place, arrival.sample);
+        samples.insert(arrival.sample);
         let newest = samples.len() - 1;
         let history =
             History { samples: &samples, baseline: &samples[..BASELINE_RECORDS.min(samples.len())], marks: &[] };

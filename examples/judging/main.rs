@@ -8,7 +8,9 @@
 mod fleet;
 
 use fleet::{Course, Fired, Fleet, replay};
-use gyrowatch::core::judge::{Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Rule, Sample, judge};
+use gyrowatch::core::judge::{
+    Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Rule, Sample, Series, judge,
+};
 use gyrowatch::core::time::UtcMicros;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -123,13 +125,13 @@ fn first_passages(rng: &mut ChaCha8Rng, thresholds: &[f64], lengths: &mut [(f64,
     const LONGEST: usize = 100_000;
     const KEEP: usize = 40;
     let limits = Limits { d_i: only_cusum(), d_s: DriftLimits::none(), closure: None, ..Limits::default() };
-    let (mut samples, mut verdicts) = (Vec::with_capacity(KEEP + 1), Vec::new());
+    let (mut samples, mut verdicts) = (Series::default(), Vec::new());
     let mut open = 0;
     for n in 1..=LONGEST {
         let z: f64 = StandardNormal.sample(rng);
         let at = UtcMicros(0).plus_days(n as f64);
         if samples.len() == KEEP {
-            samples.remove(0);
+            samples.forget(1);
         }
         samples.push(Sample { at, d: [Measured::exact(z); 3] });
         verdicts.clear();

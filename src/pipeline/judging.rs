@@ -8,7 +8,7 @@ use super::alerting::Naming;
 use super::line::{Line, baseline_of, load_marks, mark_of, sample_of};
 use crate::config::Judging;
 use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Need, Sample, baseline_since};
-use crate::core::judge::{Coefficient, Finding, Limits, Rule, Verdict, judge};
+use crate::core::judge::{Coefficient, Finding, Limits, Rule, Series, Verdict, judge};
 use crate::core::notify::Policy;
 use crate::core::time::UtcMicros;
 use crate::store::{Changes, Figures, HistoryRow, Id, Span, States, Store, StoreError, StoredVerdict, VerdictSheet};
@@ -171,6 +171,7 @@ impl Judge {
         let mut samples: Vec<Sample> = stored.iter().map(|figures| sample_of(figures, method)).collect();
         samples.extend(indices.iter().map(|&i| sample_of(&changes.history[i].figures, method)));
         samples.sort_by_key(|sample| sample.at);
+        let samples = Series::from(samples);
 
         let need = Need::of(&self.limits(None));
         let mut again = affected(&samples, &marks, &altered, need);
@@ -203,7 +204,7 @@ impl Judge {
         let new_rows = indices.iter().map(|&i| changes.history[i].figures);
         let newest = stored.iter().copied().chain(new_rows).max_by_key(|figures| figures.at);
         found.newest.extend(newest.map(|figures| Newest { gyro, figures }));
-        let mut line = Line::of_all(samples, marks);
+        let mut line = Line::of_all(samples.to_vec(), marks);
         line.trim(need);
         self.lines.insert(gyro, line);
         Ok(())

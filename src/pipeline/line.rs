@@ -4,14 +4,14 @@ use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
 use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since};
-use crate::core::judge::{Limits, Verdict, judge};
+use crate::core::judge::{Limits, Series, Verdict, judge};
 use crate::core::time::UtcMicros;
 use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
 
 /// The newest records of one gyro, its newest baseline, and what was done to it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Line {
-    samples: Vec<Sample>,
+    samples: Series,
     baseline: Vec<Sample>,
     /// Where that baseline begins.
     since: Option<UtcMicros>,
@@ -43,8 +43,8 @@ impl Line {
         let since = baseline_since(&marks, last);
         let of_baseline = Span { from: since.unwrap_or(Span::EVER.from), to: until };
         let baseline = store.history(gyro, of_baseline, BASELINE_RECORDS).await?;
-        let samples = |figures: &[Figures]| figures.iter().map(|f| sample_of(f, method)).collect();
-        Ok(Self { samples: samples(&newest), baseline: samples(&baseline), since, marks })
+        let samples = |figures: &[Figures]| figures.iter().map(|f| sample_of(f, method)).collect::<Vec<_>>();
+        Ok(Self { samples: samples(&newest).into(), baseline: samples(&baseline), since, marks })
     }
 
     /// The line up to a record that does not count any more, of what counted when that was said of it.
@@ -125,7 +125,7 @@ impl Line {
         let by_time = self.samples.partition_point(|sample| sample.at < from);
         let excess = by_time.min(self.samples.len().saturating_sub(need.records + 1));
         if excess > READ_AHEAD {
-            self.samples.drain(..excess);
+            self.samples.forget(excess);
         }
     }
 }

@@ -376,7 +376,11 @@ mod tests {
             let mark = Mark::of(TODAY.plus_days(stories::BACK - 1.0 - DAYS), Event::Repair);
             let marks: &[Mark] = if repaired { &[mark] } else { &[] };
             let start = samples.iter().position(|sample| !repaired || sample.at >= mark.at).expect("records after it");
-            let history = History { samples: &samples, baseline: &samples[start..start + BASELINE_RECORDS], marks };
+            let history = History {
+                samples: &samples.clone().into(),
+                baseline: &samples[start..start + BASELINE_RECORDS],
+                marks,
+            };
             let mut verdicts = Vec::new();
             judge(&history, samples.len() - 1, &Limits::default(), &mut verdicts);
             for verdict in verdicts.iter().filter(|verdict| verdict.state == State::Exceeded) {

@@ -3,7 +3,7 @@
 use crate::core::time::UtcMicros;
 
 use super::limits::Limits;
-use super::{Coefficient, Rule};
+use super::{Coefficient, Rule, Series};
 
 /// A baseline is the mean of this many records after the last mark that resets it.
 pub const BASELINE_RECORDS: usize = 3;
@@ -131,7 +131,7 @@ impl Mark {
 pub struct History<'a> {
     /// Consecutive records without the voided ones, oldest first: as far back as [`Need`] says. What comes after the
     /// judged record does no harm.
-    pub samples: &'a [Sample],
+    pub samples: &'a Series,
     /// The first [`BASELINE_RECORDS`] records at or after [`baseline_since`], or fewer where there are not so many.
     pub baseline: &'a [Sample],
     /// Every event of the gyro, oldest first.
@@ -177,15 +177,18 @@ impl Need {
 impl<'a> History<'a> {
     /// The records that `rule` may compare with record `k`: from the last event that resets the rule, `k` included.
     pub(crate) fn since_reset(&self, k: usize, rule: Rule) -> &'a [Sample] {
+        &self.samples[self.first_since_reset(k, rule)..=k]
+    }
+
+    /// Place of the first of [`History::since_reset`].
+    pub(crate) fn first_since_reset(&self, k: usize, rule: Rule) -> usize {
         let upto = &self.samples[..=k];
         let at = self.samples[k].at;
-        let start = self
-            .marks
+        self.marks
             .iter()
             .rev()
             .find(|mark| mark.at <= at && mark.event.resets(rule))
-            .map_or(0, |mark| upto.partition_point(|sample| sample.at < mark.at));
-        &upto[start..]
+            .map_or(0, |mark| upto.partition_point(|sample| sample.at < mark.at))
     }
 
     /// The baseline's records that precede record `k`; complete with [`BASELINE_RECORDS`] of them.

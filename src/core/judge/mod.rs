@@ -9,8 +9,10 @@ pub mod limits;
 
 mod decide;
 mod decimal;
+mod extremes;
 mod reason;
 mod rules;
+mod series;
 
 pub use history::{
     BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, baseline_since, stated_level,
@@ -18,6 +20,7 @@ pub use history::{
 pub use limits::{Bounds, CusumLimits, DriftLimits, Limits, Requirement, TrendLimits};
 pub use reason::{Finding, turn_arcmin};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
+pub use series::Series;
 
 use rules::Case;
 

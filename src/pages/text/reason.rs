@@ -165,7 +165,7 @@ fn sd_digits(sd: f64, limit: f64) -> usize {
 mod tests {
     use super::*;
     use crate::core::judge::history::{BASELINE_RECORDS, History, Measured, Sample};
-    use crate::core::judge::{Limits, judge};
+    use crate::core::judge::{Limits, Series, judge};
 
     /// Every number of the English reason stands in the Chinese one, whatever the rule.
     #[test]
@@ -179,7 +179,7 @@ mod tests {
                 at: UtcMicros(k as i64 * 9 * UtcMicros::DAY),
                 d: [measured(d(k)), measured(-d(k)), measured(0.01 * d(k))],
             };
-            let samples: Vec<Sample> = (0..24).map(sample).collect();
+            let samples = Series::from((0..24).map(sample).collect::<Vec<_>>());
             let history = History { samples: &samples, baseline: &samples[..BASELINE_RECORDS], marks: &[] };
             for k in [2, 10, 23] {
                 judge(&history, k, &Limits::default(), &mut verdicts);

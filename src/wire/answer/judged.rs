@@ -93,7 +93,12 @@ mod tests {
                 .collect();
             for k in 0..samples.len() {
                 let baseline = &samples[..samples.len().min(3).min(k + 1)];
-                judge(&History { samples: &samples, baseline, marks: &[] }, k, &Limits::default(), &mut verdicts);
+                judge(
+                    &History { samples: &samples.clone().into(), baseline, marks: &[] },
+                    k,
+                    &Limits::default(),
+                    &mut verdicts,
+                );
             }
         }
         let requirement = Finding::Requirement { figure: "E_x", low: 0.1, high: 2.5, others_outside: 2 };

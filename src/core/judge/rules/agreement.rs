@@ -1,8 +1,8 @@
 //! `agreement`: the range over the methods that measured a gyro (the paper's Table 5) against its limit.
 
-use super::range::Extremes;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::decide::range_beyond;
+use crate::core::judge::extremes::Extremes;
 use crate::core::judge::history::Measured;
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 use crate::core::time::UtcMicros;
@@ -41,13 +41,13 @@ pub fn agreement(coefficient: Coefficient, results: &[SourcedResult], limit: f64
         let finding = Finding::TooFew { have: results.len(), need: 2 };
         (None, None, State::Indeterminate, None, false, finding)
     } else {
-        let extremes = Extremes::of(results.iter().map(|result| result.measured.value));
+        let extremes = Extremes::of(0, results.iter().map(|result| result.measured.value));
         let (lowest, highest) = (&results[extremes.lowest], &results[extremes.highest]);
         let range = highest.measured.minus(lowest.measured);
         let outcome = range_beyond(range, results.len(), limit, confidence);
         let of = |result: &SourcedResult| (result.source, result.at, result.measured.value);
         let finding = Finding::Agreement { results: results.len(), lowest: of(lowest), highest: of(highest) };
-        let confirmed = extremes.range_without_one > limit;
+        let confirmed = extremes.range_without_one() > limit;
         (Some(range.value), range.sd, outcome.state, outcome.probability, confirmed, finding)
     };
     Verdict { coefficient, rule: Rule::Agreement, state, value, limit, sd, probability, confirmed, finding }

@@ -1,0 +1,175 @@
+//! A gyro's records in a row, with the extremes of any stretch of them at hand.
+
+use std::ops::{Deref, Range};
+
+use super::extremes::Extremes;
+use super::history::Sample;
+
+/// Records of one gyro, oldest first, no two at the same instant.
+///
+/// Rules that look back over days may have thousands of records before them, so the extremes of runs of 16, 256, 4096 ... records
+/// are kept: those of any stretch take some thirty steps for each power of sixteen in its length.
+#[derive(Debug, Clone, Default)]
+pub struct Series {
+    samples: Vec<Sample>,
+    /// Of each length of run, those of every run that is complete, by column of [`Sample::d`].
+    runs: Vec<Vec<[Extremes; COLUMNS]>>,
+}
+
+const COLUMNS: usize = 3;
+/// Records, or shorter runs, in a run.
+const RUN: usize = 16;
+
+impl Series {
+    pub fn push(&mut self, sample: Sample) {
+        self.samples.push(sample);
+        self.complete(0);
+    }
+
+    /// Puts a record in its place by time.
+    pub fn insert(&mut self, sample: Sample) {
+        let place = self.samples.partition_point(|there| there.at < sample.at);
+        self.samples.insert(place, sample);
+        self.rebuild(place);
+    }
+
+    /// Forgets the oldest `count` records.
+    pub fn forget(&mut self, count: usize) {
+        self.samples.drain(..count);
+        self.rebuild(0);
+    }
+
+    /// The extremes of a column over a stretch of places.
+    pub(crate) fn extremes(&self, column: usize, Range { start, end }: Range<usize>) -> Extremes {
+        let (mut found, mut at) = (Extremes::NONE, start);
+        while at < end {
+            let begins_and_ends = |(length, _): &(usize, _)| at.is_multiple_of(*length) && at + length <= end;
+            let lengths = std::iter::successors(Some(RUN), |length| Some(length * RUN));
+            let longest = lengths.zip(&self.runs).take_while(begins_and_ends).last();
+            let (length, part) = longest.map_or_else(
+                || (1, Extremes::of(at, std::iter::once(self.samples[at].d[column].value))),
+                |(length, runs)| (length, runs[at / length][column]),
+            );
+            found = found.and(part);
+            at += length;
+        }
+        found
+    }
+
+    /// Makes anew what holds a record at `place` or after it.
+    fn rebuild(&mut self, place: usize) {
+        let mut length = RUN;
+        for runs in &mut self.runs {
+            runs.truncate(place / length);
+            length *= RUN;
+        }
+        self.complete(0);
+    }
+
+    /// Adds the runs that have become complete, from the `level`-th length on.
+    fn complete(&mut self, level: usize) {
+        let shorter = level.checked_sub(1).map_or(self.samples.len(), |shorter| self.runs[shorter].len());
+        if self.runs.len() == level {
+            if shorter < RUN {
+                return;
+            }
+            self.runs.push(Vec::new());
+        }
+        let before = self.runs[level].len();
+        for run in before..shorter / RUN {
+            let parts = run * RUN..(run + 1) * RUN;
+            let of = |column: usize| match level.checked_sub(1) {
+                None => Extremes::of(parts.start, self.samples[parts.clone()].iter().map(|s| s.d[column].value)),
+                Some(shorter) => {
+                    self.runs[shorter][parts.clone()].iter().fold(Extremes::NONE, |found, part| found.and(part[column]))
+                }
+            };
+            let extremes = std::array::from_fn(of);
+            self.runs[level].push(extremes);
+        }
+        if self.runs[level].len() > before || self.runs.len() > level + 1 {
+            self.complete(level + 1);
+        }
+    }
+}
+
+impl From<Vec<Sample>> for Series {
+    /// `samples` are oldest first.
+    fn from(samples: Vec<Sample>) -> Self {
+        let mut series = Self { samples, runs: Vec::new() };
+        series.complete(0);
+        series
+    }
+}
+
+impl From<&[Sample]> for Series {
+    fn from(samples: &[Sample]) -> Self {
+        samples.to_vec().into()
+    }
+}
+
+impl Deref for Series {
+    type Target = [Sample];
+
+    fn deref(&self) -> &[Sample] {
+        &self.samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::core::judge::Measured;
+    use crate::core::time::UtcMicros;
+
+    fn sample(at: i64, value: i32) -> Sample {
+        let d = [value, -value, value % 3].map(|value| Measured::exact(f64::from(value)));
+        Sample { at: UtcMicros(at), d }
+    }
+
+    /// By sorting: what is left without the lowest, and without the highest.
+    fn by_sorting(values: &[f64]) -> (usize, usize, f64) {
+        let place = |wanted: f64| values.iter().position(|value| *value == wanted).expect("it is one of them");
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len() - 1;
+        let left = (sorted[last] - sorted[1]).min(sorted[last - 1] - sorted[0]);
+        (place(sorted[0]), place(sorted[last]), left)
+    }
+
+    proptest! {
+        #[test]
+        fn every_stretch_has_the_extremes_that_sorting_finds(
+            values in prop::collection::vec(-40..40, 2..700),
+            late in prop::collection::vec((0.0..1.0, -60..60), 0..4),
+            forgotten in 0.0..0.5,
+            ends in prop::array::uniform2(0.0..1.0),
+        ) {
+            let mut series = Series::default();
+            values.iter().zip(0..).for_each(|(value, at)| series.push(sample(2 * at, *value)));
+            for (at, value) in late {
+                let at = 2 * (at * values.len() as f64) as i64 - 1;
+                if series.iter().all(|there| there.at.0 != at) {
+                    series.insert(sample(at, value));
+                }
+            }
+            series.forget((forgotten * values.len() as f64) as usize);
+            prop_assert!(series.is_sorted_by_key(|there| there.at));
+            let anew = Series::from(&series[..]);
+            let [a, b] = ends.map(|end| (end * series.len() as f64) as usize);
+            let (start, end) = (a.min(b), a.max(b) + 1);
+            for column in 0..COLUMNS {
+                let found = series.extremes(column, start..end);
+                prop_assert_eq!(found, anew.extremes(column, start..end));
+                let of_stretch: Vec<f64> = series[start..end].iter().map(|s| s.d[column].value).collect();
+                if let [_, _, ..] = of_stretch[..] {
+                    let (lowest, highest, left) = by_sorting(&of_stretch);
+                    prop_assert_eq!((found.lowest, found.highest), (start + lowest, start + highest));
+                    prop_assert_eq!(found.range_without_one(), left);
+                }
+            }
+        }
+    }
+}

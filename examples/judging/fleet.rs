@@ -94,7 +94,7 @@ pub fn replay(arrivals: &[Arrival], limits: &Limits) -> Vec<Fired> {
     let (mut samples, mut alerts, mut fired) = (Series::default(), BTreeMap::<_, Alert>::new(), Vec::new());
     let mut verdicts: Vec<Verdict> = Vec::new();
     for (i, arrival) in arrivals.iter().enumerate() {
-        samples.insert(arrival.sample);
+        samples.insert([arrival.sample]);
         let newest = samples.len() - 1;
         let history =
             History { samples: &samples, baseline: &samples[..BASELINE_RECORDS.min(samples.len())], marks: &[] };

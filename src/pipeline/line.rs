@@ -16,6 +16,8 @@ pub(super) struct Line {
     /// Where that baseline begins.
     since: Option<UtcMicros>,
     marks: Vec<Mark>,
+    /// Whether there are older records that are not here.
+    cut: bool,
 }
 
 /// Records read at once; nearly always all that the rules look back over.
@@ -32,11 +34,12 @@ impl Line {
     ) -> Result<Self, StoreError> {
         let marks = load_marks(store, gyro).await?;
         let upto = Span { to: until, ..Span::EVER };
-        let mut newest = store.newest_history(gyro, upto, READ_AHEAD.max(need.records + 1)).await?;
+        let ahead = READ_AHEAD.max(need.records + 1);
+        let mut newest = store.newest_history(gyro, upto, ahead).await?;
         let Some(last) = newest.last().map(|figures| figures.at) else {
             return Ok(Self { marks, ..Self::default() });
         };
-        let from = last.plus_days(-need.days);
+        let (from, cut) = (last.plus_days(-need.days), newest.len() >= ahead);
         if newest.len() >= READ_AHEAD && newest[0].at > from {
             newest = store.history(gyro, Span { from, to: until }, usize::MAX).await?;
         }
@@ -44,7 +47,7 @@ impl Line {
         let of_baseline = Span { from: since.unwrap_or(Span::EVER.from), to: until };
         let baseline = store.history(gyro, of_baseline, BASELINE_RECORDS).await?;
         let samples = |figures: &[Figures]| figures.iter().map(|f| sample_of(f, method)).collect::<Vec<_>>();
-        Ok(Self { samples: samples(&newest).into(), baseline: samples(&baseline), since, marks })
+        Ok(Self { samples: samples(&newest).into(), baseline: samples(&baseline), since, marks, cut })
     }
 
     /// The line up to a record that does not count any more, of what counted when that was said of it.
@@ -93,6 +96,10 @@ impl Line {
         &self.marks
     }
 
+    pub fn samples(&self) -> &Series {
+        &self.samples
+    }
+
     pub fn len(&self) -> usize {
         self.samples.len()
     }
@@ -108,6 +115,28 @@ impl Line {
             self.baseline.push(sample);
         }
         self.samples.push(sample);
+    }
+
+    /// Whether new records of the time from `from` to `to`, and all after the first of them, can be judged by what is here: everything
+    /// that the rules look back to, and a baseline to which none of them belongs.
+    pub fn reaches_back(&self, [from, to]: [UtcMicros; 2], need: Need) -> bool {
+        let [.., last_of_baseline] = self.baseline[..] else { return false };
+        let complete = self.baseline.len() == BASELINE_RECORDS && from > last_of_baseline.at;
+        let same = [from, to].into_iter().all(|at| baseline_since(&self.marks, at) == self.since);
+        let before = self.samples.partition_point(|sample| sample.at < from);
+        let far = self.samples.first().is_some_and(|first| first.at < from.plus_days(-need.days));
+        complete && same && (!self.cut || far && before >= need.records)
+    }
+
+    /// Puts records in their places to which the line [reaches back](Line::reaches_back).
+    pub fn insert(&mut self, late: impl IntoIterator<Item = Sample>) {
+        self.samples.insert(late);
+    }
+
+    /// The history in which the records of a line that is not cut, or to which it reaches back, are judged.
+    pub fn history_at(&self, at: UtcMicros) -> History<'_> {
+        let baseline = if self.cut { &self.baseline } else { baseline_of(&self.samples, &self.marks, at) };
+        History { samples: &self.samples, baseline, marks: &self.marks }
     }
 
     pub fn judge_newest(&self, limits: &Limits) -> Vec<Verdict> {
@@ -126,6 +155,7 @@ impl Line {
         let excess = by_time.min(self.samples.len().saturating_sub(need.records + 1));
         if excess > READ_AHEAD {
             self.samples.forget(excess);
+            self.cut = true;
         }
     }
 }

@@ -26,10 +26,13 @@ impl Series {
         self.complete(0);
     }
 
-    /// Puts a record in its place by time.
-    pub fn insert(&mut self, sample: Sample) {
-        let place = self.samples.partition_point(|there| there.at < sample.at);
-        self.samples.insert(place, sample);
+    /// Puts records in their places by time.
+    pub fn insert(&mut self, samples: impl IntoIterator<Item = Sample>) {
+        let before = self.samples.len();
+        self.samples.extend(samples);
+        let Some(first) = self.samples[before..].iter().map(|new| new.at).min() else { return };
+        let place = self.samples[..before].partition_point(|there| there.at < first);
+        self.samples[place..].sort_by_key(|sample| sample.at);
         self.rebuild(place);
     }
 
@@ -118,6 +121,8 @@ impl Deref for Series {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -149,12 +154,8 @@ mod tests {
         ) {
             let mut series = Series::default();
             values.iter().zip(0..).for_each(|(value, at)| series.push(sample(2 * at, *value)));
-            for (at, value) in late {
-                let at = 2 * (at * values.len() as f64) as i64 - 1;
-                if series.iter().all(|there| there.at.0 != at) {
-                    series.insert(sample(at, value));
-                }
-            }
+            let late = late.into_iter().map(|(at, value)| (2 * (at * values.len() as f64) as i64 - 1, value));
+            series.insert(late.collect::<BTreeMap<_, _>>().into_iter().rev().map(|(at, value)| sample(at, value)));
             series.forget((forgotten * values.len() as f64) as usize);
             prop_assert!(series.is_sorted_by_key(|there| there.at));
             let anew = Series::from(&series[..]);

@@ -1,0 +1,250 @@
+//! Records that arrive late, events, and what counts no more: put in their place in a gyro's history, and what they alter judged again.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Judge, Judged, Newest, states};
+use crate::core::judge::history::{BASELINE_RECORDS, Mark, Need, Sample, baseline_since};
+use crate::core::judge::{Rule, Verdict, judge};
+use crate::core::time::UtcMicros;
+use crate::pipeline::line::{Line, baseline_of, load_marks, mark_of, sample_of};
+use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
+
+/// A gyro's history as it now is, before what has been altered in it is judged again.
+#[derive(Debug)]
+struct Reopened {
+    line: Line,
+    /// Stored rows, oldest first: those at and after the first change at least.
+    stored: Vec<Figures>,
+    altered: Vec<Altered>,
+    /// Whether something was taken out.
+    shrunk: bool,
+}
+
+/// Something that alters verdicts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Altered {
+    /// A record came in.
+    Inserted { at: UtcMicros },
+    /// A record was taken out; it may have been one of its baseline's.
+    Removed { at: UtcMicros, baseline: bool },
+    /// Something was done to the gyro; a new baseline may begin.
+    Marked { at: UtcMicros, baseline: bool },
+}
+
+fn inserted(indices: &[usize], changes: &Changes) -> impl Iterator<Item = Altered> {
+    indices.iter().map(|&i| Altered::Inserted { at: changes.history[i].figures.at })
+}
+
+/// Takes the records that count no more out of what is stored of a gyro, and tells what that alters.
+fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes: &Changes) -> Vec<Altered> {
+    let of_gyro = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
+    let gone: HashSet<Id> = of_gyro.map(|row| row.figures.record).collect();
+    if gone.is_empty() {
+        return Vec::new();
+    }
+    let at: Vec<UtcMicros> = stored.iter().map(|figures| figures.at).collect();
+    let removed = stored.iter().enumerate().filter(|(_, figures)| gone.contains(&figures.record));
+    let altered = removed.map(|(k, figures)| {
+        let start = baseline_since(marks, figures.at).map_or(0, |since| at.partition_point(|at| *at < since));
+        Altered::Removed { at: figures.at, baseline: k < start + BASELINE_RECORDS }
+    });
+    let altered = altered.collect();
+    stored.retain(|figures| !gone.contains(&figures.record));
+    altered
+}
+
+/// Indices of the records whose verdicts change by what is `altered`: what came in, those whose rules look back to
+/// it, and, where a baseline's records change, all that are compared with it. `samples` are those that count now.
+fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need) -> Vec<usize> {
+    let mut found = HashSet::new();
+    for &change in altered {
+        let (Altered::Inserted { at } | Altered::Removed { at, .. } | Altered::Marked { at, .. }) = change;
+        let start = samples.partition_point(|sample| sample.at < at);
+        let (itself, in_baseline) = match change {
+            Altered::Inserted { at } => (1, baseline_of(samples, marks, at).iter().any(|sample| sample.at == at)),
+            Altered::Removed { baseline, .. } | Altered::Marked { baseline, .. } => (0, baseline),
+        };
+        let later: Vec<UtcMicros> = samples[start + itself..].iter().map(|sample| sample.at).collect();
+        found.extend(start..start + itself + need.reach(at, &later));
+        if in_baseline {
+            let since = baseline_since(marks, at);
+            let same_baseline = |k: &usize| baseline_since(marks, samples[*k].at) == since;
+            found.extend((start..samples.len()).take_while(same_baseline));
+        }
+    }
+    let mut found: Vec<usize> = found.into_iter().collect();
+    found.sort_unstable();
+    found
+}
+
+impl Judge {
+    /// Puts what is new and what counts no more into its place, and judges again what that alters.
+    pub(super) async fn insert(
+        &mut self,
+        gyro: u32,
+        indices: &[usize],
+        changes: &mut Changes,
+        found: &mut Judged,
+        sheets: &mut HashMap<Id, VerdictSheet>,
+    ) -> Result<(), StoreError> {
+        let need = Need::of(&self.limits(None));
+        let Reopened { mut line, stored, altered, shrunk } = match self.remembered(gyro, indices, changes, need) {
+            Some((line, from)) => self.reopen_late(gyro, indices, changes, line, from).await?,
+            None => self.reopen_all(gyro, indices, changes).await?,
+        };
+        let samples = line.samples();
+        let mut again = affected(samples, line.marks(), &altered, need);
+        // What is the newest now is what alerts follow.
+        again.extend(samples.len().checked_sub(1).filter(|last| shrunk && again.last() != Some(last)));
+        for k in again {
+            let at = samples[k].at;
+            let mut judged = Vec::with_capacity(16);
+            let history = line.history_at(at);
+            let new_row = indices.iter().copied().find(|&i| changes.history[i].figures.at == at);
+            if let Some(i) = new_row {
+                let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
+                judge(&history, k, &limits, &mut judged);
+                let figures = &mut changes.history[i].figures;
+                figures.states = states(&judged);
+                found.verdicts.insert((figures.record, gyro), judged);
+            } else if let Ok(i) = stored.binary_search_by_key(&at, |figures| figures.at) {
+                let mut figures = stored[i];
+                judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
+                self.correct_sheet(gyro, figures.record, &judged, sheets).await?;
+                figures.states = states(&judged);
+                if figures.states != stored[i].states {
+                    changes.rejudged.history.push(HistoryRow { gyro, figures });
+                }
+                if k + 1 == samples.len() {
+                    found.verdicts.insert((figures.record, gyro), judged);
+                }
+            }
+        }
+        let new_rows = indices.iter().map(|&i| changes.history[i].figures);
+        let newest = stored.iter().copied().chain(new_rows).max_by_key(|figures| figures.at);
+        found.newest.extend(newest.map(|figures| Newest { gyro, figures }));
+        line.trim(need);
+        self.lines.insert(gyro, line);
+        Ok(())
+    }
+
+    /// A gyro's line, where new records (`indices`, oldest first) are all that comes to it and what is remembered is enough to judge them,
+    /// and when the oldest of them was made. What is taken is forgotten here until it is put back.
+    fn remembered(&mut self, gyro: u32, indices: &[usize], changes: &Changes, need: Need) -> Option<(Line, UtcMicros)> {
+        let [oldest, newest] = [indices.first()?, indices.last()?].map(|&i| changes.history[i].figures.at);
+        let others = changes.events.iter().any(|event| event.gyro == gyro) || changes.withdrawn.gyros().contains(&gyro);
+        let enough = !others && self.lines.get(&gyro).is_some_and(|line| line.reaches_back([oldest, newest], need));
+        let line = enough.then(|| self.lines.remove(&gyro)).flatten();
+        line.map(|line| (line, oldest))
+    }
+
+    /// A remembered line with new records from `from` on put in their places.
+    async fn reopen_late(
+        &self,
+        gyro: u32,
+        indices: &[usize],
+        changes: &Changes,
+        mut line: Line,
+        from: UtcMicros,
+    ) -> Result<Reopened, StoreError> {
+        let stored = self.store.history(gyro, Span { from, ..Span::EVER }, usize::MAX).await?;
+        line.insert(self.samples_of(indices, changes));
+        Ok(Reopened { line, stored, altered: inserted(indices, changes).collect(), shrunk: false })
+    }
+
+    /// Everything of a gyro, with what is new, and without what counts no more.
+    async fn reopen_all(&self, gyro: u32, indices: &[usize], changes: &Changes) -> Result<Reopened, StoreError> {
+        let mut stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
+        let mut marks = load_marks(&self.store, gyro).await?;
+        let new_events = changes.events.iter().filter(|event| event.gyro == gyro);
+        let new_marks: Vec<Mark> = new_events.map(mark_of).collect();
+        marks.extend(&new_marks);
+        marks.sort_by_key(|mark| mark.at);
+        let mut altered = withdrawn_from(gyro, &mut stored, &marks, changes);
+        let shrunk = !altered.is_empty();
+        altered.extend(inserted(indices, changes));
+        altered.extend(
+            new_marks.iter().map(|mark| Altered::Marked { at: mark.at, baseline: mark.event.resets_baseline() }),
+        );
+        let mut samples: Vec<Sample> = stored.iter().map(|figures| sample_of(figures, self.judging.method)).collect();
+        samples.extend(self.samples_of(indices, changes));
+        Ok(Reopened { line: Line::of_all(samples, marks), stored, altered, shrunk })
+    }
+
+    fn samples_of(&self, indices: &[usize], changes: &Changes) -> impl Iterator<Item = Sample> {
+        indices.iter().map(|&i| sample_of(&changes.history[i].figures, self.judging.method))
+    }
+
+    /// Puts the new verdicts of one gyro into a stored record's sheet; those that need no history stay.
+    async fn correct_sheet(
+        &self,
+        gyro: u32,
+        record: Id,
+        judged: &[Verdict],
+        sheets: &mut HashMap<Id, VerdictSheet>,
+    ) -> Result<(), StoreError> {
+        let sheet = match sheets.remove(&record) {
+            Some(sheet) => Some(sheet),
+            None => self.store.verdict_sheet(record).await?,
+        };
+        let Some(mut sheet) = sheet else {
+            return Err(StoreError::Damaged(format!("record {record} of gyro number {gyro} is missing")));
+        };
+        let old = sheet.0.iter().find(|(number, _)| *number == gyro).map(|(_, verdicts)| verdicts.as_slice());
+        let stays = old.unwrap_or_default().iter().filter(|verdict| verdict.rule == Rule::Requirement).copied();
+        let new = judged.iter().map(StoredVerdict::from).chain(stays).collect();
+        sheet.replace(gyro, new);
+        sheets.insert(record, sheet);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::Event;
+    use crate::core::judge::history::Measured;
+
+    fn day(day: i64) -> UtcMicros {
+        UtcMicros(day * UtcMicros::DAY)
+    }
+
+    fn samples(days: &[i64]) -> Vec<Sample> {
+        days.iter().map(|&d| Sample { at: day(d), d: [Measured::exact(0.0); 3] }).collect()
+    }
+
+    const NEED: Need = Need { records: 2, days: 10.0 };
+
+    #[test]
+    fn a_late_record_alters_those_that_look_back_to_it() {
+        let all = samples(&[0, 100, 200, 300, 305, 311, 400, 500, 600]);
+        assert_eq!(BASELINE_RECORDS, 3);
+        let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        assert_eq!(late(300), [3, 4, 5], "two records on");
+        assert_eq!(late(400), [6, 7, 8]);
+        assert_eq!(late(600), [8]);
+        assert_eq!(late(200), [2, 3, 4, 5, 6, 7, 8], "it is one of the baseline's");
+        let dense = samples(&[0, 100, 200, 300, 301, 302, 303, 309, 311]);
+        let late = |at| affected(&dense, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        assert_eq!(late(300), [3, 4, 5, 6, 7], "ten days on");
+    }
+
+    #[test]
+    fn a_record_that_is_taken_out_alters_those_that_looked_back_to_it() {
+        let left = samples(&[0, 100, 200, 305, 311, 400, 500, 600]);
+        let gone = |at, baseline| affected(&left, &[], &[Altered::Removed { at: day(at), baseline }], NEED);
+        assert_eq!(gone(300, false), [3, 4]);
+        assert_eq!(gone(700, false), [] as [usize; 0]);
+        assert_eq!(gone(250, true), [3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn a_new_baseline_alters_all_up_to_the_next_one() {
+        let all = samples(&[0, 100, 200, 300, 400, 500]);
+        let mark = |at, event| Mark::of(day(at), event);
+        let marks = [mark(150, Event::Baseline), mark(450, Event::Repair)];
+        assert_eq!(affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED), [2, 3, 4]);
+        let note = [mark(150, Event::Note)];
+        assert_eq!(affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED), [2, 3]);
+    }
+}

@@ -69,7 +69,7 @@ pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
                 .optional_text(remark.as_ref().map(|remark| remark.reason.as_str()))
                 .optional_integer(remark.as_ref().map(|remark| remark.at.0));
         }
-        row.optional_integer(alert.silenced_until.map(|until| until.0)).text(finding);
+        row.optional_integer(alert.silenced_until.map(|until| until.0)).bytes(finding.as_bytes());
     }
     batch.add(
         insert!(
@@ -77,7 +77,7 @@ pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
              told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
              silenced_by, silenced_reason, silenced_at, silenced_until, finding)",
             [int 0, int 1, text 2, text 3, text 4, text 5, int 6, int 7, int 8, int 9, int 10, text 11, text 12, text 13,
-             int 14, text 15, text 16, int 17, int 18, text 19],
+             int 14, text 15, text 16, int 17, int 18, words 19 20],
             "ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
              told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
              silenced_at, silenced_until, finding) =
@@ -101,12 +101,12 @@ pub(super) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
             .integer(i64::from(step.told))
             .optional_text(step.author.as_deref())
             .optional_text(step.reason.as_deref())
-            .text(&step.body);
+            .bytes(step.body.as_bytes());
     }
     batch.add(
         insert!(
             "alert_step (id, alert, at, action, told, author, reason, body)",
-            [int 0, int 1, int 2, text 3, int 4, text 5, text 6, text 7]
+            [int 0, int 1, int 2, text 3, int 4, text 5, text 6, words 7 8]
         ),
         rows,
     );

@@ -62,13 +62,14 @@ macro_rules! on {
 
 /// `INSERT INTO $into SELECT ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is its
 /// kind and its place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see
-/// [`super::batch::Row::bytes`].
+/// [`super::batch::Row::bytes`]. SQLite would write a row of the array as text again for each of its cells, were it not made to keep it.
 macro_rules! insert {
     ($into:literal, [$kind:ident $($place:literal)+ $(, $kinds:ident $($places:literal)+)* $(,)?] $(, $then:literal)?) => {
         $crate::store::db::Sql {
             sqlite: concat!(
-                "INSERT INTO ", $into, " SELECT ", cell!(sqlite $kind $($place)+), $(", ", cell!(sqlite $kinds $($places)+),)*
-                " FROM json_each($ROWS) WHERE true ", $($then)?
+                "WITH r(value) AS MATERIALIZED (SELECT value FROM json_each($ROWS)) INSERT INTO ", $into,
+                " SELECT ", cell!(sqlite $kind $($place)+), $(", ", cell!(sqlite $kinds $($places)+),)*
+                " FROM r WHERE true ", $($then)?
             ),
             postgres: concat!(
                 "INSERT INTO ", $into, " SELECT ", cell!(postgres $kind $($place)+), $(", ", cell!(postgres $kinds $($places)+),)*

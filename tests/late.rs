@@ -1,4 +1,4 @@
-//! Records that come a little late: judged by what is remembered of their gyro, as if they had come in order.
+//! Records that come a little late, or very densely: judged by what is remembered of their gyro, as if they had come in order and all were.
 
 mod lab;
 
@@ -39,23 +39,50 @@ async fn judged(lab: &Lab) -> Vec<Value> {
     all
 }
 
+/// In the order of time, with a mark and a repair among them; judged by everything.
+async fn expected(records: impl Iterator<Item = Value>, marks: [String; 2]) -> Vec<Value> {
+    let lab = Lab::open().await;
+    let all: Vec<Value> = records.collect();
+    for (k, part) in all.chunks(190).enumerate() {
+        assert!(lab.imports(part).await.iter().all(|answer| answer["status"] == 201));
+        if k == 0 {
+            happen(&lab, &marks).await;
+        }
+    }
+    let expected = judged(&lab).await;
+    assert_eq!(expected.len(), 2 * all.len());
+    for state in ["within", "exceeded"] {
+        assert!(expected.iter().any(|of| of[1] == state), "{state}");
+    }
+    expected
+}
+
+/// A baseline begins, and later a repair restarts everything.
+async fn happen(lab: &Lab, [mark, repair]: &[String; 2]) {
+    let mark = json!({"reason": "new fixture", "author": "Li", "at": mark});
+    lab.post("/v1/gyros/A/baseline", &mark).await.created();
+    let repair = json!({"event": "repair", "at": repair, "author": "Li", "reason": "new float"});
+    lab.post("/v1/gyros/A/events", &repair).await.created();
+}
+
+fn assert_alike(found: &[Value], expected: &[Value]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found, expected);
+    }
+}
+
 #[tokio::test]
 async fn records_that_come_a_little_late_are_judged_as_in_order() {
-    let (in_order, mut late) = (Lab::open().await, Lab::open().await);
-    for lab in [&in_order, &late] {
-        let first: Vec<Value> = (0..190).map(of_day).collect();
-        assert!(lab.imports(&first).await.iter().all(|answer| answer["status"] == 201));
-        // A baseline begins among what comes after, and a repair restarts everything.
-        let mark = json!({"reason": "new fixture", "author": "Li", "at": day(233)});
-        lab.post("/v1/gyros/A/baseline", &mark).await.created();
-        let repair = json!({"event": "repair", "at": day(301), "author": "Li", "reason": "new float"});
-        lab.post("/v1/gyros/A/events", &repair).await.created();
-    }
+    let marks = [233, 301].map(day);
+    let long_ago = record("IMU-2", &day(-400), &[("G1", "A", 1.3, 2.0)]);
+    let expected = expected([long_ago.clone()].into_iter().chain((0..340).map(of_day)), marks.clone()).await;
+    let mut late = Lab::open().await;
+    let first: Vec<Value> = (0..190).map(of_day).collect();
+    assert!(late.imports(&first).await.iter().all(|answer| answer["status"] == 201));
+    happen(&late, &marks).await;
     // What it remembers of the gyro is then the newest of its records alone.
     late.restart().await;
-    for k in 190..340 {
-        in_order.posts(&of_day(k)).await;
-    }
     // Some come together, late ones with one from beyond the repair.
     let together = [vec![290, 291, 292, 293, 298], vec![297, 303], vec![296, 294, 295], vec![300, 299, 301, 302]];
     let rest = [a_little_late(190..290), together.to_vec(), a_little_late(304..340)].concat();
@@ -63,17 +90,53 @@ async fn records_that_come_a_little_late_are_judged_as_in_order() {
         let records: Vec<Value> = days.iter().map(|at| of_day(*at)).collect();
         assert!(late.imports(&records).await.iter().all(|answer| answer["status"] == 201));
         if k == 60 {
-            // One that came long ago lies beyond what is remembered.
-            late.posts(&record("IMU-2", &day(-400), &[("G1", "A", 1.3, 2.0)])).await;
-            in_order.posts(&record("IMU-2", &day(-400), &[("G1", "A", 1.3, 2.0)])).await;
+            // It lies beyond what is remembered.
+            late.posts(&long_ago).await;
         }
     }
-    let expected = judged(&in_order).await;
-    assert_eq!(expected.len(), 2 * 341);
-    for state in ["within", "exceeded"] {
-        assert!(expected.iter().any(|of| of[1] == state), "{state}");
+    assert_alike(&judged(&late).await, &expected);
+}
+
+/// As [`of_day`], every two hours.
+fn of_two_hours(k: i64) -> Value {
+    let mut record = of_day(k);
+    record["calibrated_at"] = json!(hours(2 * k));
+    record
+}
+
+fn hours(hours: i64) -> String {
+    let midnight = day(hours.div_euclid(24));
+    midnight.replace("T12:", &format!("T{:02}:", hours.rem_euclid(24)))
+}
+
+#[tokio::test]
+async fn records_too_many_to_be_remembered_one_by_one_are_judged_as_if_they_were() {
+    let marks = [hours(2 * 640 + 1), hours(2 * 860 + 1)];
+    let expected = expected((0..1000).map(of_two_hours), marks.clone()).await;
+    let mut short = Lab::with(|config| config.judging.remembered_records = 150).await;
+    let (mut groups, mut at) = (Vec::new(), 0);
+    while at < 1000 {
+        let size = [1, 1, 7, 40, 1, 90][groups.len() % 6];
+        groups.push((at..1000.min(at + size)).collect::<Vec<i64>>());
+        at += size;
     }
-    for (found, expected) in judged(&late).await.iter().zip(&expected) {
-        assert_eq!(found, expected);
+    for (k, group) in groups.iter().enumerate() {
+        // Of two groups of one each the later comes first.
+        let group = if k % 6 == 0 {
+            groups.get(k + 1)
+        } else if k % 6 == 1 {
+            groups.get(k - 1)
+        } else {
+            Some(group)
+        };
+        let records: Vec<Value> = group.into_iter().flatten().map(|at| of_two_hours(*at)).collect();
+        assert!(short.imports(&records).await.iter().all(|answer| answer["status"] == 201));
+        if k == 8 {
+            happen(&short, &marks).await;
+        }
+        if k == 20 {
+            short.restart().await;
+        }
     }
+    assert_alike(&judged(&short).await, &expected);
 }

@@ -22,6 +22,7 @@ pub struct Judging {
     pub confidence: f64,
     pub range_days: f64,
     pub range_min_records: usize,
+    pub remembered_records: usize,
     pub interval_days: f64,
     pub requirements: bool,
     pub rules: RuleKeys,

@@ -236,6 +236,7 @@ impl Config {
             ("plausibility.max_drift_deg_per_h_g0", self.plausibility.max_drift_deg_per_h_g0),
             ("judging.budget", self.judging.budget),
             ("judging.range_days", self.judging.range_days),
+            ("judging.remembered_records", self.judging.remembered_records as f64),
         ];
         for (key, value) in positive {
             if !(value.is_finite() && value > 0.0) {

@@ -7,8 +7,8 @@ use super::line::Line;
 use super::read::{CalibratedGyro, Calibration};
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
-use crate::core::judge::Verdict;
 use crate::core::judge::history::Need;
+use crate::core::judge::{Older, Verdict};
 use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
@@ -112,7 +112,7 @@ impl Pipeline {
                 }
                 _ => Line::load(&self.store, *number, row.calibrated_at, need, method).await?,
             };
-            let mut again = line.judge_newest(&limits);
+            let mut again = line.judge_newest(&limits, Older::NONE);
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
             let in_words = stored.iter().map(|verdict| in_words(&serial, verdict, &again));
             bodies.extend(in_words.map(|(body, seen)| (if counts { body } else { voided(body) }, seen)));

@@ -6,7 +6,7 @@ mod undoing;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::alerting::Naming;
-use super::line::{Line, sample_of};
+use super::line::{Line, Source, sample_of};
 use crate::config::Judging;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Finding, Limits, Rule, Verdict};
@@ -14,8 +14,8 @@ use crate::core::notify::Policy;
 use crate::core::time::UtcMicros;
 use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
 
-/// Most records that are kept in memory, over all gyros (about 60 bytes each).
-const MAX_SAMPLES: usize = 400_000;
+/// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
+const LARGE_PART: usize = 100;
 
 /// Judges; remembers the newest stretch of the gyros that it has seen.
 #[derive(Debug)]
@@ -84,7 +84,7 @@ impl Judge {
             let newest = self.lines.get(&gyro).and_then(Line::newest);
             let in_order = !has_events && !shrunk.contains(&gyro);
             if in_order && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
-                self.append(gyro, &indices, changes, &mut judged);
+                self.append(gyro, &indices, changes, &mut judged).await?;
             } else {
                 self.insert(gyro, &indices, changes, &mut judged, &mut sheets).await?;
             }
@@ -109,12 +109,16 @@ impl Judge {
     /// Keeps the memory within its bounds; when all that was judged is stored.
     pub fn tidy(&mut self) {
         if self.is_full() {
+            let need = Need::of(&self.limits(None));
+            self.lines.values_mut().for_each(|line| line.shorten(need));
+        }
+        if self.is_full() {
             self.forget();
         }
     }
 
     pub fn is_full(&self) -> bool {
-        self.lines.values().map(Line::len).sum::<usize>() > MAX_SAMPLES
+        self.lines.values().map(Line::len).sum::<usize>() > self.judging.remembered_records
     }
 
     async fn load(&mut self, gyro: u32, changes: &Changes) -> Result<(), StoreError> {
@@ -126,25 +130,38 @@ impl Judge {
             Line::default()
         } else {
             let need = Need::of(&self.limits(None));
-            Line::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?
+            let mut line = Line::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?;
+            if line.len() > self.judging.remembered_records / LARGE_PART {
+                line.shorten(need);
+            }
+            line
         };
         self.lines.insert(gyro, line);
         Ok(())
     }
 
-    /// Records newer than all: the usual case, without a look at the database.
-    fn append(&mut self, gyro: u32, indices: &[usize], changes: &mut Changes, found: &mut Judged) {
+    /// Records newer than all: the usual case, nearly always without a look at the database.
+    async fn append(
+        &mut self,
+        gyro: u32,
+        indices: &[usize],
+        changes: &mut Changes,
+        found: &mut Judged,
+    ) -> Result<(), StoreError> {
+        let method = self.judging.method;
         for &i in indices {
             let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
             let line = self.lines.entry(gyro).or_default();
             let figures = &mut changes.history[i].figures;
-            line.append(sample_of(figures, self.judging.method));
-            let judged = line.judge_newest(&limits);
+            line.append(sample_of(figures, method));
+            let older = line.older(Source { store: &self.store, gyro, method }, figures.at, limits.range_days).await?;
+            let judged = line.judge_newest(&limits, older);
             figures.states = states(&judged);
             found.newest.push(Newest { gyro, figures: *figures });
             found.verdicts.insert((figures.record, gyro), judged);
             line.trim(Need::of(&limits));
         }
+        Ok(())
     }
 
     /// Whether an event after `at` parts the record of that time from what comes, as far as a rule goes. Of a gyro that has just

@@ -1,11 +1,17 @@
 //! One gyro's history as judging needs it: the newest stretch, in memory.
 
+mod past;
+
 use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
-use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since};
-use crate::core::judge::{Limits, Series, Verdict, judge};
+use crate::core::judge::history::{
+    BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since, reset_before,
+};
+use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
 use crate::core::time::UtcMicros;
+use past::{Past, RUN};
+
 use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
 
 /// The newest records of one gyro, its newest baseline, and what was done to it.
@@ -16,12 +22,24 @@ pub(super) struct Line {
     /// Where that baseline begins.
     since: Option<UtcMicros>,
     marks: Vec<Mark>,
-    /// Whether there are older records that are not here.
-    cut: bool,
+    /// Every record since then is here; none where there are no older ones at all.
+    from: Option<UtcMicros>,
+    /// Before `samples`.
+    past: Past,
+}
+
+/// Where a gyro's history is read, and by which method.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub store: &'a Store,
+    pub gyro: u32,
+    pub method: JudgedMethod,
 }
 
 /// Records read at once; nearly always all that the rules look back over.
 const READ_AHEAD: usize = 128;
+/// By so much a record may be late and still find what it is compared with.
+const LATE_DAYS: f64 = 1.0;
 
 impl Line {
     /// The line up to and with `until`, as it is stored.
@@ -39,15 +57,24 @@ impl Line {
         let Some(last) = newest.last().map(|figures| figures.at) else {
             return Ok(Self { marks, ..Self::default() });
         };
-        let (from, cut) = (last.plus_days(-need.days), newest.len() >= ahead);
-        if newest.len() >= READ_AHEAD && newest[0].at > from {
-            newest = store.history(gyro, Span { from, to: until }, usize::MAX).await?;
+        let mut from = newest.first().filter(|_| newest.len() >= ahead).map(|oldest| oldest.at);
+        let window = last.plus_days(-need.days);
+        if from.is_some_and(|from| from > window) {
+            newest = store.history(gyro, Span { from: window, to: until }, usize::MAX).await?;
+            from = Some(window);
         }
         let since = baseline_since(&marks, last);
         let of_baseline = Span { from: since.unwrap_or(Span::EVER.from), to: until };
         let baseline = store.history(gyro, of_baseline, BASELINE_RECORDS).await?;
         let samples = |figures: &[Figures]| figures.iter().map(|f| sample_of(f, method)).collect::<Vec<_>>();
-        Ok(Self { samples: samples(&newest).into(), baseline: samples(&baseline), since, marks, cut })
+        Ok(Self {
+            samples: samples(&newest).into(),
+            baseline: samples(&baseline),
+            since,
+            marks,
+            from,
+            past: Past::default(),
+        })
     }
 
     /// The line up to a record that does not count any more, of what counted when that was said of it.
@@ -100,6 +127,7 @@ impl Line {
         &self.samples
     }
 
+    /// Records that are kept one by one.
     pub fn len(&self) -> usize {
         self.samples.len()
     }
@@ -124,8 +152,9 @@ impl Line {
         let complete = self.baseline.len() == BASELINE_RECORDS && from > last_of_baseline.at;
         let same = [from, to].into_iter().all(|at| baseline_since(&self.marks, at) == self.since);
         let before = self.samples.partition_point(|sample| sample.at < from);
-        let far = self.samples.first().is_some_and(|first| first.at < from.plus_days(-need.days));
-        complete && same && (!self.cut || far && before >= need.records)
+        let whole = self.from.is_none() && self.past.is_empty();
+        let far = self.from.is_none_or(|here| here <= from.plus_days(-need.days));
+        complete && same && (whole || far && before >= need.records)
     }
 
     /// Puts records in their places to which the line [reaches back](Line::reaches_back).
@@ -133,16 +162,32 @@ impl Line {
         self.samples.insert(late);
     }
 
-    /// The history in which the records of a line that is not cut, or to which it reaches back, are judged.
-    pub fn history_at(&self, at: UtcMicros) -> History<'_> {
-        let baseline = if self.cut { &self.baseline } else { baseline_of(&self.samples, &self.marks, at) };
-        History { samples: &self.samples, baseline, marks: &self.marks }
+    /// The history in which the records of a whole line, or to which it reaches back, are judged; `older` as of [`Line::older`].
+    pub fn history_at(&self, at: UtcMicros, older: Older) -> History<'_> {
+        let whole = self.from.is_none() && self.past.is_empty();
+        let baseline = if whole { baseline_of(&self.samples, &self.marks, at) } else { &self.baseline };
+        History { samples: &self.samples, baseline, marks: &self.marks, older }
     }
 
-    pub fn judge_newest(&self, limits: &Limits) -> Vec<Verdict> {
+    /// What `range` compares with a record at `at` and is not kept one by one. The database is asked once in many records.
+    pub async fn older(&mut self, source: Source<'_>, at: UtcMicros, days: f64) -> Result<Older, StoreError> {
+        if self.past.is_empty() {
+            return Ok(Older::NONE);
+        }
+        let window = at.plus_days(-days);
+        let from = reset_before(&self.marks, at, Rule::Range).map_or(window, |reset| reset.max(window));
+        if let Some(span) = self.past.wanted(from) {
+            let rows = source.store.history(source.gyro, span, usize::MAX).await?;
+            self.past.keep(rows.iter().map(|figures| sample_of(figures, source.method)).collect());
+        }
+        Ok(self.past.since(from))
+    }
+
+    /// Judges the newest record; `older` as of [`Line::older`]: nothing for a line that was never [shortened](Line::shorten).
+    pub fn judge_newest(&self, limits: &Limits, older: Older) -> Vec<Verdict> {
         let Some(k) = self.samples.len().checked_sub(1) else { return Vec::new() };
         let mut verdicts = Vec::with_capacity(16);
-        let history = History { samples: &self.samples, baseline: &self.baseline, marks: &self.marks };
+        let history = History { samples: &self.samples, baseline: &self.baseline, marks: &self.marks, older };
         judge(&history, k, limits, &mut verdicts);
         verdicts
     }
@@ -150,13 +195,26 @@ impl Line {
     /// Forgets what no rule looks back to. Done by halves, so that it costs nothing in the long run.
     pub fn trim(&mut self, need: Need) {
         let Some(last) = self.newest() else { return };
-        let from = last.plus_days(-need.days);
-        let by_time = self.samples.partition_point(|sample| sample.at < from);
+        let window = last.plus_days(-need.days);
+        if let Some(gone) = self.past.forget_before(window.plus_days(-LATE_DAYS)) {
+            self.from = Some(UtcMicros(gone.0 + 1));
+        }
+        let by_time = self.samples.partition_point(|sample| sample.at < window);
         let excess = by_time.min(self.samples.len().saturating_sub(need.records + 1));
         if excess > READ_AHEAD {
             self.samples.forget(excess);
-            self.cut = true;
+            self.from = self.samples.first().map(|first| first.at);
         }
+    }
+
+    /// Keeps only the newest of very many records one by one. All of them must be stored: they may have to be read again.
+    pub fn shorten(&mut self, need: Need) {
+        let keep = READ_AHEAD.max(need.records + 1);
+        let runs = self.samples.len().saturating_sub(keep) / RUN;
+        for run in self.samples[..runs * RUN].chunks(RUN) {
+            self.past.push(run);
+        }
+        self.samples.forget(runs * RUN);
     }
 }
 

@@ -8,6 +8,7 @@ use super::Pipeline;
 use super::admit::figures_of;
 use super::answer::Reread;
 use super::line::Line;
+use crate::core::judge::Older;
 use crate::core::judge::history::Need;
 use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
@@ -92,7 +93,7 @@ impl Pipeline {
             }
             let (limits, method) = (self.config.judging.limits(again.imu.as_str(), serial), self.config.judging.method);
             let line = Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
-            let judged = line.judge_newest(&limits);
+            let judged = line.judge_newest(&limits, Older::NONE);
             let states = super::judging::states(&judged);
             let expected: Vec<StoredVerdict> =
                 judged.iter().chain(gyro.requirements.iter().flatten()).map(StoredVerdict::from).collect();

@@ -282,7 +282,7 @@ mod tests {
 
     use super::*;
     use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Sample};
-    use crate::core::judge::{Event, LimitKind, Limits, State, judge};
+    use crate::core::judge::{Event, LimitKind, Limits, Older, State, judge};
     use crate::core::record::{Plausibility, Record};
     use crate::core::separate::separate;
 
@@ -380,6 +380,7 @@ mod tests {
                 samples: &samples.clone().into(),
                 baseline: &samples[start..start + BASELINE_RECORDS],
                 marks,
+                older: Older::NONE,
             };
             let mut verdicts = Vec::new();
             judge(&history, samples.len() - 1, &Limits::default(), &mut verdicts);

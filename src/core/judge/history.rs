@@ -3,7 +3,7 @@
 use crate::core::time::UtcMicros;
 
 use super::limits::Limits;
-use super::{Coefficient, Rule, Series};
+use super::{Coefficient, Older, Rule, Series};
 
 /// A baseline is the mean of this many records after the last mark that resets it.
 pub const BASELINE_RECORDS: usize = 3;
@@ -136,11 +136,18 @@ pub struct History<'a> {
     pub baseline: &'a [Sample],
     /// Every event of the gyro, oldest first.
     pub marks: &'a [Mark],
+    /// Records before `samples` that are not there one by one: those that `range` compares with the judged one.
+    pub older: Older,
 }
 
 /// Where the baseline of a record at `at` begins: at the last event that resets it, or at the very first record (none).
 pub fn baseline_since(marks: &[Mark], at: UtcMicros) -> Option<UtcMicros> {
     baseline_mark(marks, at).map(|mark| mark.at)
+}
+
+/// When `rule` began anew for a record at `at`.
+pub fn reset_before(marks: &[Mark], at: UtcMicros, rule: Rule) -> Option<UtcMicros> {
+    marks.iter().rev().find(|mark| mark.at <= at && mark.event.resets(rule)).map(|mark| mark.at)
 }
 
 /// The level that the mark states which begins the baseline of a record at `at`.
@@ -183,12 +190,8 @@ impl<'a> History<'a> {
     /// Place of the first of [`History::since_reset`].
     pub(crate) fn first_since_reset(&self, k: usize, rule: Rule) -> usize {
         let upto = &self.samples[..=k];
-        let at = self.samples[k].at;
-        self.marks
-            .iter()
-            .rev()
-            .find(|mark| mark.at <= at && mark.event.resets(rule))
-            .map_or(0, |mark| upto.partition_point(|sample| sample.at < mark.at))
+        let reset = reset_before(self.marks, self.samples[k].at, rule);
+        reset.map_or(0, |reset| upto.partition_point(|sample| sample.at < reset))
     }
 
     /// The baseline's records that precede record `k`; complete with [`BASELINE_RECORDS`] of them.

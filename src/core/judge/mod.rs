@@ -10,6 +10,7 @@ pub mod limits;
 mod decide;
 mod decimal;
 mod extremes;
+mod older;
 mod reason;
 mod rules;
 mod series;
@@ -18,6 +19,7 @@ pub use history::{
     BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, baseline_since, stated_level,
 };
 pub use limits::{Bounds, CusumLimits, DriftLimits, Limits, Requirement, TrendLimits};
+pub use older::Older;
 pub use reason::{Finding, turn_arcmin};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
 pub use series::Series;

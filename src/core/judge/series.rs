@@ -13,7 +13,7 @@ use super::history::Sample;
 pub struct Series {
     samples: Vec<Sample>,
     /// Of each length of run, those of every run that is complete, by column of [`Sample::d`].
-    runs: Vec<Vec<[Extremes; COLUMNS]>>,
+    runs: Vec<Vec<[Extremes<usize>; COLUMNS]>>,
 }
 
 const COLUMNS: usize = 3;
@@ -43,14 +43,14 @@ impl Series {
     }
 
     /// The extremes of a column over a stretch of places.
-    pub(crate) fn extremes(&self, column: usize, Range { start, end }: Range<usize>) -> Extremes {
+    pub(crate) fn extremes(&self, column: usize, Range { start, end }: Range<usize>) -> Extremes<usize> {
         let (mut found, mut at) = (Extremes::NONE, start);
         while at < end {
             let begins_and_ends = |(length, _): &(usize, _)| at.is_multiple_of(*length) && at + length <= end;
             let lengths = std::iter::successors(Some(RUN), |length| Some(length * RUN));
             let longest = lengths.zip(&self.runs).take_while(begins_and_ends).last();
             let (length, part) = longest.map_or_else(
-                || (1, Extremes::of(at, std::iter::once(self.samples[at].d[column].value))),
+                || (1, Extremes::of(std::iter::once((at, self.samples[at].d[column].value)))),
                 |(length, runs)| (length, runs[at / length][column]),
             );
             found = found.and(part);
@@ -82,7 +82,7 @@ impl Series {
         for run in before..shorter / RUN {
             let parts = run * RUN..(run + 1) * RUN;
             let of = |column: usize| match level.checked_sub(1) {
-                None => Extremes::of(parts.start, self.samples[parts.clone()].iter().map(|s| s.d[column].value)),
+                None => Extremes::of(parts.clone().map(|at| (at, self.samples[at].d[column].value))),
                 Some(shorter) => {
                     self.runs[shorter][parts.clone()].iter().fold(Extremes::NONE, |found, part| found.and(part[column]))
                 }
@@ -167,7 +167,7 @@ mod tests {
                 let of_stretch: Vec<f64> = series[start..end].iter().map(|s| s.d[column].value).collect();
                 if let [_, _, ..] = of_stretch[..] {
                     let (lowest, highest, left) = by_sorting(&of_stretch);
-                    prop_assert_eq!((found.lowest, found.highest), (start + lowest, start + highest));
+                    prop_assert_eq!((found.lowest, found.highest), (Some(start + lowest), Some(start + highest)));
                     prop_assert_eq!(found.range_without_one(), left);
                 }
             }

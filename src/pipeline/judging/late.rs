@@ -6,7 +6,7 @@ use super::{Judge, Judged, Newest, states};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Need, Sample, baseline_since};
 use crate::core::judge::{Rule, Verdict, judge};
 use crate::core::time::UtcMicros;
-use crate::pipeline::line::{Line, baseline_of, load_marks, mark_of, sample_of};
+use crate::pipeline::line::{Line, Source, baseline_of, load_marks, mark_of, sample_of};
 use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
@@ -92,14 +92,16 @@ impl Judge {
             Some((line, from)) => self.reopen_late(gyro, indices, changes, line, from).await?,
             None => self.reopen_all(gyro, indices, changes).await?,
         };
-        let samples = line.samples();
-        let mut again = affected(samples, line.marks(), &altered, need);
+        let source = Source { store: &self.store, gyro, method: self.judging.method };
+        let count = line.len();
+        let mut again = affected(line.samples(), line.marks(), &altered, need);
         // What is the newest now is what alerts follow.
-        again.extend(samples.len().checked_sub(1).filter(|last| shrunk && again.last() != Some(last)));
+        again.extend(count.checked_sub(1).filter(|last| shrunk && again.last() != Some(last)));
         for k in again {
-            let at = samples[k].at;
+            let at = line.samples()[k].at;
             let mut judged = Vec::with_capacity(16);
-            let history = line.history_at(at);
+            let older = line.older(source, at, need.days).await?;
+            let history = line.history_at(at, older);
             let new_row = indices.iter().copied().find(|&i| changes.history[i].figures.at == at);
             if let Some(i) = new_row {
                 let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
@@ -115,7 +117,7 @@ impl Judge {
                 if figures.states != stored[i].states {
                     changes.rejudged.history.push(HistoryRow { gyro, figures });
                 }
-                if k + 1 == samples.len() {
+                if k + 1 == count {
                     found.verdicts.insert((figures.record, gyro), judged);
                 }
             }

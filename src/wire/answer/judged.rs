@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use crate::core::judge::history::{History, Measured, Sample};
     use crate::core::judge::limits::Limits;
-    use crate::core::judge::{Coefficient, Finding, Rule, State, judge};
+    use crate::core::judge::{Coefficient, Finding, Older, Rule, State, judge};
     use crate::core::time::UtcMicros;
     use crate::wire::calibration::{CalibrationBody, CampaignAnswer};
 
@@ -94,7 +94,7 @@ mod tests {
             for k in 0..samples.len() {
                 let baseline = &samples[..samples.len().min(3).min(k + 1)];
                 judge(
-                    &History { samples: &samples.clone().into(), baseline, marks: &[] },
+                    &History { samples: &samples.clone().into(), baseline, marks: &[], older: Older::NONE },
                     k,
                     &Limits::default(),
                     &mut verdicts,

@@ -41,8 +41,8 @@ pub fn agreement(coefficient: Coefficient, results: &[SourcedResult], limit: f64
         let finding = Finding::TooFew { have: results.len(), need: 2 };
         (None, None, State::Indeterminate, None, false, finding)
     } else {
-        let extremes = Extremes::of(0, results.iter().map(|result| result.measured.value));
-        let (lowest, highest) = (&results[extremes.lowest], &results[extremes.highest]);
+        let extremes = Extremes::of(results.iter().map(|result| (result, result.measured.value)));
+        let (lowest, highest) = extremes.lowest.zip(extremes.highest).expect("there are two results or more");
         let range = highest.measured.minus(lowest.measured);
         let outcome = range_beyond(range, results.len(), limit, confidence);
         let of = |result: &SourcedResult| (result.source, result.at, result.measured.value);

@@ -10,9 +10,8 @@ use crate::core::judge::history::{
 };
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
 use crate::core::time::UtcMicros;
-use past::{Past, RUN};
-
 use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
+use past::{Past, RUN};
 
 /// The newest records of one gyro, its newest baseline, and what was done to it.
 #[derive(Debug, Clone, Default)]
@@ -58,10 +57,10 @@ impl Line {
             return Ok(Self { marks, ..Self::default() });
         };
         let mut from = newest.first().filter(|_| newest.len() >= ahead).map(|oldest| oldest.at);
-        let window = last.plus_days(-need.days);
-        if from.is_some_and(|from| from > window) {
-            newest = store.history(gyro, Span { from: window, to: until }, usize::MAX).await?;
-            from = Some(window);
+        let wanted = looked_back_to(last, need);
+        if from.is_some_and(|from| from > wanted) {
+            newest = store.history(gyro, Span { from: wanted, to: until }, usize::MAX).await?;
+            from = Some(wanted);
         }
         let since = baseline_since(&marks, last);
         let of_baseline = Span { from: since.unwrap_or(Span::EVER.from), to: until };
@@ -195,15 +194,16 @@ impl Line {
     /// Forgets what no rule looks back to. Done by halves, so that it costs nothing in the long run.
     pub fn trim(&mut self, need: Need) {
         let Some(last) = self.newest() else { return };
-        let window = last.plus_days(-need.days);
-        if let Some(gone) = self.past.forget_before(window.plus_days(-LATE_DAYS)) {
-            self.from = Some(UtcMicros(gone.0 + 1));
-        }
-        let by_time = self.samples.partition_point(|sample| sample.at < window);
+        let wanted = looked_back_to(last, need);
+        let mut gone = self.past.forget_before(wanted);
+        let by_time = self.samples.partition_point(|sample| sample.at < wanted);
         let excess = by_time.min(self.samples.len().saturating_sub(need.records + 1));
         if excess > READ_AHEAD {
+            gone = self.samples.get(excess - 1).map(|sample| sample.at);
             self.samples.forget(excess);
-            self.from = self.samples.first().map(|first| first.at);
+        }
+        if let Some(gone) = gone {
+            self.from = Some(UtcMicros(gone.0 + 1));
         }
     }
 
@@ -216,6 +216,11 @@ impl Line {
         }
         self.samples.forget(runs * RUN);
     }
+}
+
+/// Since when every record may still be asked for, where `last` is the newest.
+fn looked_back_to(last: UtcMicros, need: Need) -> UtcMicros {
+    last.plus_days(-(need.days + LATE_DAYS))
 }
 
 /// The records of one baseline: the first few at or after its beginning.

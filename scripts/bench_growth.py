@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How cost grows: with the history, the gyros, the connections, the dwells, the processors and the servers on one PostgreSQL.
+"""How cost grows: with the history, the gyros, the records of a month, the connections, the dwells, the processors and the servers on one PostgreSQL.
 
     scripts/bench_growth.py [--program target/release/gyrowatch] [--values 1000000]
 
@@ -183,6 +183,39 @@ def with_processors(program):
     row("processors of the service (the client has both): records over 16 connections", "/s", rates)
 
 
+def at_second(second):
+    one = json.loads(json.dumps(PAPER))
+    one["calibrated_at"] = (START + timedelta(seconds=second)).isoformat()
+    return json.dumps(one)
+
+
+def interleaved(port, share, first, seconds):
+    """Of sixteen connections that send the calibrations of one IMU, each every sixteenth: some overtake others."""
+    return closed_loop(port, "POST", "/v1/records", lambda k: at_second(first + 16 * k + share), seconds)
+
+
+def with_density(program):
+    """One IMU that is calibrated every second or so: what its last 30 days hold grows."""
+    ordered, overtaking, stored, second = [], [], 0, 0
+    with Service(program) as service, multiprocessing.Pool(16) as pool:
+        for count in (1_000, 10_000, 100_000, 300_000):
+            connection = service.connect()
+            while stored < count:
+                lines = [at_second(second + k) for k in range(min(5000, count - stored))]
+                connection.request("POST", "/v1/import", "\n".join(lines), {"content-type": "application/x-ndjson"})
+                assert connection.getresponse().read().count(b'"status":201') == len(lines)
+                stored, second = stored + len(lines), second + len(lines)
+            connection.close()
+            times = closed_loop(service.port, "POST", "/v1/records", lambda k: at_second(second + k), SECONDS)
+            ordered.append((f"{count} records", len(times) / SECONDS))
+            stored, second = stored + len(times), second + len(times)
+            times = sum(pool.starmap(interleaved, [(service.port, share, second, SECONDS) for share in range(16)]), [])
+            overtaking.append((f"{count} records", len(times) / SECONDS))
+            stored, second = stored + len(times), second + 16 * len(times)
+    row("density: records of one IMU over one connection, so many in its last 30 days", "/s", ordered)
+    row("density: over 16 connections", "/s", overtaking)
+
+
 class PostgreSQL:
     """A cluster of its own as long as the block lasts, as the user postgres where this one is root: the server refuses root.
 
@@ -293,6 +326,7 @@ def main():
     with_processors(asked.program)
     with_servers(asked.program)
     with_gyros(asked.program)
+    with_density(asked.program)
     with_history(asked.program, asked.values)
 
 

@@ -110,7 +110,8 @@ impl Judge {
     pub fn tidy(&mut self) {
         if self.is_full() {
             let need = Need::of(&self.limits(None));
-            self.lines.values_mut().for_each(|line| line.shorten(need));
+            let keep = self.judging.remembered_records / (2 * self.lines.len());
+            self.lines.values_mut().for_each(|line| line.shorten(keep, need));
         }
         if self.is_full() {
             self.forget();
@@ -131,8 +132,9 @@ impl Judge {
         } else {
             let need = Need::of(&self.limits(None));
             let mut line = Line::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?;
-            if line.len() > self.judging.remembered_records / LARGE_PART {
-                line.shorten(need);
+            let large = self.judging.remembered_records / LARGE_PART;
+            if line.len() > large {
+                line.shorten(large / 2, need);
             }
             line
         };

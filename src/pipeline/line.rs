@@ -152,7 +152,7 @@ impl Line {
         let same = [from, to].into_iter().all(|at| baseline_since(&self.marks, at) == self.since);
         let before = self.samples.partition_point(|sample| sample.at < from);
         let whole = self.from.is_none() && self.past.is_empty();
-        let far = self.from.is_none_or(|here| here <= from.plus_days(-need.days));
+        let far = self.from.is_none_or(|here| here <= days_before(from, need.days));
         complete && same && (whole || far && before >= need.records)
     }
 
@@ -173,7 +173,7 @@ impl Line {
         if self.past.is_empty() {
             return Ok(Older::NONE);
         }
-        let window = at.plus_days(-days);
+        let window = days_before(at, days);
         let from = reset_before(&self.marks, at, Rule::Range).map_or(window, |reset| reset.max(window));
         if let Some(span) = self.past.wanted(from) {
             let rows = source.store.history(source.gyro, span, usize::MAX).await?;
@@ -191,14 +191,14 @@ impl Line {
         verdicts
     }
 
-    /// Forgets what no rule looks back to. Done by halves, so that it costs nothing in the long run.
+    /// Forgets what no rule looks back to. Done by eighths, so that it costs next to nothing in the long run.
     pub fn trim(&mut self, need: Need) {
         let Some(last) = self.newest() else { return };
         let wanted = looked_back_to(last, need);
         let mut gone = self.past.forget_before(wanted);
         let by_time = self.samples.partition_point(|sample| sample.at < wanted);
         let excess = by_time.min(self.samples.len().saturating_sub(need.records + 1));
-        if excess > READ_AHEAD {
+        if excess > READ_AHEAD.max(self.samples.len() / 8) {
             gone = self.samples.get(excess - 1).map(|sample| sample.at);
             self.samples.forget(excess);
         }
@@ -207,10 +207,14 @@ impl Line {
         }
     }
 
-    /// Keeps only the newest of very many records one by one. All of them must be stored: they may have to be read again.
-    pub fn shorten(&mut self, need: Need) {
-        let keep = READ_AHEAD.max(need.records + 1);
+    /// Keeps one by one only the newest records: `keep`, or as many as the rules need. All must be stored: older ones may have to be read
+    /// again.
+    pub fn shorten(&mut self, keep: usize, need: Need) {
+        let keep = keep.max(READ_AHEAD).max(need.records + 1);
         let runs = self.samples.len().saturating_sub(keep) / RUN;
+        if runs == 0 {
+            return;
+        }
         for run in self.samples[..runs * RUN].chunks(RUN) {
             self.past.push(run);
         }
@@ -220,7 +224,12 @@ impl Line {
 
 /// Since when every record may still be asked for, where `last` is the newest.
 fn looked_back_to(last: UtcMicros, need: Need) -> UtcMicros {
-    last.plus_days(-(need.days + LATE_DAYS))
+    days_before(last, need.days + LATE_DAYS)
+}
+
+/// The earliest instant from which [`UtcMicros::days_since`] counts no more than `days` up to `at`.
+fn days_before(at: UtcMicros, days: f64) -> UtcMicros {
+    UtcMicros(at.0.saturating_sub((days * UtcMicros::DAY as f64).round() as i64))
 }
 
 /// The records of one baseline: the first few at or after its beginning.
@@ -262,4 +271,20 @@ pub fn sample_of(figures: &Figures, method: JudgedMethod) -> Sample {
         }
     };
     Sample { at: figures.at, d }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_begins_where_days_are_counted_to_begin() {
+        let at = UtcMicros(1_700_000_000_123_456);
+        for hundredths in 1..5_000 {
+            let days = f64::from(hundredths) / 100.0;
+            let from = days_before(at, days);
+            assert!(at.days_since(from) <= days, "{days}");
+            assert!(at.days_since(UtcMicros(from.0 - 1)) > days, "{days}");
+        }
+    }
 }

@@ -173,10 +173,10 @@ impl Need {
         Self { records: limits.longest_memory() - 1, days: limits.range_days }
     }
 
-    /// How many of the records after `changed` (their instants, oldest first) must be judged again when a record at
+    /// How many of the records after `changed` (oldest first) must be judged again when a record at
     /// `changed` is inserted, voided or revised. Where that alters the baseline's records, all of them must.
-    pub fn reach(&self, changed: UtcMicros, later: &[UtcMicros]) -> usize {
-        let within_days = later.partition_point(|at| at.days_since(changed) <= self.days);
+    pub fn reach(&self, changed: UtcMicros, later: &[Sample]) -> usize {
+        let within_days = later.partition_point(|sample| sample.at.days_since(changed) <= self.days);
         within_days.max(self.records.min(later.len()))
     }
 }

@@ -133,9 +133,11 @@ fn a_second_campaign_confirms_a_step_and_an_outlier_is_not_confirmed() {
 #[test]
 fn a_late_record_calls_for_the_records_after_it_to_be_judged_again() {
     let need = Need::of(&Limits::default());
-    let daily: Vec<UtcMicros> = (1..=100).map(|n| day(f64::from(n))).collect();
+    let every =
+        |days: f64, count: i32| samples(None, &(1..=count).map(|n| (days * f64::from(n), 3.0)).collect::<Vec<_>>());
+    let daily = every(1.0, 100);
     assert_eq!(need.reach(day(0.5), &daily), 39, "as many as the longest memory");
-    let hourly: Vec<UtcMicros> = (1..=2000).map(|n| day(f64::from(n) / 24.0)).collect();
+    let hourly = every(1.0 / 24.0, 2000);
     assert_eq!(need.reach(day(0.0), &hourly), 720, "all of the range's thirty days");
     assert_eq!(need.reach(day(0.5), &daily[..2]), 2);
 }

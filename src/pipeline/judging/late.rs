@@ -1,6 +1,7 @@
 //! Records that arrive late, events, and what counts no more: put in their place in a gyro's history, and what they alter judged again.
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use super::{Judge, Judged, Newest, states};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Need, Sample, baseline_since};
@@ -56,7 +57,7 @@ fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes:
 /// Indices of the records whose verdicts change by what is `altered`: what came in, those whose rules look back to
 /// it, and, where a baseline's records change, all that are compared with it. `samples` are those that count now.
 fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need) -> Vec<usize> {
-    let mut found = HashSet::new();
+    let mut stretches = Vec::new();
     for &change in altered {
         let (Altered::Inserted { at } | Altered::Removed { at, .. } | Altered::Marked { at, .. }) = change;
         let start = samples.partition_point(|sample| sample.at < at);
@@ -64,17 +65,21 @@ fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need)
             Altered::Inserted { at } => (1, baseline_of(samples, marks, at).iter().any(|sample| sample.at == at)),
             Altered::Removed { baseline, .. } | Altered::Marked { baseline, .. } => (0, baseline),
         };
-        let later: Vec<UtcMicros> = samples[start + itself..].iter().map(|sample| sample.at).collect();
-        found.extend(start..start + itself + need.reach(at, &later));
+        stretches.push(start..start + itself + need.reach(at, &samples[start + itself..]));
         if in_baseline {
             let since = baseline_since(marks, at);
-            let same_baseline = |k: &usize| baseline_since(marks, samples[*k].at) == since;
-            found.extend((start..samples.len()).take_while(same_baseline));
+            let of_baseline = samples[start..].iter().take_while(|sample| baseline_since(marks, sample.at) == since);
+            stretches.push(start..start + of_baseline.count());
         }
     }
-    let mut found: Vec<usize> = found.into_iter().collect();
-    found.sort_unstable();
-    found
+    stretches.sort_unstable_by_key(|stretch| stretch.start);
+    let mut next = 0;
+    let each_once = stretches.into_iter().flat_map(|Range { start, end }| {
+        let new = start.max(next)..end;
+        next = next.max(end);
+        new
+    });
+    each_once.collect()
 }
 
 impl Judge {
@@ -102,8 +107,8 @@ impl Judge {
             let mut judged = Vec::with_capacity(16);
             let older = line.older(source, at, need.days).await?;
             let history = line.history_at(at, older);
-            let new_row = indices.iter().copied().find(|&i| changes.history[i].figures.at == at);
-            if let Some(i) = new_row {
+            let new_row = indices.binary_search_by_key(&at, |&i| changes.history[i].figures.at);
+            if let Ok(i) = new_row.map(|place| indices[place]) {
                 let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
                 judge(&history, k, &limits, &mut judged);
                 let figures = &mut changes.history[i].figures;

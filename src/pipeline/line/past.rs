@@ -16,6 +16,8 @@ pub(super) struct Past {
     runs: VecDeque<Run>,
     /// The records of one run.
     edge: Vec<Sample>,
+    /// The runs from the one that begins then, together.
+    together: Option<(UtcMicros, Older)>,
 }
 
 #[derive(Debug, Clone)]
@@ -32,6 +34,7 @@ impl Past {
 
     /// Adds the newest run.
     pub fn push(&mut self, samples: &[Sample]) {
+        self.together = None;
         if let [first, .., last] = samples {
             self.runs.push_back(Run { first: first.at, last: last.at, of: Older::of(samples) });
         }
@@ -56,13 +59,17 @@ impl Past {
     }
 
     /// The records at and after `from`.
-    pub fn since(&self, from: UtcMicros) -> Older {
+    pub fn since(&mut self, from: UtcMicros) -> Older {
         let of_edge = self.begun_before(from).map_or(Older::NONE, |_| {
             let start = self.edge.partition_point(|sample| sample.at < from);
             Older::of(&self.edge[start..])
         });
         let whole = self.runs.partition_point(|run| run.first < from);
-        self.runs.range(whole..).fold(of_edge, |older, run| older.and(&run.of))
+        let Some(begin) = self.runs.get(whole).map(|run| run.first) else { return of_edge };
+        let known = self.together.filter(|(of, _)| *of == begin);
+        let fold = || self.runs.range(whole..).fold(Older::NONE, |older, run| older.and(&run.of));
+        let (_, of_whole) = *self.together.insert(known.unwrap_or_else(|| (begin, fold())));
+        of_edge.and(&of_whole)
     }
 
     /// The run that begins before `from` and ends at or after it.

@@ -1,7 +1,8 @@
 //! Many records at once: a group is judged while the one before it is written.
 //!
 //! The next group is judged by what is remembered of its gyros, which holds what is still being written. Nothing but the
-//! newest records of known gyros is therefore taken ahead: for all else the database is asked, and has to hold everything first.
+//! newest records of known gyros is therefore taken ahead: for all else the database is asked, and has to hold everything first. (What it is asked of
+//! very many records that are no longer remembered one by one, it has long held.)
 //! A small group is not worth it: while it waited, more would come that can share its transaction.
 
 use tokio::task::JoinHandle;
@@ -108,7 +109,7 @@ impl Task {
         room && items.len() >= MANY && items.iter().all(|item| self.asks_nothing(item, &tables))
     }
 
-    /// Whether an item can be judged by what is remembered, without the database.
+    /// Whether an item can be judged by what is remembered, and by what has long been stored.
     fn asks_nothing(&self, item: &Item<'_>, tables: &Tables) -> bool {
         let Submission::Calibration(sent) = item.sent else { return false };
         let benched = |serial| tables.gyros.number(serial).is_some_and(|gyro| self.benched.contains(&gyro));

@@ -37,18 +37,19 @@ pub struct SourcedResult {
 ///
 /// `confirmed` when no single result is to blame: leave out the highest or the lowest, and the rest still disagree.
 pub fn agreement(coefficient: Coefficient, results: &[SourcedResult], limit: f64, confidence: f64) -> Verdict {
-    let (value, sd, state, probability, confirmed, finding) = if results.len() < 2 {
-        let finding = Finding::TooFew { have: results.len(), need: 2 };
-        (None, None, State::Indeterminate, None, false, finding)
-    } else {
-        let extremes = Extremes::of(results.iter().map(|result| (result, result.measured.value)));
-        let (lowest, highest) = extremes.lowest.zip(extremes.highest).expect("there are two results or more");
+    let extremes = Extremes::of(results.iter().map(|result| (result, result.measured.value)));
+    let (value, sd, state, probability, confirmed, finding) = if let [_, _, ..] = results
+        && let Some((lowest, highest)) = extremes.lowest.zip(extremes.highest)
+    {
         let range = highest.measured.minus(lowest.measured);
         let outcome = range_beyond(range, results.len(), limit, confidence);
         let of = |result: &SourcedResult| (result.source, result.at, result.measured.value);
         let finding = Finding::Agreement { results: results.len(), lowest: of(lowest), highest: of(highest) };
         let confirmed = extremes.range_without_one() > limit;
         (Some(range.value), range.sd, outcome.state, outcome.probability, confirmed, finding)
+    } else {
+        let finding = Finding::TooFew { have: results.len(), need: 2 };
+        (None, None, State::Indeterminate, None, false, finding)
     };
     Verdict { coefficient, rule: Rule::Agreement, state, value, limit, sd, probability, confirmed, finding }
 }

@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gyrowatch::core::judge::{BASELINE_RECORDS, History, Limits, Measured, Older, Sample, Series, judge};
+use gyrowatch::core::judge::{BASELINE_RECORDS, History, Limits, Measured, Sample, Series, judge};
 use gyrowatch::core::time::UtcMicros;
 
 fn one_gyro(c: &mut Criterion) {
@@ -23,12 +23,7 @@ fn one_gyro(c: &mut Criterion) {
         c.bench_function(&format!("all rules on one record of {name}"), |b| {
             b.iter(|| {
                 verdicts.clear();
-                let history = History {
-                    samples: black_box(&samples),
-                    baseline: &samples[..BASELINE_RECORDS],
-                    marks: &[],
-                    older: Older::NONE,
-                };
+                let history = History::of(black_box(&samples), &samples[..BASELINE_RECORDS], &[]);
                 judge(&history, samples.len() - 1, black_box(&limits), &mut verdicts);
                 black_box(verdicts.len())
             });

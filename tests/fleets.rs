@@ -5,8 +5,8 @@ mod fleet;
 
 use fleet::{Course, Fired, Fleet, replay};
 use gyrowatch::core::judge::{
-    BASELINE_RECORDS, Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Older, Rule, Sample, Series,
-    Verdict, judge,
+    BASELINE_RECORDS, Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Rule, Sample, Series, Verdict,
+    judge,
 };
 use gyrowatch::core::time::UtcMicros;
 use rand_distr::{Distribution, StandardNormal};
@@ -95,9 +95,12 @@ fn records_that_arrive_late_end_in_the_same_verdicts() {
 
 fn newest(samples: &[Sample]) -> Vec<Verdict> {
     let mut verdicts = Vec::new();
-    let history =
-        History { samples: &samples.into(), baseline: &samples[..BASELINE_RECORDS], marks: &[], older: Older::NONE };
-    judge(&history, samples.len() - 1, &Limits::default(), &mut verdicts);
+    judge(
+        &History::of(&samples.into(), &samples[..BASELINE_RECORDS], &[]),
+        samples.len() - 1,
+        &Limits::default(),
+        &mut verdicts,
+    );
     verdicts
 }
 
@@ -124,12 +127,7 @@ fn run_length(seed: u32, limits: &Limits) -> usize {
         let at = UtcMicros(0).plus_days(samples.len() as f64);
         samples.push(Sample { at, d: [Measured::exact(z); 3] });
         verdicts.clear();
-        judge(
-            &History { samples: &samples, baseline: &[], marks: &[], older: Older::NONE },
-            samples.len() - 1,
-            limits,
-            &mut verdicts,
-        );
+        judge(&History::of(&samples, &[], &[]), samples.len() - 1, limits, &mut verdicts);
         if verdicts[0].value.is_some_and(|sum| sum > verdicts[0].limit) {
             return samples.len();
         }

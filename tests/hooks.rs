@@ -3,6 +3,7 @@
 mod receiver;
 mod support;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
@@ -12,6 +13,7 @@ use receiver::{Receiver, Told};
 use serde_json::{Value, json};
 use support::{Answer, Server};
 use tokio::io::AsyncWriteExt;
+use tokio::sync::Notify;
 
 /// Waits of the ladder that a test can wait for: three attempts in all.
 const SHORT: (&str, &str) = ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.2,0.3");
@@ -340,6 +342,27 @@ async fn whatever_a_target_does_is_named_in_the_history_and_harms_nobody() {
     assert_eq!(server.get("/readyz").await.status, 200);
 }
 
+/// Its waits are of the time that writing down an attempt takes, so that some end between the look for what is due after it and the
+/// question what will be; nothing else wakes the lane.
+#[tokio::test]
+async fn a_delivery_that_becomes_due_while_others_are_looked_for_is_not_left_until_somebody_looks_again() {
+    let waits: Vec<String> = (0..50).map(|k| (0.0005 * 1.1_f64.powi(k)).to_string()).collect();
+    let server = Server::start_with(&[("GYROWATCH_HOOKS__RETRY_WAITS_S", &waits.join(","))]).await;
+    let target = Receiver::answering(|_, _| StatusCode::NOT_FOUND.into_response()).await;
+    let mut hooks = Vec::new();
+    for _ in 0..6 {
+        hooks.push(server.sets_up(json!({ "kind": "standard-webhooks", "url": target.url() })).await);
+    }
+    let mut deliveries = Vec::new();
+    for hook in &hooks {
+        deliveries.push(server.tests(hook).await);
+    }
+    for delivery in &deliveries {
+        let dead = server.sees(delivery, &["dead"]).await;
+        assert_eq!(dead["attempts"].as_array().unwrap().len(), 51);
+    }
+}
+
 #[tokio::test]
 async fn a_delivery_climbs_the_ladder_becomes_a_dead_letter_and_is_replayed_with_the_same_id() {
     let server = Server::start_with(&[SHORT]).await;
@@ -410,6 +433,33 @@ async fn a_target_that_is_gone_disables_its_hook_until_somebody_enables_it() {
     let delivery = server.tests(&hook).await;
     server.sees(&delivery, &["delivered"]).await;
     assert_eq!(target.told().len(), 2);
+}
+
+#[tokio::test]
+async fn what_an_address_says_that_its_hook_has_no_longer_is_not_held_against_the_hook() {
+    let server = Server::start_with(&[SHORT]).await;
+    let (asked, may_answer) = (Arc::new(Notify::new()), Arc::new(Notify::new()));
+    let (ask, answer) = (Arc::clone(&asked), Arc::clone(&may_answer));
+    let old = receiver::raw(move |mut stream| {
+        let (ask, answer) = (Arc::clone(&ask), Arc::clone(&answer));
+        async move {
+            ask.notify_one();
+            answer.notified().await;
+            stream.write_all(b"HTTP/1.1 410 Gone\r\ncontent-length: 0\r\n\r\n").await
+        }
+    });
+    let url = format!("http://{}/", old.await.0);
+    let hook = server.sets_up(json!({ "kind": "standard-webhooks", "url": url })).await;
+    let to_old = server.tests(&hook).await;
+    asked.notified().await;
+    let new = Receiver::start().await;
+    assert_eq!(server.changes(&hook, json!({ "url": new.url() })).await.status, 200);
+    server.sees(&server.tests(&hook).await, &["delivered"]).await;
+    may_answer.notify_one();
+    server.sees(&to_old, &["dead"]).await;
+    let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
+    assert_eq!(server.get(&path).await.json()["enabled"], true);
+    server.sees(&server.tests(&hook).await, &["delivered"]).await;
 }
 
 #[tokio::test]

@@ -2,6 +2,7 @@
 
 mod lab;
 
+use std::collections::VecDeque;
 use std::ops::Range;
 
 use lab::{Lab, day, record};
@@ -136,6 +137,43 @@ async fn records_too_many_to_be_remembered_one_by_one_are_judged_as_if_they_were
         }
         if k == 20 {
             short.restart().await;
+        }
+    }
+    assert_alike(&judged(&short).await, &expected);
+}
+
+/// What should not have come.
+fn stray(at: &str) -> Value {
+    record("IMU-1", at, &[("G1", "A", 1.5, 2.5)])
+}
+
+#[tokio::test]
+async fn what_is_put_right_among_too_many_to_be_remembered_is_judged_as_if_it_had_been_right() {
+    let marks = [hours(2 * 340 + 1), hours(2 * 560 + 1)];
+    let expected = expected((0..700).map(of_two_hours), marks.clone()).await;
+    let mut short = Lab::with(|config| config.judging.remembered_records = 150).await;
+    let mut wrong = VecDeque::new();
+    for (k, first) in (0..700).step_by(20).enumerate() {
+        let mut records: Vec<Value> = (first..first + 20).map(of_two_hours).collect();
+        let right = std::mem::replace(&mut records[1], stray(&hours(2 * (first + 1))));
+        records.push(stray(&hours(2 * (first + 10) + 1)));
+        let answers = short.imports(&records).await;
+        let id = |k: usize| answers[k]["id"].as_str().expect("it is stored").to_owned();
+        wrong.push_back((id(1), right, id(20)));
+        if k == 9 {
+            happen(&short, &marks).await;
+        }
+        if k == 20 {
+            short.restart().await;
+        }
+        // At once, or when much more has come.
+        let left = if k == 34 { 0 } else { [7, 7, 7, 7, 7, 7, 7, 2, 0][k % 9] };
+        while wrong.len() > left {
+            let (revised, right, voided) = wrong.pop_front().expect("there is one");
+            let said = json!({"author": "Li", "reason": "wrong fixture"});
+            short.post(&format!("/v1/records/{voided}/void"), &said).await.ok();
+            let said = json!({"author": "Li", "reason": "wrong fixture", "record": right});
+            short.post(&format!("/v1/records/{revised}/revise"), &said).await.created();
         }
     }
     assert_alike(&judged(&short).await, &expected);

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use gyrowatch::core::judge::{
-    BASELINE_RECORDS, Coefficient, History, Limits, Measured, Older, Rule, Sample, Series, Verdict, judge,
+    BASELINE_RECORDS, Coefficient, History, Limits, Measured, Rule, Sample, Series, Verdict, judge,
 };
 use gyrowatch::core::notify::{Action, Alert, Policy, follow};
 use gyrowatch::core::time::UtcMicros;
@@ -96,12 +96,7 @@ pub fn replay(arrivals: &[Arrival], limits: &Limits) -> Vec<Fired> {
     for (i, arrival) in arrivals.iter().enumerate() {
         samples.insert([arrival.sample]);
         let newest = samples.len() - 1;
-        let history = History {
-            samples: &samples,
-            baseline: &samples[..BASELINE_RECORDS.min(samples.len())],
-            marks: &[],
-            older: Older::NONE,
-        };
+        let history = History::of(&samples, &samples[..BASELINE_RECORDS.min(samples.len())], &[]);
         verdicts.clear();
         judge(&history, newest, limits, &mut verdicts);
         let now = BEGIN.plus_days(arrival.day);

@@ -9,7 +9,7 @@ mod fleet;
 
 use fleet::{Course, Fired, Fleet, replay};
 use gyrowatch::core::judge::{
-    Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Older, Rule, Sample, Series, judge,
+    Coefficient, CusumLimits, DriftLimits, History, Limits, Measured, Rule, Sample, Series, judge,
 };
 use gyrowatch::core::time::UtcMicros;
 use rand_chacha::ChaCha8Rng;
@@ -135,12 +135,7 @@ fn first_passages(rng: &mut ChaCha8Rng, thresholds: &[f64], lengths: &mut [(f64,
         }
         samples.push(Sample { at, d: [Measured::exact(z); 3] });
         verdicts.clear();
-        judge(
-            &History { samples: &samples, baseline: &[], marks: &[], older: Older::NONE },
-            samples.len() - 1,
-            &limits,
-            &mut verdicts,
-        );
+        judge(&History::of(&samples, &[], &[]), samples.len() - 1, &limits, &mut verdicts);
         let sum = verdicts[0].value.unwrap_or(0.0);
         while open < thresholds.len() && sum > thresholds[open] {
             lengths[open].0 += n as f64;

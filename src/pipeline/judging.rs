@@ -82,11 +82,12 @@ impl Judge {
             let has_events = changes.events.iter().any(|event| event.gyro == gyro);
             self.load(gyro, changes).await?;
             let newest = self.lines.get(&gyro).and_then(Line::newest);
-            let in_order = !has_events && !shrunk.contains(&gyro);
-            if in_order && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
+            let records_alone = !has_events && !shrunk.contains(&gyro);
+            if records_alone && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
                 self.append(gyro, &indices, changes, &mut judged).await?;
             } else {
-                self.insert(gyro, &indices, changes, &mut judged, &mut sheets).await?;
+                let remembered = if records_alone { self.remembered(gyro, &indices, changes) } else { None };
+                self.insert(gyro, &indices, remembered, changes, &mut judged, &mut sheets).await?;
             }
         }
         changes.rejudged.sheets = sheets.into_iter().collect();

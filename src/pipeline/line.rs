@@ -131,6 +131,11 @@ impl Line {
         self.samples.len()
     }
 
+    /// Whether every record of the gyro is here, one by one.
+    fn is_whole(&self) -> bool {
+        self.from.is_none() && self.past.is_empty()
+    }
+
     /// Adds a record that is newer than all.
     pub fn append(&mut self, sample: Sample) {
         let since = baseline_since(&self.marks, sample.at);
@@ -151,9 +156,8 @@ impl Line {
         let complete = self.baseline.len() == BASELINE_RECORDS && from > last_of_baseline.at;
         let same = [from, to].into_iter().all(|at| baseline_since(&self.marks, at) == self.since);
         let before = self.samples.partition_point(|sample| sample.at < from);
-        let whole = self.from.is_none() && self.past.is_empty();
         let far = self.from.is_none_or(|here| here <= days_before(from, need.days));
-        complete && same && (whole || far && before >= need.records)
+        complete && same && (self.is_whole() || far && before >= need.records)
     }
 
     /// Puts records in their places to which the line [reaches back](Line::reaches_back).
@@ -163,9 +167,8 @@ impl Line {
 
     /// The history in which the records of a whole line, or to which it reaches back, are judged; `older` as of [`Line::older`].
     pub fn history_at(&self, at: UtcMicros, older: Older) -> History<'_> {
-        let whole = self.from.is_none() && self.past.is_empty();
-        let baseline = if whole { baseline_of(&self.samples, &self.marks, at) } else { &self.baseline };
-        History { samples: &self.samples, baseline, marks: &self.marks, older }
+        let baseline = if self.is_whole() { baseline_of(&self.samples, &self.marks, at) } else { &self.baseline };
+        History { older, ..History::of(&self.samples, baseline, &self.marks) }
     }
 
     /// What `range` compares with a record at `at` and is not kept one by one. The database is asked once in many records.
@@ -186,7 +189,7 @@ impl Line {
     pub fn judge_newest(&self, limits: &Limits, older: Older) -> Vec<Verdict> {
         let Some(k) = self.samples.len().checked_sub(1) else { return Vec::new() };
         let mut verdicts = Vec::with_capacity(16);
-        let history = History { samples: &self.samples, baseline: &self.baseline, marks: &self.marks, older };
+        let history = History { older, ..History::of(&self.samples, &self.baseline, &self.marks) };
         judge(&history, k, limits, &mut verdicts);
         verdicts
     }

@@ -58,9 +58,8 @@ impl Batch {
         let cannot_fail = "text and bytes can always be encoded";
         for Statement { sql, rows, flat } in self.0 {
             let (first, second) = (arguments.len() + 1, arguments.len() + 2);
-            let sql = sql.sqlite.replace("$ROWS", &format!("${first}")).replace("$BYTES", &format!("${second}"));
             all.push_str("; ");
-            all.push_str(&sql);
+            numbered(sql.sqlite, [("ROWS", first), ("BYTES", second)], &mut all);
             let (json, bytes) = if flat { rows.flat() } else { (rows.json(), rows.bytes) };
             arguments.add(json).expect(cannot_fail);
             arguments.add(bytes).expect(cannot_fail);
@@ -83,6 +82,17 @@ impl Batch {
             query.execute(&mut *connection).await?;
         }
         Ok(())
+    }
+}
+
+/// Appends `sql` with numbers for the names of its parameters.
+fn numbered(sql: &str, numbers: [(&str, usize); 2], out: &mut String) {
+    let mut pieces = sql.split('$');
+    out.push_str(pieces.next().unwrap_or_default());
+    for piece in pieces {
+        let named = numbers.iter().find_map(|(name, number)| Some((number, piece.strip_prefix(name)?)));
+        let (number, rest) = named.expect("every `$` of a statement begins one of the two names");
+        write!(out, "${number}{rest}").expect("writing to a string cannot fail");
     }
 }
 

@@ -282,7 +282,7 @@ mod tests {
 
     use super::*;
     use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Sample};
-    use crate::core::judge::{Event, LimitKind, Limits, Older, State, judge};
+    use crate::core::judge::{Event, LimitKind, Limits, State, judge};
     use crate::core::record::{Plausibility, Record};
     use crate::core::separate::separate;
 
@@ -376,12 +376,8 @@ mod tests {
             let mark = Mark::of(TODAY.plus_days(stories::BACK - 1.0 - DAYS), Event::Repair);
             let marks: &[Mark] = if repaired { &[mark] } else { &[] };
             let start = samples.iter().position(|sample| !repaired || sample.at >= mark.at).expect("records after it");
-            let history = History {
-                samples: &samples.clone().into(),
-                baseline: &samples[start..start + BASELINE_RECORDS],
-                marks,
-                older: Older::NONE,
-            };
+            let series = samples.clone().into();
+            let history = History::of(&series, &samples[start..start + BASELINE_RECORDS], marks);
             let mut verdicts = Vec::new();
             judge(&history, samples.len() - 1, &Limits::default(), &mut verdicts);
             for verdict in verdicts.iter().filter(|verdict| verdict.state == State::Exceeded) {

@@ -36,12 +36,15 @@ impl Measured {
     }
 }
 
+/// D_I, D_S, and the closure.
+pub(super) const COLUMNS: usize = 3;
+
 /// One gyro in one calibration record: the row that the store keeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     pub at: UtcMicros,
     /// D_I, D_S, and the closure (D_O, or the published closure where that method is judged), deg/(h g0).
-    pub d: [Measured; 3],
+    pub d: [Measured; COLUMNS],
 }
 
 impl Sample {
@@ -182,6 +185,11 @@ impl Need {
 }
 
 impl<'a> History<'a> {
+    /// Of records that are all there one by one.
+    pub fn of(samples: &'a Series, baseline: &'a [Sample], marks: &'a [Mark]) -> Self {
+        Self { samples, baseline, marks, older: Older::NONE }
+    }
+
     /// The records that `rule` may compare with record `k`: from the last event that resets the rule, `k` included.
     pub(crate) fn since_reset(&self, k: usize, rule: Rule) -> &'a [Sample] {
         &self.samples[self.first_since_reset(k, rule)..=k]

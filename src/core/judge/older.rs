@@ -1,7 +1,7 @@
 //! Records that a rule looks back to and that are not there one by one any more.
 
 use super::extremes::Extremes;
-use super::history::{Measured, Sample};
+use super::history::{COLUMNS, Measured, Sample};
 use crate::core::time::UtcMicros;
 
 /// A figure and when it was measured.
@@ -11,11 +11,11 @@ pub(crate) type Figure = (UtcMicros, Measured);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Older {
     pub(crate) records: usize,
-    pub(crate) extremes: [Extremes<Figure>; 3],
+    pub(crate) extremes: [Extremes<Figure>; COLUMNS],
 }
 
 impl Older {
-    pub const NONE: Self = Self { records: 0, extremes: [Extremes::NONE; 3] };
+    pub const NONE: Self = Self { records: 0, extremes: [Extremes::NONE; COLUMNS] };
 
     /// Of records in the order of time.
     pub fn of(samples: &[Sample]) -> Self {

@@ -3,7 +3,7 @@
 use std::ops::{Deref, Range};
 
 use super::extremes::Extremes;
-use super::history::Sample;
+use super::history::{COLUMNS, Sample};
 
 /// Records of one gyro, oldest first, no two at the same instant.
 ///
@@ -16,7 +16,6 @@ pub struct Series {
     runs: Vec<Vec<[Extremes<usize>; COLUMNS]>>,
 }
 
-const COLUMNS: usize = 3;
 /// Records, or shorter runs, in a run.
 const RUN: usize = 16;
 

@@ -19,9 +19,8 @@ fn verdict(samples: &[Sample], marks: &[Mark], k: usize, rule: Rule, limits: &Li
     let since = baseline_since(marks, samples[k].at);
     let baseline: Vec<Sample> =
         samples.iter().filter(|s| since.is_none_or(|t| s.at >= t)).take(BASELINE_RECORDS).copied().collect();
-    let history = History { samples: &samples.into(), baseline: &baseline, marks, older: Older::NONE };
     let mut verdicts = Vec::new();
-    judge(&history, k, limits, &mut verdicts);
+    judge(&History::of(&samples.into(), &baseline, marks), k, limits, &mut verdicts);
     *verdicts.iter().find(|v| v.rule == rule && v.coefficient == Coefficient::DI).expect("the rule has a limit")
 }
 
@@ -238,9 +237,8 @@ fn a_closure_that_moved_is_told_as_a_turn_of_the_mounting() {
     let mut points = samples(None, &series(5, |_| 3.0));
     // 10 arcmin about the input axis at D_S = 5: D_O moves by 5 tan(10').
     points[4].d[2].value = 5.0 * (10.0_f64 / 60.0).to_radians().tan();
-    let history = History { samples: &points.clone().into(), baseline: &points[..3], marks: &[], older: Older::NONE };
     let mut verdicts = Vec::new();
-    judge(&history, 4, &Limits::default(), &mut verdicts);
+    judge(&History::of(&points.clone().into(), &points[..3], &[]), 4, &Limits::default(), &mut verdicts);
     let v = verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit");
     assert_eq!((v.coefficient, v.state), (Coefficient::DO, State::Exceeded));
     let cause = "as a turn of +10.0 arcmin about the input axis would: mounting, or an output-axis term, rather than D_I or D_S";
@@ -253,10 +251,8 @@ fn a_closure_within_its_limit_is_given_no_cause_and_no_turn_that_rounds_to_nothi
     for (moved, turn) in [(0.002, Some("as a turn of +1.4 arcmin")), (1e-5, None)] {
         let mut points = samples(Some(1e-3), &series(5, |_| 3.0));
         points[4].d[2].value = moved;
-        let history =
-            History { samples: &points.clone().into(), baseline: &points[..3], marks: &[], older: Older::NONE };
         let mut verdicts = Vec::new();
-        judge(&history, 4, &Limits::default(), &mut verdicts);
+        judge(&History::of(&points.clone().into(), &points[..3], &[]), 4, &Limits::default(), &mut verdicts);
         let v = verdicts.iter().find(|v| v.rule == Rule::Closure).expect("the closure has a limit");
         assert_eq!(v.state, State::Within);
         assert!(!v.reason().contains("mounting"), "{}", v.reason());
@@ -368,12 +364,7 @@ mod properties {
         let baseline: Vec<Sample> =
             all.iter().filter(|s| since.is_none_or(|t| s.at >= t)).take(BASELINE_RECORDS).copied().collect();
         let mut verdicts = Vec::new();
-        judge(
-            &History { samples: &samples.into(), baseline: &baseline, marks, older: Older::NONE },
-            k,
-            &Limits::default(),
-            &mut verdicts,
-        );
+        judge(&History::of(&samples.into(), &baseline, marks), k, &Limits::default(), &mut verdicts);
         verdicts
     }
 

@@ -165,7 +165,7 @@ fn sd_digits(sd: f64, limit: f64) -> usize {
 mod tests {
     use super::*;
     use crate::core::judge::history::{BASELINE_RECORDS, History, Measured, Sample};
-    use crate::core::judge::{Limits, Older, Series, judge};
+    use crate::core::judge::{Limits, Series, judge};
 
     /// Every number of the English reason stands in the Chinese one, whatever the rule.
     #[test]
@@ -180,8 +180,7 @@ mod tests {
                 d: [measured(d(k)), measured(-d(k)), measured(0.01 * d(k))],
             };
             let samples = Series::from((0..24).map(sample).collect::<Vec<_>>());
-            let history =
-                History { samples: &samples, baseline: &samples[..BASELINE_RECORDS], marks: &[], older: Older::NONE };
+            let history = History::of(&samples, &samples[..BASELINE_RECORDS], &[]);
             for k in [2, 10, 23] {
                 judge(&history, k, &Limits::default(), &mut verdicts);
             }

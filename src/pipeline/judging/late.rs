@@ -83,17 +83,19 @@ fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need)
 }
 
 impl Judge {
-    /// Puts what is new and what counts no more into its place, and judges again what that alters.
+    /// Puts what is new and what counts no more into its place, and judges again what that alters; `remembered` as of
+    /// [`Judge::remembered`].
     pub(super) async fn insert(
         &mut self,
         gyro: u32,
         indices: &[usize],
+        remembered: Option<(Line, UtcMicros)>,
         changes: &mut Changes,
         found: &mut Judged,
         sheets: &mut HashMap<Id, VerdictSheet>,
     ) -> Result<(), StoreError> {
         let need = Need::of(&self.limits(None));
-        let Reopened { mut line, stored, altered, shrunk } = match self.remembered(gyro, indices, changes, need) {
+        let Reopened { mut line, stored, altered, shrunk } = match remembered {
             Some((line, from)) => self.reopen_late(gyro, indices, changes, line, from).await?,
             None => self.reopen_all(gyro, indices, changes).await?,
         };
@@ -135,12 +137,12 @@ impl Judge {
         Ok(())
     }
 
-    /// A gyro's line, where new records (`indices`, oldest first) are all that comes to it and what is remembered is enough to judge them,
+    /// A gyro's line, where what is remembered is enough to judge new records (`indices`, oldest first), if they are all that comes to it,
     /// and when the oldest of them was made. What is taken is forgotten here until it is put back.
-    fn remembered(&mut self, gyro: u32, indices: &[usize], changes: &Changes, need: Need) -> Option<(Line, UtcMicros)> {
+    pub(super) fn remembered(&mut self, gyro: u32, indices: &[usize], changes: &Changes) -> Option<(Line, UtcMicros)> {
         let [oldest, newest] = [indices.first()?, indices.last()?].map(|&i| changes.history[i].figures.at);
-        let others = changes.events.iter().any(|event| event.gyro == gyro) || changes.withdrawn.gyros().contains(&gyro);
-        let enough = !others && self.lines.get(&gyro).is_some_and(|line| line.reaches_back([oldest, newest], need));
+        let need = Need::of(&self.limits(None));
+        let enough = self.lines.get(&gyro).is_some_and(|line| line.reaches_back([oldest, newest], need));
         let line = enough.then(|| self.lines.remove(&gyro)).flatten();
         line.map(|line| (line, oldest))
     }

@@ -26,13 +26,17 @@ use crate::wire::alert::AlertBody;
 const FETCH: u32 = 64;
 /// When nothing tells a lane anything, it looks for itself.
 const IDLE: Duration = Duration::from_secs(30);
+/// A lane off duty looks again after this: it is closed soon, for another server delivers, or the lease is only late in being renewed.
+const OFF_DUTY: Duration = Duration::from_secs(1);
 /// After a failure to read or write the database.
 const BREATH: Duration = Duration::from_secs(1);
 
 /// What has happened to a delivery under way.
 enum Event {
-    Attempted(DueDelivery, Attempt),
+    Attempted(Arc<Addressee>, DueDelivery, Attempt),
     WrittenDown(Id),
+    /// The writer has gone. It is attempted no more, for nobody would ever know.
+    Unwritten,
 }
 
 pub(super) struct Lane {
@@ -50,6 +54,8 @@ pub(super) struct Lane {
     held: HashSet<Id>,
     /// There may be more due than `ready` holds.
     look_again: bool,
+    /// What was due then has been fetched, but for what it takes to [look again](Lane::look_again) for.
+    looked_at: UtcMicros,
     resend_at: Instant,
 }
 
@@ -67,28 +73,26 @@ impl Lane {
             under_way: FuturesUnordered::new(),
             held: HashSet::new(),
             look_again: true,
+            looked_at: UtcMicros(i64::MIN),
             resend_at: Instant::now(),
         }
     }
 
     /// Delivers until the hook is disabled or deleted, or the service stops; then finishes what is under way.
     pub async fn run(mut self) {
-        let mut latest = None;
         while !*self.stopping.borrow() {
             match self.addressee().await {
                 Ok(Some(to)) => {
                     if let Err(error) = self.serve(&to).await {
                         self.complain(&error).await;
                     }
-                    latest = Some(to);
                 }
                 Ok(None) => break,
                 Err(error) => self.complain(&error).await,
             }
         }
-        let Some(to) = latest else { return };
         while let Some(event) = self.under_way.next().await {
-            self.go_on(&to, event);
+            self.go_on(event);
         }
     }
 
@@ -118,7 +122,7 @@ impl Lane {
         loop {
             let pause = self.begin(to).await?;
             tokio::select! {
-                Some(event) = self.under_way.next() => self.go_on(to, event),
+                Some(event) = self.under_way.next() => self.go_on(event),
                 _ = self.wake.changed() => return Ok(()),
                 _ = self.stopping.changed() => return Ok(()),
                 () = tokio::time::sleep(pause) => self.look_again = true,
@@ -128,16 +132,23 @@ impl Lane {
 
     /// Begins all attempts that can begin. Returns after how long there may be more.
     async fn begin(&mut self, to: &Arc<Addressee>) -> Result<Duration, StoreError> {
+        if !self.is_on_duty() {
+            // By then others may have delivered what was fetched.
+            self.ready.clear();
+            self.look_again = true;
+            return Ok(OFF_DUTY);
+        }
         if to.kind == HookKind::Alertmanager && Instant::now() >= self.resend_at {
             // Alone, or what fires might overtake that it is resolved.
             if !self.under_way.is_empty() {
                 return Ok(IDLE);
             }
             self.resend(to).await?;
+            if !self.is_on_duty() {
+                return Ok(OFF_DUTY);
+            }
         }
-        let most = self.desk.pipeline.config.hooks.attempts_at_once;
-        // Where the duty is over, another server delivers: nothing more is begun.
-        let at_once = if self.is_on_duty() { self.health.at_once(most, Instant::now()) } else { 0 };
+        let at_once = self.health.at_once(self.desk.pipeline.config.hooks.attempts_at_once, Instant::now());
         while self.under_way.len() < at_once {
             if self.ready.is_empty() && self.look_again {
                 self.fetch().await?;
@@ -164,9 +175,11 @@ impl Lane {
             return Ok(IDLE);
         }
         let now = self.desk.pipeline.clock.now();
-        let next = self.desk.pipeline.store.next_due(self.hook, now).await?;
+        // What has become due since it was last looked for is still to be fetched. The clock may have gone back.
+        let next = self.desk.pipeline.store.next_due(self.hook, self.looked_at.min(now)).await?;
         // A millisecond more, so that it is due indeed.
-        let until = next.map(|at| Duration::from_micros((at.0 - now.0).unsigned_abs()) + Duration::from_millis(1));
+        let until =
+            next.map(|at| Duration::from_micros((at.0 - now.0).max(0).unsigned_abs()) + Duration::from_millis(1));
         Ok(until.unwrap_or(IDLE))
     }
 
@@ -176,6 +189,7 @@ impl Lane {
         let limit = FETCH + self.held.len() as u32;
         let due = self.desk.pipeline.store.due_deliveries(self.hook, now, horizon, limit).await?;
         self.look_again = due.len() == limit as usize;
+        self.looked_at = now;
         self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
         Ok(())
     }
@@ -185,28 +199,30 @@ impl Lane {
         let (desk, to) = (Arc::clone(&self.desk), Arc::clone(to));
         self.under_way.push(Box::pin(async move {
             let attempt = desk.attempt(&to, &due).await;
-            Event::Attempted(due, attempt)
+            Event::Attempted(to, due, attempt)
         }));
     }
 
-    fn go_on(&mut self, to: &Arc<Addressee>, event: Event) {
+    fn go_on(&mut self, event: Event) {
         match event {
-            Event::Attempted(due, attempt) => {
-                let hasten = self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
+            Event::Attempted(to, due, attempt) => {
+                // What an address does that the hook has no longer says nothing of the one that it has.
+                let is_current = self.changed_at == Some(to.row.changed_at);
+                let hasten = is_current && self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
                 let at = self.desk.pipeline.clock.now();
-                let attempted = letter::report(to, &due, &attempt, at, &self.desk.ladder, hasten);
+                let attempted = letter::report(&to, &due, &attempt, at, &self.desk.ladder, hasten);
                 count(to.kind, &attempted, &attempt);
                 let desk = Arc::clone(&self.desk);
                 self.under_way.push(Box::pin(async move {
                     let delivery = attempted.delivery;
-                    desk.write_down(attempted).await;
-                    Event::WrittenDown(delivery)
+                    if desk.write_down(attempted).await { Event::WrittenDown(delivery) } else { Event::Unwritten }
                 }));
             }
             Event::WrittenDown(delivery) => {
                 self.held.remove(&delivery);
                 self.look_again = true;
             }
+            Event::Unwritten => {}
         }
     }
 
@@ -232,11 +248,12 @@ impl Lane {
 
 impl Desk {
     /// Sees to it that an attempt is written down, however long the disk may be full: what was delivered and is not
-    /// known to be would be sent again.
-    async fn write_down(&self, mut attempted: Attempted) {
+    /// known to be would be sent again. False where the writer has gone.
+    async fn write_down(&self, mut attempted: Attempted) -> bool {
         loop {
             match self.pipeline.write_down(attempted.clone()).await {
-                Ok(()) | Err(Refused::Stopping) => return,
+                Ok(()) => return true,
+                Err(Refused::Stopping) => return false,
                 Err(error) => {
                     tracing::warn!(%error, delivery = %attempted.delivery, "an attempt cannot be written down; trying again");
                     attempted.perhaps_written |=

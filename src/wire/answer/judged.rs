@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use crate::core::judge::history::{History, Measured, Sample};
     use crate::core::judge::limits::Limits;
-    use crate::core::judge::{Coefficient, Finding, Older, Rule, State, judge};
+    use crate::core::judge::{Coefficient, Finding, Rule, State, judge};
     use crate::core::time::UtcMicros;
     use crate::wire::calibration::{CalibrationBody, CampaignAnswer};
 
@@ -93,12 +93,7 @@ mod tests {
                 .collect();
             for k in 0..samples.len() {
                 let baseline = &samples[..samples.len().min(3).min(k + 1)];
-                judge(
-                    &History { samples: &samples.clone().into(), baseline, marks: &[], older: Older::NONE },
-                    k,
-                    &Limits::default(),
-                    &mut verdicts,
-                );
+                judge(&History::of(&samples.clone().into(), baseline, &[]), k, &Limits::default(), &mut verdicts);
             }
         }
         let requirement = Finding::Requirement { figure: "E_x", low: 0.1, high: 2.5, others_outside: 2 };

@@ -103,8 +103,8 @@ enum Job {
     Store { items: Vec<Submission>, with_verdicts: bool, reply: reply::Teller },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
-    /// An attempt to tell a hook is to be written down.
-    Attempted { attempted: hooks::Attempted, reply: oneshot::Sender<Result<(), Refused>> },
+    /// How an attempt to tell a hook went, or that its target is back, is to be written down.
+    Found { found: hooks::Found, reply: oneshot::Sender<Result<(), Refused>> },
     /// A model is to be in force for an IMU.
     Model { adoption: Box<Adoption>, by: Actor, reply: oneshot::Sender<Result<Accepted, Refused>> },
     /// Many campaigns are to be diagnosed, or no longer.

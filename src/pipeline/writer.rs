@@ -15,7 +15,7 @@ use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
 use super::admit::Newest;
 use super::alerting::AlertBook;
 use super::diagnosing::{DiagnosisOrder, JobDesk};
-use super::hooks::{Attempted, HookBook, HookDesk, Order};
+use super::hooks::{Found, HookBook, HookDesk, Order};
 use super::judging::Judge;
 use super::models::{ModelBook, adopt};
 use super::read::Submission;
@@ -76,7 +76,7 @@ pub(super) struct After {
 type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
 /// Submissions, whether they are answered with verdicts and ahead of the disk, and where the answers go.
 type StoreJob = (Vec<Submission>, bool, Teller);
-type Attempts = Vec<(Attempted, oneshot::Sender<Result<(), Refused>>)>;
+type Findings = Vec<(Found, oneshot::Sender<Result<(), Refused>>)>;
 
 impl Task {
     pub async fn new(
@@ -138,7 +138,7 @@ impl Task {
                 self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
-            let (mut orders, mut attempts) = (Orders::new(), Attempts::new());
+            let (mut orders, mut findings) = (Orders::new(), Findings::new());
             for job in jobs.drain(..) {
                 let job = match job {
                     Job::Store { items, with_verdicts, reply } => (items, with_verdicts, reply),
@@ -146,8 +146,8 @@ impl Task {
                         orders.push((order, by, reply));
                         continue;
                     }
-                    Job::Attempted { attempted, reply } => {
-                        attempts.push((attempted, reply));
+                    Job::Found { found, reply } => {
+                        findings.push((found, reply));
                         continue;
                     }
                     Job::Model { adoption, by, reply } => {
@@ -200,7 +200,7 @@ impl Task {
             if mixed {
                 self.finish().await;
             }
-            self.carry_out(orders, attempts).await;
+            self.carry_out(orders, findings).await;
         }
         self.store.close().await;
         if let Err(error) = self.writer.close().await {
@@ -214,16 +214,17 @@ impl Task {
         }
     }
 
-    /// What people order has one transaction each, attempts share one.
-    async fn carry_out(&mut self, orders: Orders, attempts: Attempts) {
-        let changed = !orders.is_empty() || attempts.iter().any(|(attempted, _)| attempted.gone.is_some());
+    /// What people order has one transaction each, what lanes have found out shares one.
+    async fn carry_out(&mut self, orders: Orders, findings: Findings) {
+        let is_gone = |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.gone.is_some());
+        let changed = !orders.is_empty() || findings.iter().any(|(found, _)| is_gone(found));
         for (order, by, reply) in orders {
             let done = in_turn!(self, self.hook_desk().carry_out(&order, &by));
             let _gone = reply.send(done);
         }
-        if !attempts.is_empty() {
-            let written = in_turn!(self, self.hook_desk().write_down(attempts.iter().map(|(attempted, _)| attempted)));
-            for (_, reply) in attempts {
+        if !findings.is_empty() {
+            let written = in_turn!(self, self.hook_desk().write_down(findings.iter().map(|(found, _)| found)));
+            for (_, reply) in findings {
                 let _gone = reply.send(written.clone());
             }
         }

@@ -58,6 +58,14 @@ impl<'a> From<&'a HookRow> for Audited<'a> {
     }
 }
 
+/// What a lane has found out and is to be written down.
+#[derive(Debug, Clone)]
+pub enum Found {
+    Attempted(Attempted),
+    /// The hook's target is back, and it was no delivery that found it so: what waits is due now.
+    Back(Id),
+}
+
 /// An attempt was made.
 #[derive(Debug, Clone)]
 pub struct Attempted {
@@ -124,11 +132,14 @@ impl HookDesk<'_> {
         Ok(by.line(self.writer.next_id(self.now), self.now, (action, subject), before.as_ref(), after.as_ref()))
     }
 
-    /// Writes down many attempts in one transaction.
-    pub async fn write_down(&mut self, attempts: impl Iterator<Item = &Attempted>) -> Result<(), Refused> {
+    /// Writes down what many lanes have found out, in one transaction.
+    pub async fn write_down(&mut self, found: impl Iterator<Item = &Found>) -> Result<(), Refused> {
         let mut changes = Changes::default();
-        for attempted in attempts {
-            self.attempted(attempted, &mut changes).await?;
+        for found in found {
+            match found {
+                Found::Attempted(attempted) => self.attempted(attempted, &mut changes).await?,
+                Found::Back(hook) => changes.outbox.hastened.push((*hook, self.now)),
+            }
         }
         Ok(self.writer.commit(&changes).await?)
     }

@@ -9,7 +9,7 @@ mod show;
 
 pub(super) use book::HookBook;
 pub use desk::Order;
-pub(super) use desk::{Attempted, HookDesk};
+pub(super) use desk::{Attempted, Found, HookDesk};
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
 
@@ -57,10 +57,10 @@ impl Pipeline {
         answer.await.map_err(|_| Refused::Stopping)?
     }
 
-    /// Writes down an attempt; waits for room in the queue.
-    pub(super) async fn write_down(&self, attempted: Attempted) -> Result<(), Refused> {
+    /// Writes down what a lane has found out; waits for room in the queue.
+    pub(super) async fn write_down(&self, found: Found) -> Result<(), Refused> {
         let (reply, answer) = oneshot::channel();
-        self.jobs.send(Job::Attempted { attempted, reply }).await.map_err(|_| Refused::Stopping)?;
+        self.jobs.send(Job::Found { found, reply }).await.map_err(|_| Refused::Stopping)?;
         answer.await.map_err(|_| Refused::Stopping)?
     }
 

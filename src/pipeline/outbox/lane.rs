@@ -9,15 +9,15 @@ use futures::future::BoxFuture;
 use futures::stream::FuturesUnordered;
 use tokio::sync::watch;
 
-use super::Desk;
 use super::health::Health;
 use super::letter::{self, Addressee};
+use super::{Desk, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, Outcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Refused;
-use crate::pipeline::hooks::Attempted;
+use crate::pipeline::hooks::{Attempted, Found};
 use crate::store::{DeliveryState, DueDelivery, Duty, Id, Progress, StoreError};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
@@ -26,8 +26,6 @@ use crate::wire::alert::AlertBody;
 const FETCH: u32 = 64;
 /// When nothing tells a lane anything, it looks for itself.
 const IDLE: Duration = Duration::from_secs(30);
-/// A lane off duty looks again after this: it is closed soon, for another server delivers, or the lease is only late in being renewed.
-const OFF_DUTY: Duration = Duration::from_secs(1);
 /// After a failure to read or write the database.
 const BREATH: Duration = Duration::from_secs(1);
 
@@ -35,6 +33,8 @@ const BREATH: Duration = Duration::from_secs(1);
 enum Event {
     Attempted(Arc<Addressee>, DueDelivery, Attempt),
     WrittenDown(Id),
+    /// What waits has been made due.
+    Hastened,
     /// The writer has gone. It is attempted no more, for nobody would ever know.
     Unwritten,
 }
@@ -215,13 +215,15 @@ impl Lane {
                 let desk = Arc::clone(&self.desk);
                 self.under_way.push(Box::pin(async move {
                     let delivery = attempted.delivery;
-                    if desk.write_down(attempted).await { Event::WrittenDown(delivery) } else { Event::Unwritten }
+                    let written = desk.write_down(Found::Attempted(attempted)).await;
+                    if written { Event::WrittenDown(delivery) } else { Event::Unwritten }
                 }));
             }
             Event::WrittenDown(delivery) => {
                 self.held.remove(&delivery);
                 self.look_again = true;
             }
+            Event::Hastened => self.look_again = true,
             Event::Unwritten => {}
         }
     }
@@ -238,7 +240,12 @@ impl Lane {
             return Ok(());
         }
         let attempt = self.desk.resend(to, &firing).await;
-        self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
+        if self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now()) {
+            let (desk, back) = (Arc::clone(&self.desk), Found::Back(self.hook));
+            self.under_way.push(Box::pin(async move {
+                if desk.write_down(back).await { Event::Hastened } else { Event::Unwritten }
+            }));
+        }
         if attempt.outcome != Outcome::Delivered {
             tracing::warn!(hook = %self.hook, why = attempt.detail, "an Alertmanager could not be sent what fires");
         }
@@ -247,17 +254,25 @@ impl Lane {
 }
 
 impl Desk {
-    /// Sees to it that an attempt is written down, however long the disk may be full: what was delivered and is not
-    /// known to be would be sent again. False where the writer has gone.
-    async fn write_down(&self, mut attempted: Attempted) -> bool {
+    /// Sees to it that it is written down, however long the disk may be full: what was delivered and is not known to be
+    /// would be sent again. False where the writer has gone.
+    async fn write_down(&self, mut found: Found) -> bool {
         loop {
-            match self.pipeline.write_down(attempted.clone()).await {
+            match self.pipeline.write_down(found.clone()).await {
                 Ok(()) => return true,
                 Err(Refused::Stopping) => return false,
                 Err(error) => {
-                    tracing::warn!(%error, delivery = %attempted.delivery, "an attempt cannot be written down; trying again");
-                    attempted.perhaps_written |=
-                        matches!(&error, Refused::Store(error) if matches!(**error, StoreError::Unanswered(_)));
+                    match &mut found {
+                        Found::Attempted(attempted) => {
+                            let delivery = attempted.delivery;
+                            tracing::warn!(%error, %delivery, "an attempt cannot be written down; trying again");
+                            attempted.perhaps_written |=
+                                matches!(&error, Refused::Store(error) if matches!(**error, StoreError::Unanswered(_)));
+                        }
+                        Found::Back(hook) => {
+                            tracing::warn!(%error, %hook, "what waits cannot be hastened; trying again")
+                        }
+                    }
                     tokio::time::sleep(BREATH).await;
                 }
             }

@@ -30,6 +30,8 @@ use lane::Lane;
 
 /// How often the worker looks around when nothing wakes it.
 const ROUND: Duration = Duration::from_secs(5);
+/// How often while another server delivers, or the lease is only late in being renewed.
+const OFF_DUTY: Duration = Duration::from_secs(1);
 /// A worker that has not looked around for so long is not at work.
 const STUCK: Duration = Duration::from_secs(30);
 /// At a stop, attempts under way get so long; what they were sent is sent again after the next start.
@@ -114,7 +116,8 @@ impl Worker {
         let mut wake = self.desk.pipeline.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
             self.desk.pipeline.pulse.beat();
-            if !self.desk.pipeline.store.is_on_duty(Duty::Deliveries) {
+            let is_on_duty = self.desk.pipeline.store.is_on_duty(Duty::Deliveries);
+            if !is_on_duty {
                 // What was under way is sent again by whoever delivers now.
                 self.lanes.shutdown().await;
                 self.hooks.clear();
@@ -125,7 +128,7 @@ impl Worker {
                 Some(ended) = self.lanes.join_next_with_id() => self.clear_away(ended).await,
                 _ = wake.changed() => {}
                 _ = self.stopping.changed() => {}
-                () = tokio::time::sleep(ROUND) => {}
+                () = tokio::time::sleep(if is_on_duty { ROUND } else { OFF_DUTY }) => {}
             }
         }
         let drained = async { while self.lanes.join_next().await.is_some() {} };

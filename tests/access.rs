@@ -551,7 +551,7 @@ async fn the_audit_trail_cannot_be_rewritten() {
 /// A client that trusts one certificate.
 fn trusting(certificate: &str) -> reqwest::Client {
     let certificate = reqwest::Certificate::from_pem(data(certificate).as_bytes()).unwrap();
-    let client = gyrowatch::system::http_client(Duration::from_secs(5), Duration::from_secs(10));
+    let client = gyrowatch::system::http_client(Duration::from_secs(20), Duration::from_secs(60));
     client.tls_certs_only([certificate]).pool_max_idle_per_host(0).build().unwrap()
 }
 

@@ -29,7 +29,7 @@ async fn sets_up(server: &Server, hook: Value) -> Value {
 
 async fn all_told(server: &Server, hook: &Value) {
     let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
-    let patience = Instant::now() + Duration::from_secs(20);
+    let patience = Instant::now() + Duration::from_secs(120);
     while server.get(&path).await.json()["queue"]["open"] != 0 {
         assert!(Instant::now() < patience, "{}", server.log());
         tokio::time::sleep(Duration::from_millis(20)).await;

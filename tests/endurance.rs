@@ -196,7 +196,7 @@ async fn a_clock_that_jumps_loses_and_doubles_nothing() {
         if open < least {
             (least, since) = (open, Instant::now());
         }
-        assert!(since.elapsed() < Duration::from_secs(30), "{queue}\n{}", server.log());
+        assert!(since.elapsed() < Duration::from_secs(120), "{queue}\n{}", server.log());
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
     let times = times.lock().unwrap().clone();

@@ -644,7 +644,7 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
     let told = |count: usize| {
         let (target, path, server) = (&target, &path, &server);
         async move {
-            let patience = Instant::now() + Duration::from_secs(20);
+            let patience = Instant::now() + Duration::from_secs(120);
             while target.told().len() < count
                 || page(server, &format!("{path}?state=delivered"), &[]).await.matches("hook.test").count() < 1
             {

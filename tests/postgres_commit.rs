@@ -201,7 +201,7 @@ async fn an_attempt_that_was_perhaps_written_down_is_not_counted_twice() {
     assert!(between.has_cut());
     between.closes_then(false);
     let open = "SELECT count(*) FROM delivery WHERE state = 'waiting'";
-    let end = std::time::Instant::now() + Duration::from_secs(30);
+    let end = std::time::Instant::now() + Duration::from_secs(120);
     while count(&url, open).await > 0 {
         assert!(std::time::Instant::now() < end, "deliveries are still waiting");
         tokio::time::sleep(Duration::from_millis(50)).await;

@@ -56,7 +56,7 @@ async fn recorded_run(records: usize) -> Run {
             let (url, next, sent) = (server.url("/v1/records"), next.clone(), sent.clone());
             tokio::spawn(async move {
                 let http =
-                    gyrowatch::system::http_client(Duration::from_secs(5), Duration::from_secs(30)).build().unwrap();
+                    gyrowatch::system::http_client(Duration::from_secs(20), Duration::from_secs(120)).build().unwrap();
                 loop {
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     if number >= 505 + records {
@@ -82,7 +82,7 @@ async fn recorded_run(records: usize) -> Run {
         if text.lines().last().is_some_and(|line| line.contains("+++ ")) && text.ends_with('\n') {
             break text;
         }
-        assert!(began.elapsed() < Duration::from_secs(20), "strace does not end");
+        assert!(began.elapsed() < Duration::from_secs(60), "strace does not end");
         tokio::time::sleep(Duration::from_millis(50)).await;
     };
     let recording = Recording::read(&trace, &place);

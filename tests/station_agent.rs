@@ -30,7 +30,7 @@ impl Drop for Agent {
 async fn appears(path: &Path) {
     let started = Instant::now();
     while !path.exists() {
-        assert!(started.elapsed() < Duration::from_secs(60), "{} did not appear", path.display());
+        assert!(started.elapsed() < Duration::from_secs(180), "{} did not appear", path.display());
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
 }

@@ -53,7 +53,7 @@ const SUMMARY: &str = "/v1/diagnoses/summary";
 
 /// An answer; what rests on diagnoses, once all are made.
 async fn answered(server: &Server, path: &str) -> Value {
-    let patience = Instant::now() + Duration::from_secs(60);
+    let patience = Instant::now() + Duration::from_secs(180);
     loop {
         let answer = server.get(path).await;
         assert_eq!(answer.status, 200, "{path}: {}", answer.text());

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 /// WebDriver's name for a reference to an element.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
 /// How long a page may take until something is there.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(90);
 
 pub struct Browser {
     driver: Child,
@@ -62,7 +62,7 @@ impl Browser {
             .expect("chromedriver names its port");
         // Whatever else it says has to go somewhere.
         std::thread::spawn(move || lines.for_each(drop));
-        let http = system::http_client(Duration::from_secs(5), Duration::from_secs(60)).build().unwrap();
+        let http = system::http_client(Duration::from_secs(20), Duration::from_secs(240)).build().unwrap();
         let arguments = [
             "--headless=new",
             "--no-sandbox",

@@ -189,7 +189,7 @@ impl Cluster {
 
     fn comes_up(&self) {
         let programs = programs().unwrap();
-        let patience = Instant::now() + Duration::from_secs(30);
+        let patience = Instant::now() + Duration::from_secs(120);
         let port = self.port.to_string();
         let is_ready = || {
             let mut command = Command::new(programs.join("pg_isready"));

@@ -70,7 +70,7 @@ impl Lab {
         }
         change(&mut config);
         let noon = time::parse("2026-11-21T12:00:00Z").expect("a time");
-        let client = system::http_client(Duration::from_secs(5), Duration::from_secs(60)).build().expect("a client");
+        let client = system::http_client(Duration::from_secs(20), Duration::from_secs(240)).build().expect("a client");
         let mut lab = Self { dir, config, clock: Clock::manual(noon), client, running: None };
         lab.start().await;
         lab

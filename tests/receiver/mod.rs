@@ -72,7 +72,7 @@ impl Receiver {
 
     /// Waits until so many requests have come.
     pub async fn has_been_told(&self, count: usize) -> Vec<Told> {
-        let patience = Instant::now() + Duration::from_secs(20);
+        let patience = Instant::now() + Duration::from_secs(120);
         while self.told.lock().unwrap().len() < count {
             assert!(Instant::now() < patience, "{} of {count} requests came", self.told().len());
             tokio::time::sleep(Duration::from_millis(5)).await;

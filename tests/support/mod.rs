@@ -301,7 +301,7 @@ impl Drop for Server {
 }
 
 fn client() -> reqwest::Client {
-    system::http_client(Duration::from_secs(5), Duration::from_secs(60)).build().unwrap()
+    system::http_client(Duration::from_secs(20), Duration::from_secs(240)).build().unwrap()
 }
 
 /// Reads until the other end closes.

@@ -142,17 +142,18 @@ async fn a_target_that_is_down_for_three_days_is_told_everything_in_order_when_i
     // While it is down, the alert becomes critical and ends, and another begins.
     scene.station_posts("A", &[(80, 1.03), (120, 1.03)]).await;
     scene.station_posts("B", &[(0, 1.0), (40, 1.03)]).await;
-    assert_eq!(
-        types(&{
-            let patience = Instant::now() + Duration::from_secs(120);
-            while Scene::alerts_told(&scene.sound).len() < 4 && Instant::now() < patience {
-                tokio::time::sleep(Duration::from_millis(10)).await;
-            }
-            Scene::alerts_told(&scene.sound)
-        }),
-        ["alert.fired", "alert.escalated", "alert.resolved", "alert.fired"],
-        "the other target is told at once"
-    );
+    let patience = Instant::now() + Duration::from_secs(120);
+    while Scene::alerts_told(&scene.sound).len() < 4 {
+        assert!(Instant::now() < patience, "the other target is told at once");
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    // What one alert does comes in order; two wait for one another only where a target is slow.
+    let sound = Scene::alerts_told(&scene.sound);
+    let of = |serial: &str| -> Vec<Told> {
+        sound.iter().filter(|told| told.json()["data"]["serial"] == serial).cloned().collect()
+    };
+    assert_eq!(types(&of("A")), ["alert.fired", "alert.escalated", "alert.resolved"]);
+    assert_eq!(types(&of("B")), ["alert.fired"]);
     let end = UtcMicros(began.0 + 3 * UtcMicros::DAY);
     assert!(scene.lab.clock.now() < end);
     scene.lab.clock.set(end);

@@ -105,7 +105,7 @@ fn failed(attempt: &Attempt, status: Option<u16>, detail: &str) {
     assert_eq!(attempt.status, status, "{attempt:?}");
     assert!(attempt.detail.contains(detail), "{attempt:?}");
     assert!(!attempt.detail.contains("hunter2"), "{attempt:?}");
-    assert!(attempt.took < Duration::from_secs(20), "{attempt:?}");
+    assert!(attempt.took < Duration::from_secs(3), "{attempt:?}");
 }
 
 #[tokio::test]
@@ -264,7 +264,7 @@ async fn a_slow_drip_of_body_is_cut_off() {
     .await;
     let got = attempt(&format!("http://{address}/")).await;
     assert_eq!((got.outcome, got.detail.as_str()), (Outcome::Delivered, "the answer did not end within 0.3 s"));
-    assert!(got.took < Duration::from_secs(20), "{got:?}");
+    assert!(got.took < Duration::from_secs(1), "{got:?}");
 }
 
 #[tokio::test]

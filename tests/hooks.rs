@@ -361,12 +361,12 @@ async fn a_delivery_that_becomes_due_while_others_are_looked_for_is_not_left_unt
         let dead = server.sees(delivery, &["dead"]).await;
         assert_eq!(dead["attempts"].as_array().unwrap().len(), 51);
     }
-    let mut longest = Duration::ZERO;
-    for told in target.told() {
-        let next = target.told().into_iter().find(|next| next.id() == told.id() && next.at > told.at);
-        longest = longest.max(next.map_or(Duration::ZERO, |next| next.at - told.at));
+    let told = target.told();
+    for earlier in &told {
+        let next = told.iter().find(|next| next.id() == earlier.id() && next.at > earlier.at);
+        let waited = next.map_or(Duration::ZERO, |next| next.at - earlier.at);
+        assert!(waited < Duration::from_secs(20), "{waited:?}");
     }
-    assert!(longest < Duration::from_secs(20), "{longest:?}");
 }
 
 #[tokio::test]
@@ -383,7 +383,7 @@ async fn a_delivery_climbs_the_ladder_becomes_a_dead_letter_and_is_replayed_with
     assert_eq!(dead["attempts"].as_array().unwrap().len(), 3);
     let told = target.told();
     let waits: Vec<f64> = told.windows(2).map(|w| (w[1].at - w[0].at).as_secs_f64()).collect();
-    assert!((0.2..20.0).contains(&waits[0]) && (0.3..20.0).contains(&waits[1]), "{waits:?}");
+    assert!((0.2..0.6).contains(&waits[0]) && (0.3..0.8).contains(&waits[1]), "{waits:?}");
 
     let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
     assert_eq!(server.get(&path).await.json()["queue"]["dead"], 1);
@@ -411,7 +411,7 @@ async fn a_target_that_asks_for_time_gets_it() {
     server.tests(&hook).await;
     let told = target.has_been_told(2).await;
     let waited = (told[1].at - told[0].at).as_secs_f64();
-    assert!((1.9..30.0).contains(&waited), "{waited} s");
+    assert!((1.9..4.0).contains(&waited), "{waited} s");
 }
 
 #[tokio::test]
@@ -484,7 +484,7 @@ async fn a_hook_that_is_mended_sends_what_waits_at_once() {
     let mended = Instant::now();
     server.changes(&hook, json!({ "url": target.url() })).await;
     target.has_been_told(1).await;
-    assert!(mended.elapsed() < Duration::from_secs(60), "{:?}", mended.elapsed());
+    assert!(mended.elapsed() < Duration::from_secs(3), "{:?}", mended.elapsed());
     server.sees(&delivery, &["delivered"]).await;
 }
 
@@ -511,7 +511,7 @@ async fn the_service_stops_in_time_while_a_target_hangs_and_tells_it_again_after
     tokio::time::sleep(Duration::from_millis(200)).await;
     let (status, took) = server.terminate();
     assert!(status.success(), "{status:?}");
-    assert!(took < Duration::from_secs(14), "{took:?}");
+    assert!(took < Duration::from_secs(9), "{took:?}");
     server.restart();
     assert_eq!(server.sees(&delivery, &["waiting"]).await["attempts"], json!([]));
 }
@@ -534,6 +534,6 @@ async fn metrics_tell_of_attempts_and_of_the_age_of_the_outbox() {
     assert_eq!(value(r#"gyrowatch_delivery_attempts_total{kind="standard-webhooks",outcome="failed"}"#), 1.0);
     assert_eq!(value(r#"gyrowatch_outbox_deliveries{state="open"}"#), 1.0);
     assert_eq!(value(r#"gyrowatch_outbox_deliveries{state="dead"}"#), 0.0);
-    assert!((0.0..200.0).contains(&value("gyrowatch_outbox_age_seconds")));
+    assert!((0.0..20.0).contains(&value("gyrowatch_outbox_age_seconds")));
     assert_eq!(value(r#"gyrowatch_delivery_attempt_duration_seconds_count{kind="cloudevents"}"#), 1.0);
 }

@@ -99,7 +99,7 @@ async fn what_was_acknowledged_survives_kill_9_under_load() {
         slowest.as_millis()
     );
     assert!(acknowledged.len() >= 10 * kills && lost == 0 && half == 0);
-    assert!(slowest < Duration::from_secs(60), "{slowest:?}");
+    assert!(slowest < Duration::from_secs(10), "{slowest:?}");
 }
 
 /// Every number of a document, in order.
@@ -251,7 +251,7 @@ async fn clients_that_go_slow_are_cut_and_others_do_not_feel_them() {
         let opened = Instant::now();
         let stream = server.open_and_send(text).await;
         slow.push(tokio::spawn(async move {
-            tokio::time::timeout(Duration::from_secs(60), support::closed(stream)).await.expect("a slow client is cut");
+            tokio::time::timeout(Duration::from_secs(20), support::closed(stream)).await.expect("a slow client is cut");
             opened.elapsed()
         }));
     }
@@ -267,8 +267,8 @@ async fn clients_that_go_slow_are_cut_and_others_do_not_feel_them() {
         cut.as_millis(),
         p99.as_millis()
     );
-    assert!(asked > 100 && p99 < Duration::from_secs(2), "{asked} {p99:?}");
-    assert!(cut < Duration::from_secs(30), "{cut:?}");
+    assert!(asked > 100 && p99 < Duration::from_millis(500), "{asked} {p99:?}");
+    assert!(cut < Duration::from_secs(8), "{cut:?}");
 }
 
 #[tokio::test]
@@ -336,7 +336,7 @@ async fn requests_that_can_be_read_in_two_ways_are_refused_and_the_connection_is
         let (_may_be_cut, answer) = tokio::join!(writing.write_all(text.as_bytes()), async {
             let mut answer = Vec::new();
             let _reset_counts_too =
-                tokio::time::timeout(Duration::from_secs(60), reading.read_to_end(&mut answer)).await.expect(what);
+                tokio::time::timeout(Duration::from_secs(5), reading.read_to_end(&mut answer)).await.expect(what);
             String::from_utf8_lossy(&answer).into_owned()
         });
         assert!(answer.matches("HTTP/1.1").count() <= 1, "{what}: {answer}");
@@ -538,7 +538,7 @@ async fn of_two_requests_whose_border_is_in_doubt_the_second_is_never_answered()
         let mut answer = Vec::new();
         let mut reading = stream;
         let _reset_counts_too =
-            tokio::time::timeout(Duration::from_secs(60), reading.read_to_end(&mut answer)).await.expect(&what);
+            tokio::time::timeout(Duration::from_secs(5), reading.read_to_end(&mut answer)).await.expect(&what);
         let answer = String::from_utf8_lossy(&answer).replace("HTTP/1.1 100 Continue\r\n\r\n", "");
         assert!(answer.matches("HTTP/1.1 ").count() <= 1, "{what}: {answer}");
         assert!(!answer.contains("\"gyros\""), "{what}: {answer}");

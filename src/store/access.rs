@@ -1,6 +1,5 @@
 //! Tokens, the browsers that signed in with them, and the audit trail.
 
-use std::path::Path;
 
 use sqlx::{ConnectOptions, SqliteConnection};
 
@@ -10,7 +9,7 @@ use super::db::{Cells, Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::id::{Id, IdSource};
 use super::lock;
-use super::open::{Options, Store, connect_options, last_id, migrate};
+use super::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
 use super::postgres;
 use crate::core::access::Role;
 use crate::core::time::UtcMicros;
@@ -239,7 +238,7 @@ pub struct Beside(Aside);
 
 #[derive(Debug)]
 enum Aside {
-    File { connection: Box<SqliteConnection>, ids: IdSource },
+    File { reading: Box<SqliteConnection>, writing: Box<rusqlite::Connection>, ids: IdSource },
     Server { store: Store, writer: Box<Writer> },
 }
 
@@ -255,23 +254,24 @@ impl Beside {
             return Ok(Self(Aside::Server { store, writer: Box::new(writer) }));
         }
         let connect = connect_options(options)?;
-        let file: &Path = connect.get_filename();
-        let lock = match lock::take(file) {
+        let file = connect.get_filename().to_owned();
+        let lock = match lock::take(&file) {
             Err(StoreError::InUse(_)) => None,
             taken => Some(taken?),
         };
-        let mut connection = connect.connect().await?;
+        let mut reading = connect.connect().await?;
         if lock.is_some() {
-            migrate(&mut connection).await?;
+            migrate(&mut reading).await?;
         }
-        let ids = IdSource::after(last_id(&mut connection).await?);
-        Ok(Self(Aside::File { connection: Box::new(connection), ids }))
+        let ids = IdSource::after(last_id(&mut reading).await?);
+        let writing = open_to_write(&file, options)?;
+        Ok(Self(Aside::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
     }
 
     pub async fn tokens(&mut self) -> Result<Vec<TokenRow>, StoreError> {
         match &mut self.0 {
-            Aside::File { connection, .. } => {
-                sqlx::query(TOKENS).fetch_all(&mut **connection).await?.iter().map(token).collect()
+            Aside::File { reading, .. } => {
+                sqlx::query(TOKENS).fetch_all(&mut **reading).await?.iter().map(token).collect()
             }
             Aside::Server { store, .. } => store.tokens().await,
         }
@@ -291,7 +291,7 @@ impl Beside {
     pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
         let changes = Changes { access, ..Changes::default() };
         match &mut self.0 {
-            Aside::File { connection, .. } => batch_of(&changes).commit(connection).await,
+            Aside::File { writing, .. } => batch_of(&changes).commit(writing),
             Aside::Server { writer, .. } => writer.commit(&changes).await,
         }
     }

@@ -1,82 +1,65 @@
 //! What one transaction writes: many rows a statement.
 //!
-//! A driver's call costs more than a database's work for a row, so the rows of a statement travel as one JSON array of
-//! arrays (numbers) and one run of bytes (everything else) that the numbers point into. For SQLite's busiest statements the
-//! numbers stand in the bytes too, in columns of [`FLAT_CELL`], and the JSON says only where each row begins: reading an array
-//! of twelve numbers out of JSON takes SQLite longer than storing the row.
+//! SQLite is in the process: a statement that inserts is run once a row, its cells bound one by one. PostgreSQL is asked once a
+//! statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything else) that the numbers
+//! point into. So do they to SQLite where a statement needs all rows at once.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::ops::Range;
 
-use sqlx::sqlite::SqliteArguments;
-use sqlx::{Arguments, AssertSqlSafe, PgConnection, SqliteConnection};
+use rusqlite::{CachedStatement, Connection};
+use sqlx::PgConnection;
 
-use super::db::{FlatSql, Sql};
+use super::db::Sql;
 use super::error::StoreError;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]
-pub(super) struct Batch(Vec<Statement>);
-
-#[derive(Debug)]
-struct Statement {
-    sql: Sql,
-    rows: Rows,
-    /// For SQLite the rows' numbers stand in the bytes.
-    flat: bool,
-}
+pub(super) struct Batch(Vec<(Sql, Rows)>);
 
 /// SQLite's page size.
 const PAGE: usize = 4096;
 
 impl Batch {
-    /// Appends `sql` unless there are no rows. For SQLite `$ROWS` stands in it for the JSON array and `$BYTES` for the bytes, for
-    /// PostgreSQL `$1` and `$2`.
+    /// Appends `sql` unless there are no rows. The JSON array and the bytes are `$1` and `$2` in PostgreSQL's words, `$ROWS` and
+    /// `$BYTES` in SQLite's; a statement of SQLite's without `$ROWS` is run once a row, with the row's cells as `$C0`, `$C1` and so on.
     pub fn add(&mut self, sql: Sql, rows: Rows) {
-        self.push(Statement { sql, rows, flat: false });
-    }
-
-    /// As [`Batch::add`], for rows of whole numbers and bytes.
-    pub fn add_flat(&mut self, FlatSql(sql): FlatSql, rows: Rows) {
-        self.push(Statement { sql, rows, flat: true });
-    }
-
-    fn push(&mut self, statement: Statement) {
-        if !statement.rows.ends.is_empty() {
-            self.0.push(statement);
+        if !rows.ends.is_empty() {
+            self.0.push((sql, rows));
         }
     }
 
     /// Roughly how many pages of SQLite's log it takes.
     pub fn pages(&self) -> u32 {
-        self.0.iter().map(|Statement { rows, .. }| (rows.ends.len() + rows.bytes.len() / PAGE) as u32).sum()
+        self.0.iter().map(|(_, rows)| (rows.ends.len() + rows.bytes.len() / PAGE) as u32).sum()
     }
 
-    /// Runs everything in one round trip and commits; after an error nothing of it remains.
-    pub async fn commit(self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
-        let (mut all, mut arguments) = ("BEGIN IMMEDIATE".to_owned(), SqliteArguments::default());
-        let cannot_fail = "text and bytes can always be encoded";
-        for Statement { sql, rows, flat } in self.0 {
-            let (first, second) = (arguments.len() + 1, arguments.len() + 2);
-            all.push_str("; ");
-            numbered(sql.sqlite, [("ROWS", first), ("BYTES", second)], &mut all);
-            let (json, bytes) = if flat { rows.flat() } else { (rows.json(), rows.bytes) };
-            arguments.add(json).expect(cannot_fail);
-            arguments.add(bytes).expect(cannot_fail);
-        }
-        all.push_str("; COMMIT");
-        let run = sqlx::query_with(AssertSqlSafe(all), arguments).execute(&mut *connection).await;
-        if let Err(error) = run {
+    /// Runs everything and commits; after an error nothing of it remains. Waits for the disk.
+    pub fn commit(&self, connection: &Connection) -> Result<(), StoreError> {
+        let committed = self.run_and_commit(connection);
+        if committed.is_err() {
             // Some errors have rolled back by themselves; then this one has nothing to do and says so.
-            let _nothing_left = sqlx::query("ROLLBACK").execute(connection).await;
-            return Err(error.into());
+            let _nothing_left = connection.execute_batch("ROLLBACK");
         }
+        Ok(committed?)
+    }
+
+    fn run_and_commit(&self, connection: &Connection) -> rusqlite::Result<()> {
+        connection.prepare_cached("BEGIN IMMEDIATE")?.execute(())?;
+        for (sql, rows) in &self.0 {
+            let mut statement = connection.prepare_cached(sql.sqlite)?;
+            match statement.parameter_index("$ROWS")? {
+                Some(json) => rows.run_at_once(&mut statement, json)?,
+                None => rows.run_one_by_one(&mut statement)?,
+            }
+        }
+        connection.prepare_cached("COMMIT")?.execute(())?;
         Ok(())
     }
 
     /// Runs everything within the transaction that is open.
     pub async fn run(self, connection: &mut PgConnection) -> Result<(), StoreError> {
-        for Statement { sql, rows, .. } in self.0 {
+        for (sql, rows) in self.0 {
             let query = sqlx::query(sql.postgres).bind(rows.json());
             let query = if sql.postgres.contains("$2") { query.bind(rows.bytes) } else { query };
             query.execute(&mut *connection).await?;
@@ -84,22 +67,6 @@ impl Batch {
         Ok(())
     }
 }
-
-/// Appends `sql` with numbers for the names of its parameters.
-fn numbered(sql: &str, numbers: [(&str, usize); 2], out: &mut String) {
-    let mut pieces = sql.split('$');
-    out.push_str(pieces.next().unwrap_or_default());
-    for piece in pieces {
-        let named = numbers.iter().find_map(|(name, number)| Some((number, piece.strip_prefix(name)?)));
-        let (number, rest) = named.expect("every `$` of a statement begins one of the two names");
-        write!(out, "${number}{rest}").expect("writing to a string cannot fail");
-    }
-}
-
-/// Bytes of a number in a flat row: enough for any of 64 bits, padded with spaces.
-pub(super) const FLAT_CELL: usize = 20;
-
-const _: () = assert!(FLAT_CELL == 20, "as `cell!(flat …)` of `super::db` has it");
 
 /// The rows of one statement.
 #[derive(Debug, Default)]
@@ -116,6 +83,14 @@ enum Cell {
     Integer(i64),
     Real(f64),
     Text(String),
+    /// Of the rows' bytes. In JSON it takes two places: where it begins (counting from 1), and its length.
+    Bytes(Option<Range<usize>>),
+}
+
+impl Cell {
+    fn places(&self) -> usize {
+        if matches!(self, Self::Bytes(_)) { 2 } else { 1 }
+    }
 }
 
 impl Rows {
@@ -144,6 +119,8 @@ impl Rows {
                     Cell::Text(value) => {
                         write!(json, "{}", serde_json::Value::from(value.as_str())).expect(cannot_fail)
                     }
+                    Cell::Bytes(Some(at)) => write!(json, "{},{}", at.start + 1, at.len()).expect(cannot_fail),
+                    Cell::Bytes(None) => json.push_str("1,null"),
                 }
             }
             json.push(']');
@@ -152,21 +129,36 @@ impl Rows {
         json
     }
 
-    /// Where each row begins (counting from 1) in the bytes, and the bytes with the rows' numbers after them.
-    fn flat(mut self) -> (String, Vec<u8>) {
-        let mut bytes = std::mem::take(&mut self.bytes);
-        bytes.reserve(FLAT_CELL * self.cells.len());
-        let mut starts = String::with_capacity(2 + 9 * self.ends.len());
-        for row in self.rows() {
-            let comma = if starts.is_empty() { "[" } else { "," };
-            write!(starts, "{comma}{}", bytes.len() + 1).expect("writing to a string cannot fail");
-            for cell in row {
-                let Cell::Integer(value) = cell else { unreachable!("a flat row has whole numbers alone") };
-                write!(bytes, "{value:<FLAT_CELL$}").expect("writing to memory cannot fail");
-            }
+    fn run_at_once(&self, statement: &mut CachedStatement<'_>, json: usize) -> rusqlite::Result<()> {
+        statement.raw_bind_parameter(json, self.json())?;
+        if let Some(bytes) = statement.parameter_index("$BYTES")? {
+            statement.raw_bind_parameter(bytes, self.bytes.as_slice())?;
         }
-        starts.push(']');
-        (starts, bytes)
+        statement.raw_execute()?;
+        Ok(())
+    }
+
+    fn run_one_by_one(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
+        let places = self.rows().map(|row| row.iter().map(Cell::places).sum()).max().unwrap_or(0);
+        let parameter = |place| statement.parameter_index(&format!("$C{place}"));
+        let parameters = (0..places).map(parameter).collect::<rusqlite::Result<Vec<_>>>()?;
+        for row in self.rows() {
+            let mut place = 0;
+            for cell in row {
+                if let Some(parameter) = parameters[place] {
+                    match cell {
+                        Cell::Null | Cell::Bytes(None) => statement.raw_bind_parameter(parameter, rusqlite::types::Null)?,
+                        Cell::Integer(value) => statement.raw_bind_parameter(parameter, value)?,
+                        Cell::Real(value) => statement.raw_bind_parameter(parameter, value)?,
+                        Cell::Text(value) => statement.raw_bind_parameter(parameter, value)?,
+                        Cell::Bytes(Some(at)) => statement.raw_bind_parameter(parameter, &self.bytes[at.clone()])?,
+                    }
+                }
+                place += cell.places();
+            }
+            statement.raw_execute()?;
+        }
+        Ok(())
     }
 }
 
@@ -189,7 +181,7 @@ impl Row<'_> {
         self.cell(value.map_or(Cell::Null, Cell::Integer))
     }
 
-    /// One cell, for short texts: as a JSON string, without a detour through `$BYTES`.
+    /// One place, for short texts.
     pub fn text(&mut self, value: &str) -> &mut Self {
         self.cell(Cell::Text(value.to_owned()))
     }
@@ -203,7 +195,7 @@ impl Row<'_> {
         self.cell(value.filter(|v| v.is_finite()).map_or(Cell::Null, Cell::Real))
     }
 
-    /// Two cells: where in `$BYTES` it begins (counting from 1) and how long it is.
+    /// Takes two places.
     pub fn bytes(&mut self, value: &[u8]) -> &mut Self {
         self.written(|out| out.extend_from_slice(value))
     }
@@ -212,15 +204,15 @@ impl Row<'_> {
     pub fn written(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> &mut Self {
         let start = self.rows.bytes.len();
         write(&mut self.rows.bytes);
-        let len = self.rows.bytes.len() - start;
-        self.integer(start as i64 + 1).integer(len as i64)
+        let end = self.rows.bytes.len();
+        self.cell(Cell::Bytes(Some(start..end)))
     }
 
-    /// As [`Row::bytes`]; nothing at all has length null, and `substr` then gives null.
+    /// As [`Row::bytes`]; nothing at all is null.
     pub fn optional(&mut self, value: Option<&str>) -> &mut Self {
         match value {
             Some(value) => self.bytes(value.as_bytes()),
-            None => self.integer(1).cell(Cell::Null),
+            None => self.cell(Cell::Bytes(None)),
         }
     }
 }

@@ -5,11 +5,11 @@
 //! anew and would grow for ever under load, so when the copy has nearly caught up, the committing connection copies
 //! the last pages itself, between two commits.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread;
 
-use sqlx::SqliteConnection;
-use tokio::sync::mpsc;
+use rusqlite::Connection;
 
 use super::error::StoreError;
 use super::halt::Halt;
@@ -21,7 +21,7 @@ const PASSES: usize = 8;
 
 #[derive(Debug)]
 pub(super) struct Checkpoints {
-    wanted: mpsc::Sender<()>,
+    wanted: mpsc::SyncSender<()>,
     nearly_done: Arc<AtomicBool>,
     /// An earlier run's log has been copied.
     begun: bool,
@@ -30,19 +30,26 @@ pub(super) struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Copies on `connection`, as a task, each time about `every` pages have been written. The task ends with `self`.
-    pub fn start(connection: SqliteConnection, every: u32, halt: Halt) -> Self {
-        let (wanted, requests) = mpsc::channel(1);
+    /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends with `self`.
+    ///
+    /// # Errors
+    /// [`StoreError`] where no thread can be had.
+    pub fn start(connection: Connection, every: u32, halt: Halt) -> Result<Self, StoreError> {
+        let (wanted, requests) = mpsc::sync_channel(1);
         let nearly_done = Arc::new(AtomicBool::new(false));
-        tokio::spawn(serve(connection, requests, nearly_done.clone(), halt));
-        Self { wanted, nearly_done, begun: false, written: 0, every }
+        let beside = nearly_done.clone();
+        let started = thread::Builder::new().name("checkpoints".into()).spawn(move || {
+            serve(connection, &requests, &beside, &halt);
+        });
+        started.map_err(|error| StoreError::Other(error.into()))?;
+        Ok(Self { wanted, nearly_done, begun: false, written: 0, every })
     }
 
     /// Copies what an earlier run has left in the log, before anything is added to it: where that run ended with a failed flush,
     /// the log may stand in memory only, and what is appended to it would be lost with it.
-    pub async fn begin(&mut self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    pub fn begin(&mut self, connection: &Connection) -> Result<(), StoreError> {
         if !self.begun {
-            copy_all(connection).await?;
+            copy_all(connection)?;
             self.begun = true;
         }
         Ok(())
@@ -57,24 +64,19 @@ impl Checkpoints {
         }
     }
 
-    /// Copies the last pages, where the task has left only few.
-    pub async fn finish(&mut self, connection: &mut SqliteConnection) -> Result<(), StoreError> {
-        self.begin(connection).await?;
+    /// Copies the last pages, where the thread has left only few.
+    pub fn finish(&mut self, connection: &Connection) -> Result<(), StoreError> {
+        self.begin(connection)?;
         if self.nearly_done.swap(false, Ordering::Relaxed) {
-            copy(connection).await?;
+            copy(connection)?;
         }
         Ok(())
     }
 }
 
-async fn serve(
-    mut connection: SqliteConnection,
-    mut requests: mpsc::Receiver<()>,
-    nearly_done: Arc<AtomicBool>,
-    halt: Halt,
-) {
-    while requests.recv().await.is_some() && halt.check().is_ok() {
-        match halt.heed(catch_up(&mut connection).await) {
+fn serve(connection: Connection, requests: &mpsc::Receiver<()>, nearly_done: &AtomicBool, halt: &Halt) {
+    while requests.recv().is_ok() && halt.check().is_ok() {
+        match halt.heed(catch_up(&connection)) {
             Ok(()) => nearly_done.store(true, Ordering::Relaxed),
             Err(error) => tracing::warn!(%error, "the write-ahead log could not be copied into the database"),
         }
@@ -85,8 +87,8 @@ async fn serve(
 }
 
 /// Copies everything and empties the log, unless another process reads from it: then as much as may be.
-pub(super) async fn copy_all(connection: &mut SqliteConnection) -> Result<(), StoreError> {
-    let copied = sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(connection).await;
+pub(super) fn copy_all(connection: &Connection) -> Result<(), StoreError> {
+    let copied = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", (), |_| Ok(()));
     match copied.map_err(StoreError::from) {
         Err(StoreError::Busy) | Ok(_) => Ok(()),
         Err(error) => Err(error),
@@ -94,10 +96,10 @@ pub(super) async fn copy_all(connection: &mut SqliteConnection) -> Result<(), St
 }
 
 /// Copies until only few pages have come in during a copy.
-async fn catch_up(connection: &mut SqliteConnection) -> Result<(), StoreError> {
-    let mut copied = copy(connection).await?;
+fn catch_up(connection: &Connection) -> Result<(), StoreError> {
+    let mut copied = copy(connection)?;
     for _ in 1..PASSES {
-        let now_copied = copy(connection).await?;
+        let now_copied = copy(connection)?;
         if now_copied - copied <= FEW {
             break;
         }
@@ -107,8 +109,7 @@ async fn catch_up(connection: &mut SqliteConnection) -> Result<(), StoreError> {
 }
 
 /// One passive checkpoint: how many pages of the log, as it stood at the beginning, are copied now.
-async fn copy(connection: &mut SqliteConnection) -> Result<i64, StoreError> {
-    let (_busy, _in_log, copied): (i64, i64, i64) =
-        sqlx::query_as("PRAGMA wal_checkpoint(PASSIVE)").fetch_one(connection).await?;
-    Ok(copied)
+fn copy(connection: &Connection) -> Result<i64, StoreError> {
+    // Whether it was hindered, pages in the log, pages copied.
+    Ok(connection.query_row("PRAGMA wal_checkpoint(PASSIVE)", (), |row| row.get(2))?)
 }

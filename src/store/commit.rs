@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use tokio::runtime::{Handle, RuntimeFlavor};
 use tokio::sync::Mutex;
 use tokio::task::JoinHandle;
 
@@ -153,7 +154,10 @@ impl Writer {
     /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
     pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
         match &mut self.engine {
-            Engine::File(writer) => writer.lock().await.commit(changes).await,
+            Engine::File(writer) => {
+                let mut writer = writer.lock().await;
+                waiting_for_disk(|| writer.commit(changes))
+            }
             Engine::Server(writer) => writer.commit(changes, self.ids.last()).await,
         }
     }
@@ -173,7 +177,10 @@ impl Writer {
     /// As [`Writer::commit`].
     pub async fn probe(&mut self) -> Result<(), StoreError> {
         match &mut self.engine {
-            Engine::File(writer) => writer.lock().await.probe().await,
+            Engine::File(writer) => {
+                let mut writer = writer.lock().await;
+                waiting_for_disk(|| writer.probe())
+            }
             Engine::Server(writer) => writer.probe().await,
         }
     }
@@ -186,10 +193,18 @@ impl Writer {
         match self.engine {
             Engine::File(writer) => {
                 let writer = Arc::into_inner(writer).expect("whoever commits beside has been waited for");
-                writer.into_inner().close().await
+                waiting_for_disk(|| writer.into_inner().close())
             }
             Engine::Server(writer) => writer.close().await,
         }
+    }
+}
+
+/// Does `work` on this thread; a runtime of several threads hands the other tasks of this one over to the next.
+fn waiting_for_disk<T>(work: impl FnOnce() -> T) -> T {
+    match Handle::current().runtime_flavor() {
+        RuntimeFlavor::CurrentThread => work(),
+        _ => tokio::task::block_in_place(work),
     }
 }
 
@@ -210,9 +225,9 @@ impl Committer {
     /// Begins to write `changes`. Nothing else may be under way; what is asked of the writer meanwhile waits.
     pub fn commit(self, changes: Changes) -> JoinHandle<Written> {
         let mut writer = self.0.try_lock_owned().expect("what was under way before has been waited for");
-        tokio::spawn(async move {
+        tokio::task::spawn_blocking(move || {
             let begun = Instant::now();
-            let outcome = writer.commit(&changes).await;
+            let outcome = writer.commit(&changes);
             Written { changes, outcome, took: begun.elapsed() }
         })
     }

@@ -23,10 +23,6 @@ pub(super) struct Sql {
     pub postgres: &'static str,
 }
 
-/// As [`Sql`], where SQLite reads the rows' numbers from columns of [`super::batch::FLAT_CELL`].
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FlatSql(pub Sql);
-
 impl Sql {
     /// What PostgreSQL is never asked.
     pub const fn of_sqlite(sqlite: &'static str) -> Self {
@@ -60,16 +56,14 @@ macro_rules! on {
     };
 }
 
-/// `INSERT INTO $into SELECT ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is its
-/// kind and its place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see
-/// [`super::batch::Row::bytes`]. SQLite would write a row of the array as text again for each of its cells, were it not made to keep it.
+/// `INSERT INTO $into ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is its kind and its
+/// place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see [`super::batch::Row::bytes`].
 macro_rules! insert {
     ($into:literal, [$kind:ident $($place:literal)+ $(, $kinds:ident $($places:literal)+)* $(,)?] $(, $then:literal)?) => {
         $crate::store::db::Sql {
             sqlite: concat!(
-                "WITH r(value) AS MATERIALIZED (SELECT value FROM json_each($ROWS)) INSERT INTO ", $into,
-                " SELECT ", cell!(sqlite $kind $($place)+), $(", ", cell!(sqlite $kinds $($places)+),)*
-                " FROM r WHERE true ", $($then)?
+                "INSERT INTO ", $into, " VALUES (", cell!(sqlite $kind $($place)+), $(", ", cell!(sqlite $kinds $($places)+),)*
+                ") ", $($then)?
             ),
             postgres: concat!(
                 "INSERT INTO ", $into, " SELECT ", cell!(postgres $kind $($place)+), $(", ", cell!(postgres $kinds $($places)+),)*
@@ -79,38 +73,13 @@ macro_rules! insert {
     };
 }
 
-/// As [`insert`], for the busiest statements: rows of `int`, `blob` and `words` alone, which SQLite reads without parsing JSON.
-macro_rules! insert_flat {
-    ($into:literal, [$kind:ident $($place:literal)+ $(, $kinds:ident $($places:literal)+)* $(,)?] $(, $then:literal)?) => {
-        $crate::store::db::FlatSql($crate::store::db::Sql {
-            sqlite: concat!(
-                "INSERT INTO ", $into, " SELECT ", cell!(flat $kind $($place)+), $(", ", cell!(flat $kinds $($places)+),)*
-                " FROM json_each($ROWS) WHERE true ", $($then)?
-            ),
-            ..insert!($into, [$kind $($place)+ $(, $kinds $($places)+)*] $(, $then)?)
-        })
-    };
-}
-
-/// One cell of a row, see [`insert`] and [`insert_flat`].
+/// One cell of a row, see [`insert`].
 macro_rules! cell {
-    (flat int $place:literal) => {
-        concat!("CAST(substr($BYTES, value + 20 * ", $place, ", 20) AS INTEGER)")
-    };
-    (flat blob $from:literal $len:literal) => {
-        concat!("substr($BYTES, ", cell!(flat int $from), ", ", cell!(flat int $len), ")")
-    };
-    (flat words $from:literal $len:literal) => {
-        concat!("CAST(", cell!(flat blob $from $len), " AS TEXT)")
-    };
-    (sqlite blob $from:literal $len:literal) => {
-        concat!("substr($BYTES, value->>", $from, ", value->>", $len, ")")
-    };
     (sqlite words $from:literal $len:literal) => {
-        concat!("CAST(", cell!(sqlite blob $from $len), " AS TEXT)")
+        concat!("CAST($C", $from, " AS TEXT)")
     };
-    (sqlite $kind:ident $place:literal) => {
-        concat!("value->>", $place)
+    (sqlite $kind:ident $place:literal $($len:literal)?) => {
+        concat!("$C", $place)
     };
     (postgres int $place:literal) => {
         concat!("CAST(value->>", $place, " AS BIGINT)")
@@ -142,7 +111,7 @@ macro_rules! among {
     };
 }
 
-pub(super) use {among, cell, insert, insert_flat, on};
+pub(super) use {among, cell, insert, on};
 
 /// What both databases can hold in a cell.
 pub(super) trait Cell:

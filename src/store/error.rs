@@ -36,7 +36,7 @@ pub enum StoreError {
     #[error("refused by the database: {0}")]
     Refused(String),
     #[error("database: {0}")]
-    Other(#[source] sqlx::Error),
+    Other(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// SQLite's extended result codes that need telling apart (sqlite.org/rescode.html).
@@ -48,12 +48,24 @@ impl From<sqlx::Error> for StoreError {
         if matches!(error, Io(_) | Tls(_) | Protocol(_) | PoolTimedOut) {
             return Self::Unreachable(error.to_string());
         }
-        let Some(said) = error.as_database_error() else { return Self::Other(error) };
+        let Some(said) = error.as_database_error() else { return Self::Other(error.into()) };
         let known = match said.try_downcast_ref::<PgDatabaseError>() {
             Some(said) => of_server(said.code(), said.message()),
             None => said.code().and_then(|code| of_file(code.parse().ok()?, said.message())),
         };
-        known.unwrap_or(Self::Other(error))
+        known.unwrap_or_else(|| Self::Other(error.into()))
+    }
+}
+
+impl From<rusqlite::Error> for StoreError {
+    fn from(error: rusqlite::Error) -> Self {
+        let known = match &error {
+            rusqlite::Error::SqliteFailure(failure, said) => {
+                of_file(failure.extended_code, said.as_deref().unwrap_or("no reason is given"))
+            }
+            _ => None,
+        };
+        known.unwrap_or_else(|| Self::Other(error.into()))
     }
 }
 

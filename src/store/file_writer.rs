@@ -1,6 +1,9 @@
 //! Writing a database in a file: one connection that commits, and checkpoints from a second one.
+//!
+//! Whoever calls waits for the disk. The connection is SQLite's own and not a driver's with a thread of its own: handing a group over to
+//! that thread and back would take as long as a commit's flush.
 
-use sqlx::{Connection, SqliteConnection};
+use rusqlite::Connection;
 
 use super::checkpoint::{self, Checkpoints};
 use super::commit::{Changes, batch_of};
@@ -12,7 +15,7 @@ use super::tail::SharedTail;
 
 #[derive(Debug)]
 pub(super) struct FileWriter {
-    connection: SqliteConnection,
+    connection: Connection,
     names: Names,
     tail: SharedTail,
     checkpoints: Checkpoints,
@@ -24,7 +27,7 @@ pub(super) struct FileWriter {
 
 impl FileWriter {
     pub fn new(
-        connection: SqliteConnection,
+        connection: Connection,
         names: Names,
         tail: SharedTail,
         checkpoints: Checkpoints,
@@ -35,9 +38,9 @@ impl FileWriter {
     }
 
     /// See [`super::Writer::commit`].
-    pub async fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
+    pub fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
         self.halt.check()?;
-        let finished = self.checkpoints.finish(&mut self.connection).await;
+        let finished = self.checkpoints.finish(&self.connection);
         self.in_doubt |= finished.is_err();
         self.halt.heed(finished)?;
         let mut batch = batch_of(changes);
@@ -48,7 +51,7 @@ impl FileWriter {
             fold
         };
         let pages = batch.pages();
-        let committed = batch.commit(&mut self.connection).await;
+        let committed = batch.commit(&self.connection);
         self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
         self.halt.heed(committed)?;
         // First, so that whoever finds a row knows its names.
@@ -62,17 +65,17 @@ impl FileWriter {
     ///
     /// # Errors
     /// As [`FileWriter::commit`].
-    pub async fn probe(&mut self) -> Result<(), StoreError> {
+    pub fn probe(&mut self) -> Result<(), StoreError> {
         self.halt.check()?;
-        self.halt.heed(self.checkpoints.begin(&mut self.connection).await)?;
+        self.halt.heed(self.checkpoints.begin(&self.connection))?;
         // The number is of no use to anyone else; setting it writes the first page.
         let sql = if self.in_doubt {
             "BEGIN IMMEDIATE; PRAGMA user_version = 0; COMMIT"
         } else {
             "BEGIN IMMEDIATE; ROLLBACK"
         };
-        if let Err(error) = sqlx::query(sql).execute(&mut self.connection).await {
-            let _nothing_left = sqlx::query("ROLLBACK").execute(&mut self.connection).await;
+        if let Err(error) = self.connection.execute_batch(sql) {
+            let _nothing_left = self.connection.execute_batch("ROLLBACK");
             return self.halt.heed(Err(error.into()));
         }
         self.in_doubt = false;
@@ -80,16 +83,16 @@ impl FileWriter {
     }
 
     /// Copies the whole log into the database and closes it.
-    pub async fn close(mut self) -> Result<(), StoreError> {
+    pub fn close(self) -> Result<(), StoreError> {
         let copied = match self.halt.check() {
-            Ok(()) => self.halt.heed(checkpoint::copy_all(&mut self.connection).await),
+            Ok(()) => self.halt.heed(checkpoint::copy_all(&self.connection)),
             halted => halted,
         };
         if matches!(copied, Err(StoreError::NotDurable(_))) {
             std::mem::forget(self.connection);
             return copied;
         }
-        self.connection.close().await?;
+        self.connection.close().map_err(|(_, error)| error)?;
         copied
     }
 }

@@ -1,7 +1,7 @@
 //! The history of one gyro: a row a record, in order of time.
 
 use super::batch::{Batch, Rows};
-use super::db::{Readers, Sql, Whole, cell, insert, insert_flat, on};
+use super::db::{Readers, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::id::Id;
@@ -27,8 +27,8 @@ impl Span {
 
 /// Puts rows into their gyros' places; one that is there already is replaced.
 pub(super) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
-    batch.add_flat(
-        insert_flat!(
+    batch.add(
+        insert!(
             "history (gyro, calibrated_at, record, figures)",
             [int 0, int 1, int 2, blob 3 4],
             "ON CONFLICT (gyro, calibrated_at) DO UPDATE SET record = excluded.record, figures = excluded.figures"

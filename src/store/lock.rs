@@ -16,8 +16,7 @@ pub(super) type Lock = Option<File>;
 /// # Errors
 /// [`StoreError::InUse`] where another process holds it, [`StoreError::ReadOnly`] where it cannot be taken at all.
 pub(super) fn take(file: &Path) -> Result<Lock, StoreError> {
-    let name = file.to_string_lossy();
-    if name == ":memory:" || name.starts_with("file:sqlx-in-memory") {
+    if is_in_memory(file) {
         return Ok(None);
     }
     let path = beside(file, ".lock");
@@ -28,6 +27,11 @@ pub(super) fn take(file: &Path) -> Result<Lock, StoreError> {
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(file.display().to_string())),
         Err(TryLockError::Error(error)) => Err(failed(error)),
     }
+}
+
+/// Whether it is no file, but the name that sqlx gives to a database in memory.
+pub(super) fn is_in_memory(file: &Path) -> bool {
+    file.to_string_lossy().starts_with("file:sqlx-in-memory")
 }
 
 /// The file's name with `suffix` appended.

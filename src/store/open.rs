@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
+use rusqlite::OpenFlags;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
@@ -85,7 +86,9 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let names = Names::new(load_names(&mut connection).await?);
     let tail = SharedTail::new(Tail::load(&mut connection).await?);
     let last_id = last_id(&mut connection).await?;
-    let checkpointer = connect.clone().connect().await?;
+    let (writing, checkpointing) = (open_to_write(&file, options)?, open_to_write(&file, options)?);
+    // Not sooner: where the last connection is closed, SQLite copies the log by itself.
+    connection.close().await?;
     // Never idle-closed: a reader's warm page cache is what makes reading fast.
     let readers = SqlitePoolOptions::new()
         .min_connections(1)
@@ -97,13 +100,13 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let place = Place::File(file);
     let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), tail: tail.clone(), place };
     let halt = Halt::default();
-    let mut checkpoints = Checkpoints::start(checkpointer, options.checkpoint_pages, halt.clone());
-    match checkpoints.begin(&mut connection).await {
+    let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
+    match checkpoints.begin(&writing) {
         // Reading goes on; a write tries it again.
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
     }
-    let writer = FileWriter::new(connection, names, tail, checkpoints, halt, lock);
+    let writer = FileWriter::new(writing, names, tail, checkpoints, halt, lock);
     Ok((store, Writer::of_file(IdSource::after(last_id), writer)))
 }
 
@@ -125,11 +128,29 @@ pub(super) fn connect_options(options: &Options) -> Result<SqliteConnectOptions,
     Ok(connect)
 }
 
+/// As [`connect_options`], of a connection that the calling thread itself works on.
+pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::Connection, StoreError> {
+    let mut flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+    if lock::is_in_memory(file) {
+        flags |= OpenFlags::SQLITE_OPEN_MEMORY | OpenFlags::SQLITE_OPEN_SHARED_CACHE;
+    }
+    let connection = rusqlite::Connection::open_with_flags(file, flags)?;
+    connection.busy_timeout(options.busy_timeout)?;
+    connection.set_prepared_statement_cache_capacity(256);
+    let cache = -i64::from(options.cache_kib);
+    for (name, value) in [("cache_size", cache), ("foreign_keys", 1), ("wal_autocheckpoint", 0)] {
+        connection.pragma_update(None, name, value)?;
+    }
+    connection.pragma_update(None, "synchronous", "FULL")?;
+    connection.pragma_update(None, "temp_store", "MEMORY")?;
+    Ok(connection)
+}
+
 /// Brings the schema up to date.
 pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<(), StoreError> {
     migrator().run(connection).await.map_err(|error| match error {
         sqlx::migrate::MigrateError::Execute(error) => error.into(),
-        other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
+        other => StoreError::Other(other.into()),
     })
 }
 

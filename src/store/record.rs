@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, cell, insert, insert_flat, on};
+use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -80,8 +80,8 @@ pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
             .bytes(&record.body_sha256)
             .written(|out| record.verdicts.pack(record.id, out));
     }
-    batch.add_flat(
-        insert_flat!(
+    batch.add(
+        insert!(
             "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts)",
             [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11]
         ),

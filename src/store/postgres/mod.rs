@@ -199,6 +199,6 @@ pub(super) async fn migrate(connection: &mut PgConnection) -> Result<(), StoreEr
     migrator.run(connection).await.map_err(|error| match error {
         MigrateError::ExecuteMigration(error, _) if is_there(&error) => StoreError::Refused(error.to_string()),
         MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => error.into(),
-        other => StoreError::Other(sqlx::Error::Migrate(Box::new(other))),
+        other => StoreError::Other(other.into()),
     })
 }

@@ -1,6 +1,5 @@
 //! Tokens, the browsers that signed in with them, and the audit trail.
 
-
 use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::batch::{Batch, Rows};

@@ -1,12 +1,13 @@
 //! What one transaction writes: many rows a statement.
 //!
-//! SQLite is in the process: a statement that inserts is run once a row, its cells bound one by one. PostgreSQL is asked once a
+//! SQLite is in the process: a statement is run once a row, whose cells are bound one by one. PostgreSQL is asked once a
 //! statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything else) that the numbers
-//! point into. So do they to SQLite where a statement needs all rows at once.
+//! point into.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::{CachedStatement, Connection};
 use sqlx::PgConnection;
 
@@ -21,8 +22,8 @@ pub(super) struct Batch(Vec<(Sql, Rows)>);
 const PAGE: usize = 4096;
 
 impl Batch {
-    /// Appends `sql` unless there are no rows. The JSON array and the bytes are `$1` and `$2` in PostgreSQL's words, `$ROWS` and
-    /// `$BYTES` in SQLite's; a statement of SQLite's without `$ROWS` is run once a row, with the row's cells as `$C0`, `$C1` and so on.
+    /// Appends `sql` unless there are no rows. `$1` and `$2` stand in PostgreSQL's words for the JSON array and the bytes, `$C0`, `$C1`
+    /// and so on in SQLite's for the cells of one row, by their places.
     pub fn add(&mut self, sql: Sql, rows: Rows) {
         if !rows.ends.is_empty() {
             self.0.push((sql, rows));
@@ -47,11 +48,7 @@ impl Batch {
     fn run_and_commit(&self, connection: &Connection) -> rusqlite::Result<()> {
         connection.prepare_cached("BEGIN IMMEDIATE")?.execute(())?;
         for (sql, rows) in &self.0 {
-            let mut statement = connection.prepare_cached(sql.sqlite)?;
-            match statement.parameter_index("$ROWS")? {
-                Some(json) => rows.run_at_once(&mut statement, json)?,
-                None => rows.run_one_by_one(&mut statement)?,
-            }
+            rows.run(&mut connection.prepare_cached(sql.sqlite)?)?;
         }
         connection.prepare_cached("COMMIT")?.execute(())?;
         Ok(())
@@ -129,30 +126,28 @@ impl Rows {
         json
     }
 
-    fn run_at_once(&self, statement: &mut CachedStatement<'_>, json: usize) -> rusqlite::Result<()> {
-        statement.raw_bind_parameter(json, self.json())?;
-        if let Some(bytes) = statement.parameter_index("$BYTES")? {
-            statement.raw_bind_parameter(bytes, self.bytes.as_slice())?;
-        }
-        statement.raw_execute()?;
-        Ok(())
+    fn value<'a>(&'a self, cell: &'a Cell) -> ToSqlOutput<'a> {
+        ToSqlOutput::Borrowed(match cell {
+            Cell::Null | Cell::Bytes(None) => ValueRef::Null,
+            Cell::Integer(value) => ValueRef::Integer(*value),
+            Cell::Real(value) => ValueRef::Real(*value),
+            Cell::Text(value) => ValueRef::Text(value.as_bytes()),
+            Cell::Bytes(Some(at)) => ValueRef::Blob(&self.bytes[at.clone()]),
+        })
     }
 
-    fn run_one_by_one(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
+    /// Runs a statement of SQLite's for each row.
+    fn run(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
         let places = self.rows().map(|row| row.iter().map(Cell::places).sum()).max().unwrap_or(0);
         let parameter = |place| statement.parameter_index(&format!("$C{place}"));
         let parameters = (0..places).map(parameter).collect::<rusqlite::Result<Vec<_>>>()?;
+        let found = parameters.iter().flatten().count();
+        debug_assert_eq!(found, statement.parameter_count(), "a parameter has no place in a row of {places}");
         for row in self.rows() {
             let mut place = 0;
             for cell in row {
                 if let Some(parameter) = parameters[place] {
-                    match cell {
-                        Cell::Null | Cell::Bytes(None) => statement.raw_bind_parameter(parameter, rusqlite::types::Null)?,
-                        Cell::Integer(value) => statement.raw_bind_parameter(parameter, value)?,
-                        Cell::Real(value) => statement.raw_bind_parameter(parameter, value)?,
-                        Cell::Text(value) => statement.raw_bind_parameter(parameter, value)?,
-                        Cell::Bytes(Some(at)) => statement.raw_bind_parameter(parameter, &self.bytes[at.clone()])?,
-                    }
+                    statement.raw_bind_parameter(parameter, self.value(cell))?;
                 }
                 place += cell.places();
             }

@@ -98,11 +98,11 @@ macro_rules! cell {
     };
 }
 
-/// `$what IN` the first cells of a [`super::batch::Rows`], which are whole numbers, `$then`, in the words of both databases.
+/// `$what` is among the first cells of a [`super::batch::Rows`], which are whole numbers, `$then`, in the words of both databases.
 macro_rules! among {
     ($what:literal $(, $then:literal)?) => {
         $crate::store::db::Sql {
-            sqlite: concat!($what, " IN (SELECT value->>0 FROM json_each($ROWS))", $($then)?),
+            sqlite: concat!($what, " = $C0", $($then)?),
             postgres: concat!(
                 $what, " IN (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
                 $($then)?

@@ -150,10 +150,8 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     attempted(&changes.attempts, batch);
     instants(
         Sql {
-            sqlite: "UPDATE delivery SET state = 'waiting', due_at = j.value->>1, attempts = 0,
-                         first_attempt_at = NULL, finished_at = NULL
-                     FROM json_each($ROWS) AS j
-                     WHERE delivery.id = j.value->>0 AND state IN ('waiting', 'delivered', 'dead')",
+            sqlite: "UPDATE delivery SET state = 'waiting', due_at = $C1, attempts = 0, first_attempt_at = NULL, finished_at = NULL
+                     WHERE id = $C0 AND state IN ('waiting', 'delivered', 'dead')",
             postgres: "UPDATE delivery SET state = 'waiting', due_at = CAST(j.value->>1 AS BIGINT), attempts = 0,
                            first_attempt_at = NULL, finished_at = NULL
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
@@ -164,8 +162,8 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     );
     instants(
         Sql {
-            sqlite: "UPDATE delivery SET state = 'dropped', finished_at = j.value->>1
-                     FROM json_each($ROWS) AS j WHERE delivery.hook = j.value->>0 AND state IN ('behind', 'waiting')",
+            sqlite: "UPDATE delivery SET state = 'dropped', finished_at = $C1
+                     WHERE hook = $C0 AND state IN ('behind', 'waiting')",
             postgres: "UPDATE delivery SET state = 'dropped', finished_at = CAST(j.value->>1 AS BIGINT)
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
                        WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state IN ('behind', 'waiting')",
@@ -175,8 +173,7 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     );
     instants(
         Sql {
-            sqlite: "UPDATE delivery SET due_at = j.value->>1 FROM json_each($ROWS) AS j
-                     WHERE delivery.hook = j.value->>0 AND state = 'waiting' AND due_at > j.value->>1",
+            sqlite: "UPDATE delivery SET due_at = $C1 WHERE hook = $C0 AND state = 'waiting' AND due_at > $C1",
             postgres: "UPDATE delivery SET due_at = CAST(j.value->>1 AS BIGINT)
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
                        WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state = 'waiting'
@@ -246,10 +243,9 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     // A delivery that was dropped meanwhile stays dropped.
     batch.add(
         Sql {
-            sqlite: "UPDATE delivery SET state = j.value->>1, due_at = coalesce(j.value->>2, due_at),
-                         finished_at = j.value->>3, attempts = attempts + 1,
-                         first_attempt_at = coalesce(first_attempt_at, j.value->>4)
-                     FROM json_each($ROWS) AS j WHERE delivery.id = j.value->>0 AND delivery.state = 'waiting'",
+            sqlite: "UPDATE delivery SET state = $C1, due_at = coalesce($C2, due_at), finished_at = $C3,
+                         attempts = attempts + 1, first_attempt_at = coalesce(first_attempt_at, $C4)
+                     WHERE id = $C0 AND state = 'waiting'",
             postgres: "UPDATE delivery SET state = j.value->>1,
                            due_at = coalesce(CAST(j.value->>2 AS BIGINT), due_at),
                            finished_at = CAST(j.value->>3 AS BIGINT), attempts = attempts + 1,
@@ -268,13 +264,11 @@ fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
     let lines: Vec<_> = lines.collect();
     instants(
         Sql {
-            sqlite: "UPDATE delivery SET state = 'waiting', due_at = head.at
-                     FROM (SELECT j.value->>1 AS at,
-                                  (SELECT min(open.id) FROM delivery AS open
-                                   WHERE open.hook = line.hook AND open.alert = line.alert
-                                       AND open.state IN ('behind', 'waiting')) AS id
-                           FROM json_each($ROWS) AS j JOIN delivery AS line ON line.id = j.value->>0) AS head
-                     WHERE delivery.id = head.id AND delivery.state = 'behind'",
+            sqlite: "UPDATE delivery SET state = 'waiting', due_at = $C1
+                     WHERE state = 'behind' AND id = (SELECT (SELECT min(open.id) FROM delivery AS open
+                                                              WHERE open.hook = line.hook AND open.alert = line.alert
+                                                                  AND open.state IN ('behind', 'waiting'))
+                                                      FROM delivery AS line WHERE line.id = $C0)",
             postgres: "UPDATE delivery SET state = 'waiting', due_at = head.at
                        FROM (SELECT CAST(j.value->>1 AS BIGINT) AS at,
                                     (SELECT min(open.id) FROM delivery AS open

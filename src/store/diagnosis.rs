@@ -68,9 +68,7 @@ pub(super) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     }
     batch.add(
         Sql {
-            sqlite: "UPDATE diagnosis SET model = made.value->>1, program = made.value->>2, refused = made.value->>3,
-                         body = CAST(substr($BYTES, made.value->>4, made.value->>5) AS TEXT)
-                     FROM json_each($ROWS) AS made WHERE record = made.value->>0",
+            sqlite: "UPDATE diagnosis SET model = $C1, program = $C2, refused = $C3, body = CAST($C4 AS TEXT) WHERE record = $C0",
             postgres: "UPDATE diagnosis SET model = CAST(made.value->>1 AS BIGINT), program = made.value->>2,
                            refused = CAST(made.value->>3 AS BIGINT),
                            body = convert_from(substr($2, CAST(made.value->>4 AS INT), CAST(made.value->>5 AS INT)), 'UTF8')

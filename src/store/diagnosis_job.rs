@@ -119,15 +119,13 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
         Sql { sqlite: "INSERT INTO diagnosis_task (job, record, state, reason)
          SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused THEN 'failed' ELSE 'done' END,
              CASE WHEN made AND refused THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
-         FROM (SELECT asked.value->>0 AS job, record.id AS record, diagnosis.refused AS refused,
-                   asked.value->>5 = 0 AND diagnosis.program IS asked.value->>6
+         FROM (SELECT $C0 AS job, record.id AS record, diagnosis.refused AS refused,
+                   $C5 = 0 AND diagnosis.program IS $C6
                    AND diagnosis.model IS (SELECT max(id) FROM imu_model WHERE imu_model.imu = record.imu) AS made
-               FROM json_each($ROWS) AS asked
-               JOIN record ON record.kind = 1 AND record.calibrated_at BETWEEN asked.value->>3 AND asked.value->>4
-                   AND (asked.value->>1 IS NULL OR record.imu = asked.value->>1)
-                   AND (asked.value->>2 IS NULL OR record.station = asked.value->>2)
-               JOIN diagnosis ON diagnosis.record = record.id
-               WHERE record.id NOT IN (SELECT item FROM correction)) AS chosen",
+               FROM record JOIN diagnosis ON diagnosis.record = record.id
+               WHERE record.kind = 1 AND record.calibrated_at BETWEEN $C3 AND $C4
+                   AND ($C1 IS NULL OR record.imu = $C1) AND ($C2 IS NULL OR record.station = $C2)
+                   AND record.id NOT IN (SELECT item FROM correction)) AS chosen",
         postgres: "INSERT INTO diagnosis_task (job, record, state, reason)
          SELECT job, record, CASE WHEN NOT made THEN 'waiting' WHEN refused <> 0 THEN 'failed' ELSE 'done' END,
              CASE WHEN made AND refused <> 0 THEN (SELECT body FROM diagnosis WHERE diagnosis.record = chosen.record) END
@@ -148,8 +146,8 @@ fn start(jobs: &[NewJob], batch: &mut Batch) {
     );
     batch.add(
         Sql {
-            sqlite: "UPDATE diagnosis_job SET begun_at = value->>1, ended_at = value->>1 FROM json_each($ROWS)
-                     WHERE diagnosis_job.id = value->>0
+            sqlite: "UPDATE diagnosis_job SET begun_at = $C1, ended_at = $C1
+                     WHERE id = $C0
                          AND NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')",
             postgres: "UPDATE diagnosis_job SET begun_at = CAST(value->>1 AS BIGINT), ended_at = CAST(value->>1 AS BIGINT)
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
@@ -169,9 +167,8 @@ fn settle(settled: &[SettledTask], batch: &mut Batch) {
     batch.add(
         Sql {
             sqlite:
-                "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
-                         reason = settled.value->>1
-                     FROM json_each($ROWS) AS settled WHERE record = settled.value->>0 AND state = 'waiting'",
+                "UPDATE diagnosis_task SET state = CASE WHEN $C1 IS NULL THEN 'done' ELSE 'failed' END, reason = $C1
+                     WHERE record = $C0 AND state = 'waiting'",
             postgres:
                 "UPDATE diagnosis_task SET state = CASE WHEN settled.value->>1 IS NULL THEN 'done' ELSE 'failed' END,
                            reason = settled.value->>1
@@ -182,12 +179,11 @@ fn settle(settled: &[SettledTask], batch: &mut Batch) {
     );
     batch.add(
         Sql {
-            sqlite: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, settled.value->>1), ended_at =
+            sqlite: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, $C1), ended_at =
                          CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
-                         THEN settled.value->>2 END
-                     FROM json_each($ROWS) AS settled
+                         THEN $C2 END
                      WHERE ended_at IS NULL
-                         AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = settled.value->>0)",
+                         AND EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND record = $C0)",
             postgres: "UPDATE diagnosis_job SET begun_at = coalesce(begun_at, CAST(settled.value->>1 AS BIGINT)), ended_at =
                            CASE WHEN NOT EXISTS (SELECT 1 FROM diagnosis_task WHERE job = diagnosis_job.id AND state = 'waiting')
                            THEN CAST(settled.value->>2 AS BIGINT) END
@@ -209,8 +205,7 @@ fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
     batch.add(among!("UPDATE diagnosis_task SET state = 'canceled' WHERE state = 'waiting' AND job"), tasks);
     batch.add(
         Sql {
-            sqlite: "UPDATE diagnosis_job SET canceled = 1, ended_at = value->>1 FROM json_each($ROWS)
-                     WHERE diagnosis_job.id = value->>0 AND ended_at IS NULL",
+            sqlite: "UPDATE diagnosis_job SET canceled = 1, ended_at = $C1 WHERE id = $C0 AND ended_at IS NULL",
             postgres: "UPDATE diagnosis_job SET canceled = 1, ended_at = CAST(value->>1 AS BIGINT)
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
                        WHERE diagnosis_job.id = CAST(value->>0 AS BIGINT) AND ended_at IS NULL",

@@ -32,9 +32,7 @@ pub(super) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     batch.add(
         Sql {
             sqlite: "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
-                     SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,
-                         CAST(substr($BYTES, made.value->>2, made.value->>3) AS TEXT)
-                     FROM json_each($ROWS) AS made JOIN record ON record.id = made.value->>0 WHERE true
+                     SELECT id, imu, station, calibrated_at, $C1, CAST($C2 AS TEXT) FROM record WHERE id = $C0
                      ON CONFLICT (record) DO UPDATE SET program = excluded.program, gist = excluded.gist",
             postgres: "INSERT INTO diagnosis_gist (record, imu, station, measured_at, program, gist)
                        SELECT record.id, record.imu, record.station, record.calibrated_at, made.value->>1,

@@ -96,8 +96,7 @@ pub(super) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) 
     }
     batch.add(
         Sql {
-            sqlite: "UPDATE record SET verdicts = substr($BYTES, j.value->>1, j.value->>2)
-                     FROM json_each($ROWS) AS j WHERE record.id = j.value->>0",
+            sqlite: "UPDATE record SET verdicts = $C1 WHERE id = $C0",
             postgres: "UPDATE record SET verdicts = substr($2, CAST(j.value->>1 AS INT), CAST(j.value->>2 AS INT))
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
                        WHERE record.id = CAST(j.value->>0 AS BIGINT)",

@@ -131,8 +131,7 @@ impl Tail {
             super::history::upsert(fold.rows.iter(), batch);
             let mut cut = Rows::default();
             cut.row().integer(self.oldest_after(fold));
-            let sql = "DELETE FROM history_log WHERE id < (SELECT value->>0 FROM json_each($ROWS))";
-            batch.add(Sql::of_sqlite(sql), cut);
+            batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), cut);
         }
     }
 

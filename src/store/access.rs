@@ -3,7 +3,7 @@
 use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::batch::{Batch, Rows};
-use super::commit::{Changes, Writer, batch_of};
+use super::commit::{Changes, Writer, batch_of, waiting_for_disk};
 use super::db::{Cells, Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::id::{Id, IdSource};
@@ -290,7 +290,7 @@ impl Beside {
     pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
         let changes = Changes { access, ..Changes::default() };
         match &mut self.0 {
-            Aside::File { writing, .. } => batch_of(&changes).commit(writing),
+            Aside::File { writing, .. } => waiting_for_disk(|| batch_of(&changes).commit(writing)),
             Aside::Server { writer, .. } => writer.commit(&changes).await,
         }
     }

@@ -1,4 +1,4 @@
-//! What one transaction writes: many rows a statement.
+//! What one transaction writes: statements, each with many rows.
 //!
 //! SQLite is in the process: a statement is run once a row, whose cells are bound one by one. PostgreSQL is asked once a
 //! statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything else) that the numbers
@@ -138,18 +138,23 @@ impl Rows {
 
     /// Runs a statement of SQLite's for each row.
     fn run(&self, statement: &mut CachedStatement<'_>) -> rusqlite::Result<()> {
-        let places = self.rows().map(|row| row.iter().map(Cell::places).sum()).max().unwrap_or(0);
-        let parameter = |place| statement.parameter_index(&format!("$C{place}"));
-        let parameters = (0..places).map(parameter).collect::<rusqlite::Result<Vec<_>>>()?;
-        let found = parameters.iter().flatten().count();
-        debug_assert_eq!(found, statement.parameter_count(), "a parameter has no place in a row of {places}");
+        let Some(first) = self.rows().next() else { return Ok(()) };
+        let mut parameters = Vec::with_capacity(first.len());
+        let mut place = 0;
+        for cell in first {
+            parameters.push(statement.parameter_index(&format!("$C{place}"))?);
+            place += cell.places();
+        }
+        let bound = parameters.iter().flatten().count();
+        if bound != statement.parameter_count() {
+            return Err(rusqlite::Error::InvalidParameterCount(bound, statement.parameter_count()));
+        }
         for row in self.rows() {
-            let mut place = 0;
-            for cell in row {
-                if let Some(parameter) = parameters[place] {
-                    statement.raw_bind_parameter(parameter, self.value(cell))?;
+            debug_assert_eq!(row.len(), first.len(), "rows of a statement are alike");
+            for (cell, parameter) in row.iter().zip(&parameters) {
+                if let Some(parameter) = parameter {
+                    statement.raw_bind_parameter(*parameter, self.value(cell))?;
                 }
-                place += cell.places();
             }
             statement.raw_execute()?;
         }

@@ -7,7 +7,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 use rusqlite::Connection;
 
@@ -22,6 +22,7 @@ const PASSES: usize = 8;
 #[derive(Debug)]
 pub(super) struct Checkpoints {
     wanted: mpsc::SyncSender<()>,
+    thread: JoinHandle<()>,
     nearly_done: Arc<AtomicBool>,
     /// An earlier run's log has been copied.
     begun: bool,
@@ -30,7 +31,8 @@ pub(super) struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends with `self`.
+    /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends when `self` is gone, which
+    /// only [`Checkpoints::stop`] waits for.
     ///
     /// # Errors
     /// [`StoreError`] where no thread can be had.
@@ -38,11 +40,10 @@ impl Checkpoints {
         let (wanted, requests) = mpsc::sync_channel(1);
         let nearly_done = Arc::new(AtomicBool::new(false));
         let beside = nearly_done.clone();
-        let started = thread::Builder::new().name("checkpoints".into()).spawn(move || {
-            serve(connection, &requests, &beside, &halt);
-        });
-        started.map_err(|error| StoreError::Other(error.into()))?;
-        Ok(Self { wanted, nearly_done, begun: false, written: 0, every })
+        let thread = thread::Builder::new().name("checkpoints".into());
+        let thread = thread.spawn(move || serve(connection, &requests, &beside, &halt));
+        let thread = thread.map_err(|error| StoreError::Other(error.into()))?;
+        Ok(Self { wanted, thread, nearly_done, begun: false, written: 0, every })
     }
 
     /// Copies what an earlier run has left in the log, before anything is added to it: where that run ended with a failed flush,
@@ -71,6 +72,15 @@ impl Checkpoints {
             copy(connection)?;
         }
         Ok(())
+    }
+
+    /// Waits for a copy that is under way, and closes its connection.
+    pub fn stop(self) {
+        let Self { wanted, thread, .. } = self;
+        drop(wanted);
+        if thread.join().is_err() {
+            tracing::error!("the thread that copies the write-ahead log has panicked");
+        }
     }
 }
 

@@ -162,7 +162,7 @@ impl Writer {
         }
     }
 
-    /// A way to commit as [`Writer::commit`] does, on a task of its own; none where servers take turns, and each transaction needs
+    /// A way to commit as [`Writer::commit`] does, on a thread of its own; none where servers take turns, and each transaction needs
     /// its own.
     pub fn committer(&self) -> Option<Committer> {
         match &self.engine {
@@ -201,7 +201,7 @@ impl Writer {
 }
 
 /// Does `work` on this thread; a runtime of several threads hands the other tasks of this one over to the next.
-fn waiting_for_disk<T>(work: impl FnOnce() -> T) -> T {
+pub(super) fn waiting_for_disk<T>(work: impl FnOnce() -> T) -> T {
     match Handle::current().runtime_flavor() {
         RuntimeFlavor::CurrentThread => work(),
         _ => tokio::task::block_in_place(work),

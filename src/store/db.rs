@@ -1,7 +1,7 @@
 //! One query on either database: SQLite or PostgreSQL.
 //!
 //! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. Nothing is made up at run
-//! time, and each database is spoken to through its own driver, so that neither pays for the other.
+//! time, and each database is spoken to in its own words, so that neither pays for the other.
 
 use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;

@@ -84,6 +84,7 @@ impl FileWriter {
 
     /// Copies the whole log into the database and closes it.
     pub fn close(self) -> Result<(), StoreError> {
+        self.checkpoints.stop();
         let copied = match self.halt.check() {
             Ok(()) => self.halt.heed(checkpoint::copy_all(&self.connection)),
             halted => halted,

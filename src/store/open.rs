@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use rusqlite::OpenFlags;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
-use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
 use super::checkpoint::Checkpoints;
-use super::commit::Writer;
+use super::commit::{Writer, waiting_for_disk};
 use super::db::{Readers, on};
 use super::error::StoreError;
 use super::file_writer::FileWriter;
@@ -101,7 +101,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), tail: tail.clone(), place };
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
-    match checkpoints.begin(&writing) {
+    match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {
         // Reading goes on; a write tries it again.
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
@@ -113,19 +113,40 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
 /// WAL with `synchronous = FULL`: the log is on disk before a commit returns. Checkpoints are made by
 /// [`Writer`]'s second connection, off the committing path, so the automatic ones are switched off.
 pub(super) fn connect_options(options: &Options) -> Result<SqliteConnectOptions, StoreError> {
+    refuse_parameters(&options.url)?;
     let connect = SqliteConnectOptions::from_str(&options.url)?
         .create_if_missing(true)
         .journal_mode(SqliteJournalMode::Wal)
-        .synchronous(SqliteSynchronous::Full)
-        .foreign_keys(true)
         .busy_timeout(options.busy_timeout)
-        .statement_cache_capacity(256)
+        .statement_cache_capacity(STATEMENTS)
         .row_buffer_size(1024)
-        .pragma("cache_size", format!("-{}", options.cache_kib))
-        .pragma("wal_autocheckpoint", "0")
-        .pragma("temp_store", "MEMORY")
         .disable_statement_logging();
-    Ok(connect)
+    Ok(pragmas(options).into_iter().fold(connect, |connect, (name, value)| connect.pragma(name, value)))
+}
+
+/// Prepared statements that a connection keeps.
+const STATEMENTS: usize = 256;
+
+/// How every connection works, besides the journal's mode, which stands in the file.
+fn pragmas(options: &Options) -> [(&'static str, String); 5] {
+    [
+        ("synchronous", "FULL".to_owned()),
+        ("foreign_keys", "ON".to_owned()),
+        ("cache_size", format!("-{}", options.cache_kib)),
+        ("wal_autocheckpoint", "0".to_owned()),
+        ("temp_store", "MEMORY".to_owned()),
+    ]
+}
+
+/// Those who write open the file by its name: a parameter that only those who read would heed is refused.
+fn refuse_parameters(url: &str) -> Result<(), StoreError> {
+    let (_, parameters) = url.split_once('?').unwrap_or_default();
+    let other = parameters.split('&').find(|parameter| !matches!(*parameter, "" | "mode=rw" | "mode=rwc"));
+    other.map_or(Ok(()), |other| {
+        let why =
+            format!("the parameter `{other}` of its URL is not understood; what can be set is in the configuration");
+        Err(StoreError::Other(why.into()))
+    })
 }
 
 /// As [`connect_options`], of a connection that the calling thread itself works on.
@@ -136,13 +157,10 @@ pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::
     }
     let connection = rusqlite::Connection::open_with_flags(file, flags)?;
     connection.busy_timeout(options.busy_timeout)?;
-    connection.set_prepared_statement_cache_capacity(256);
-    let cache = -i64::from(options.cache_kib);
-    for (name, value) in [("cache_size", cache), ("foreign_keys", 1), ("wal_autocheckpoint", 0)] {
-        connection.pragma_update(None, name, value)?;
+    connection.set_prepared_statement_cache_capacity(STATEMENTS);
+    for (name, value) in pragmas(options) {
+        connection.execute_batch(&format!("PRAGMA {name} = {value}"))?;
     }
-    connection.pragma_update(None, "synchronous", "FULL")?;
-    connection.pragma_update(None, "temp_store", "MEMORY")?;
     Ok(connection)
 }
 

@@ -24,7 +24,7 @@ const ENOUGH: usize = 384;
 /// A group that is being written.
 pub(super) struct UnderWay {
     jobs: Vec<StoreJob>,
-    /// Without its changes, which are with the task that writes them.
+    /// Without its changes, which are with the thread that writes them.
     prepared: Prepared,
     /// What was the newest of its gyros and IMUs before it.
     newest_before: Newest,
@@ -52,7 +52,7 @@ impl UnderWay {
     }
 }
 
-/// Lets what this task has just begun or woken run: no other thread takes it over while this one computes.
+/// Lets what this task has just woken run: no other thread takes it over while this one computes.
 async fn step_back() {
     tokio::task::yield_now().await;
 }
@@ -82,7 +82,6 @@ impl Task {
         let holds = before.as_ref().is_none_or(UnderWay::is_stored);
         if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.writer.committer()) {
             self.under_way = Some(self.begin_beside(jobs, prepared, committer));
-            step_back().await;
             self.conclude(before).await;
             // Not sooner: what has been written is answered before others are woken to make words.
             if let Some(UnderWay { jobs, prepared, .. }) = &self.under_way {

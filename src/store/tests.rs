@@ -9,17 +9,18 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 
 pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
-    let url = format!("sqlite://{}", dir.path().join("test.db").display());
-    open(&Options {
-        url,
+    open(&options(&format!("sqlite://{}", dir.path().join("test.db").display()))).await.unwrap()
+}
+
+fn options(url: &str) -> Options {
+    Options {
+        url: url.to_owned(),
         readers: 2,
         busy_timeout: Duration::from_secs(1),
         cache_kib: 1024,
         checkpoint_pages: 100,
         lease: Duration::from_secs(15),
-    })
-    .await
-    .unwrap()
+    }
 }
 
 pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
@@ -183,4 +184,49 @@ async fn the_log_is_copied_and_begun_anew_under_steady_writing() {
     }
     let log = std::fs::metadata(dir.path().join("test.db-wal")).unwrap().len();
     assert!(log < 20_000_000, "the log has grown to {log} bytes of 40,000,000 written");
+}
+
+#[tokio::test]
+async fn a_stop_empties_the_log_though_it_was_just_being_copied() {
+    let dir = TempDir::new().unwrap();
+    let (store, mut writer) = opened(&dir).await;
+    writer.commit(&first_names()).await.unwrap();
+    let big = "x".repeat(400_000);
+    for at in 0..20 {
+        let id = writer.next_id(UtcMicros(0));
+        writer.commit(&Changes { records: vec![record(id, at, &big)], ..Changes::default() }).await.unwrap();
+    }
+    store.close().await;
+    writer.close().await.unwrap();
+    assert!(!dir.path().join("test.db-wal").exists());
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_database_in_memory_is_written_while_it_is_read() {
+    let (store, mut writer) = open(&options("sqlite::memory:")).await.unwrap();
+    writer.commit(&first_names()).await.unwrap();
+    let beside = store.clone();
+    let reader = tokio::spawn(async move {
+        while beside.records_at(1, UtcMicros(199)).await.unwrap().is_empty() {
+            beside.newest_of_imus().await.unwrap();
+        }
+    });
+    for at in 0..200 {
+        let id = writer.next_id(UtcMicros(0));
+        writer.commit(&Changes { records: vec![record(id, at, "a")], ..Changes::default() }).await.unwrap();
+    }
+    reader.await.unwrap();
+}
+
+#[tokio::test]
+async fn a_parameter_that_only_those_who_read_would_heed_is_refused() {
+    let dir = TempDir::new().unwrap();
+    let url = |parameters| format!("sqlite://{}?{parameters}", dir.path().join("test.db").display());
+    for (parameters, refused) in [("vfs=unix-excl", "vfs=unix-excl"), ("mode=rwc&immutable=true", "immutable=true")] {
+        let error = open(&options(&url(parameters))).await.unwrap_err();
+        let why = format!("database: the parameter `{refused}` of its URL is not understood");
+        assert!(error.to_string().starts_with(&why), "{error}");
+    }
+    assert!(!dir.path().join("test.db").exists());
+    open(&options(&url("mode=rwc"))).await.unwrap();
 }

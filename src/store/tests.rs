@@ -47,6 +47,14 @@ pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
     }
 }
 
+/// Commits `count` records one by one, at 0, 1 and so on.
+async fn write(writer: &mut Writer, count: i64, note: &str) {
+    for at in 0..count {
+        let id = writer.next_id(UtcMicros(0));
+        writer.commit(&Changes { records: vec![record(id, at, note)], ..Changes::default() }).await.unwrap();
+    }
+}
+
 pub(super) fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
     let figures = Figures {
         at: UtcMicros(at),
@@ -177,11 +185,7 @@ async fn the_log_is_copied_and_begun_anew_under_steady_writing() {
     let dir = TempDir::new().unwrap();
     let (_store, mut writer) = opened(&dir).await;
     writer.commit(&first_names()).await.unwrap();
-    let big = "x".repeat(20_000);
-    for at in 0..2_000 {
-        let id = writer.next_id(UtcMicros(0));
-        writer.commit(&Changes { records: vec![record(id, at, &big)], ..Changes::default() }).await.unwrap();
-    }
+    write(&mut writer, 2_000, &"x".repeat(20_000)).await;
     let log = std::fs::metadata(dir.path().join("test.db-wal")).unwrap().len();
     assert!(log < 20_000_000, "the log has grown to {log} bytes of 40,000,000 written");
 }
@@ -191,11 +195,7 @@ async fn a_stop_empties_the_log_though_it_was_just_being_copied() {
     let dir = TempDir::new().unwrap();
     let (store, mut writer) = opened(&dir).await;
     writer.commit(&first_names()).await.unwrap();
-    let big = "x".repeat(400_000);
-    for at in 0..20 {
-        let id = writer.next_id(UtcMicros(0));
-        writer.commit(&Changes { records: vec![record(id, at, &big)], ..Changes::default() }).await.unwrap();
-    }
+    write(&mut writer, 20, &"x".repeat(400_000)).await;
     store.close().await;
     writer.close().await.unwrap();
     assert!(!dir.path().join("test.db-wal").exists());
@@ -211,10 +211,7 @@ async fn a_database_in_memory_is_written_while_it_is_read() {
             beside.newest_of_imus().await.unwrap();
         }
     });
-    for at in 0..200 {
-        let id = writer.next_id(UtcMicros(0));
-        writer.commit(&Changes { records: vec![record(id, at, "a")], ..Changes::default() }).await.unwrap();
-    }
+    write(&mut writer, 200, "a").await;
     reader.await.unwrap();
 }
 

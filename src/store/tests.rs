@@ -206,12 +206,13 @@ async fn a_database_in_memory_is_written_while_it_is_read() {
     let (store, mut writer) = open(&options("sqlite::memory:")).await.unwrap();
     writer.commit(&first_names()).await.unwrap();
     let beside = store.clone();
+    // Somebody reads all the time: whoever writes has to wait for locks.
     let reader = tokio::spawn(async move {
-        while beside.records_at(1, UtcMicros(199)).await.unwrap().is_empty() {
-            beside.newest_of_imus().await.unwrap();
+        while beside.records_at(1, UtcMicros(999)).await.unwrap().is_empty() {
+            beside.records_since(Id(0), u32::MAX).await.unwrap();
         }
     });
-    write(&mut writer, 200, "a").await;
+    write(&mut writer, 1_000, "a").await;
     reader.await.unwrap();
 }
 

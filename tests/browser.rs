@@ -57,9 +57,11 @@ impl Drop for Demo {
 /// Waits until a download is whole, and reads it.
 async fn downloaded(dir: &Path, name: &str) -> Vec<u8> {
     let file = dir.join(name);
-    for _ in 0..200 {
-        if file.exists() {
-            return std::fs::read(file).unwrap();
+    for _ in 0..400 {
+        // Chromium takes the name with an empty file first, and puts the whole one in its place.
+        match std::fs::read(&file) {
+            Ok(bytes) if !bytes.is_empty() => return bytes,
+            _ => {}
         }
         tokio::time::sleep(Duration::from_millis(50)).await;
     }

@@ -4,8 +4,9 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
-use sqlx::{ConnectOptions, Connection, SqliteConnection};
+use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 
+use super::calendar::Calendar;
 use super::db::Readers;
 use super::error::StoreError;
 use super::history::Span;
@@ -14,7 +15,8 @@ use super::lock::beside;
 use super::names::Names;
 use super::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
 use super::postgres;
-use super::tail::{SharedTail, Tail};
+use super::tail::Tail;
+use super::waiting::Shared;
 use crate::system::sha256;
 
 impl Options {
@@ -97,7 +99,7 @@ async fn placed(
     finished
 }
 
-/// Reads everything: SQLite's structure and references, every record's and bench result's hash, every stored figure's and verdict's
+/// Reads everything: SQLite's structure and references, each IMU's calendar, every record's and bench result's hash, every stored figure's and verdict's
 /// checksum.
 ///
 /// # Errors
@@ -152,11 +154,8 @@ async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError
 
 async fn read_tables(file: &Path, records: bool) -> Result<Holdings, StoreError> {
     let readers = SqlitePoolOptions::new().max_connections(1).connect_with(reading(file)).await?;
-    let (names, tail) = {
-        let mut connection = readers.acquire().await?;
-        (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
-    };
-    let store = Store { readers: Readers::Sqlite(readers), names, tail, place: Place::File(file.to_owned()) };
+    check_calendar(&readers).await?;
+    let store = store_of(readers, file).await?;
     let holdings = contents(&store, records).await;
     store.close().await;
     holdings
@@ -175,13 +174,35 @@ pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
     // One connection, inside one transaction for as long as it lives.
     let one = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
     let readers = one.connect_with(connect).await?;
-    let (names, tail) = {
+    {
         let mut connection = readers.acquire().await?;
         sqlx::query("BEGIN").execute(&mut *connection).await?;
         check_schema(&mut connection, &file).await?;
-        (Names::new(load_names(&mut connection).await?), SharedTail::new(Tail::load(&mut connection).await?))
-    };
-    Ok(Store { readers: Readers::Sqlite(readers), names, tail, place: Place::File(file) })
+    }
+    store_of(readers, &file).await
+}
+
+/// What `readers`, of which there is one, see.
+async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError> {
+    let mut connection = readers.acquire().await?;
+    let names = Names::new(load_names(&mut connection).await?);
+    let tail = Shared::new(Tail::load(&mut connection).await?);
+    let calendar = Shared::new(Calendar::load(&mut connection).await?);
+    drop(connection);
+    Ok(Store { readers: Readers::Sqlite(readers), names, tail, calendar, place: Place::File(file.to_owned()) })
+}
+
+/// Every record that is said to have been entered stands where its IMU has it, and nothing else does.
+async fn check_calendar(readers: &SqlitePool) -> Result<(), StoreError> {
+    let sql = "SELECT record FROM calendar WHERE NOT EXISTS (SELECT 1 FROM record
+                   WHERE id = calendar.record AND (imu, calibrated_at, voided)
+                       = (calendar.imu, calendar.calibrated_at, calendar.voided))
+               UNION ALL
+               SELECT id FROM record WHERE id < (SELECT record FROM calendar_begun) AND NOT EXISTS (SELECT 1 FROM calendar
+                   WHERE (imu, calibrated_at, voided) = (record.imu, record.calibrated_at, record.voided))
+               LIMIT 1";
+    let found: Option<i64> = sqlx::query_scalar(sql).fetch_optional(readers).await?;
+    found.map_or(Ok(()), |record| Err(StoreError::Damaged(format!("record {}: its IMU has it elsewhere", Id(record)))))
 }
 
 async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {

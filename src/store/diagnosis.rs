@@ -47,11 +47,14 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     }
     batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus);
     batch.add(
-        among!(
-            "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
-             WHERE record IN (SELECT id FROM record WHERE imu",
-            ")"
-        ),
+        Sql {
+            sqlite: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL WHERE record IN
+                         (SELECT record FROM calendar WHERE imu = $C0 UNION ALL
+                          SELECT id FROM record WHERE id >= (SELECT record FROM calendar_begun) AND imu = $C0)",
+            postgres: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
+                       WHERE record IN (SELECT id FROM record WHERE imu IN
+                           (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",
+        },
         rows,
     );
 }

@@ -5,19 +5,22 @@
 
 use rusqlite::Connection;
 
+use super::calendar::Calendar;
 use super::checkpoint::{self, Checkpoints};
 use super::commit::{Changes, batch_of};
 use super::error::StoreError;
 use super::halt::Halt;
 use super::lock::Lock;
 use super::names::Names;
-use super::tail::SharedTail;
+use super::tail::Tail;
+use super::waiting::Shared;
 
 #[derive(Debug)]
 pub(super) struct FileWriter {
     connection: Connection,
     names: Names,
-    tail: SharedTail,
+    tail: Shared<Tail>,
+    calendar: Shared<Calendar>,
     checkpoints: Checkpoints,
     halt: Halt,
     /// The last write failed: whether writing works again, only writing can tell.
@@ -29,12 +32,12 @@ impl FileWriter {
     pub fn new(
         connection: Connection,
         names: Names,
-        tail: SharedTail,
+        (tail, calendar): (Shared<Tail>, Shared<Calendar>),
         checkpoints: Checkpoints,
         halt: Halt,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, tail, checkpoints, halt, in_doubt: false, _lock: lock }
+        Self { connection, names, tail, calendar, checkpoints, halt, in_doubt: false, _lock: lock }
     }
 
     /// See [`super::Writer::commit`].
@@ -50,6 +53,12 @@ impl FileWriter {
             tail.write(changes.history_rows(), &fold, &mut batch);
             fold
         };
+        let entering = {
+            let calendar = self.calendar.read();
+            let entering = calendar.due(changes);
+            calendar.write(&entering, changes, &mut batch);
+            entering
+        };
         let pages = batch.pages();
         let committed = batch.commit(&self.connection);
         self.in_doubt = matches!(&committed, Err(error) if !matches!(error, StoreError::Refused(_)));
@@ -57,6 +66,7 @@ impl FileWriter {
         // First, so that whoever finds a row knows its names.
         self.names.learn(changes);
         self.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
+        self.calendar.change(|calendar| calendar.committed(&entering, changes));
         self.checkpoints.written(pages);
         Ok(())
     }

@@ -8,6 +8,7 @@ mod alerts;
 mod backup;
 mod batch;
 mod bench;
+mod calendar;
 mod checkpoint;
 mod commit;
 mod copy;
@@ -37,6 +38,7 @@ mod postgres;
 mod record;
 mod tail;
 mod verdicts;
+mod waiting;
 
 pub use access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, TokenRow};
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
@@ -66,6 +68,8 @@ pub use postgres::{Duty, Missed, Moves};
 pub use record::{Kind, RecordAt, RecordHead, RecordRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 
+#[cfg(test)]
+mod calendar_tests;
 #[cfg(test)]
 mod outbox_tests;
 #[cfg(test)]

@@ -9,6 +9,7 @@ use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
+use super::calendar::Calendar;
 use super::checkpoint::Checkpoints;
 use super::commit::{Writer, waiting_for_disk};
 use super::db::{Readers, on};
@@ -19,7 +20,8 @@ use super::id::IdSource;
 use super::lock;
 use super::names::{Names, Table, Tables};
 use super::postgres::{self, Neighbours};
-use super::tail::{SharedTail, Tail};
+use super::tail::Tail;
+use super::waiting::Shared;
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
@@ -43,7 +45,8 @@ pub struct Options {
 pub struct Store {
     pub(super) readers: Readers,
     pub(super) names: Names,
-    pub(super) tail: SharedTail,
+    pub(super) tail: Shared<Tail>,
+    pub(super) calendar: Shared<Calendar>,
     pub(super) place: Place,
 }
 
@@ -56,7 +59,7 @@ pub(super) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 10] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 11] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -67,6 +70,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 10] = [
     (8, "fixed_baselines", include_str!("../../migrations/sqlite/0008_fixed_baselines.sql")),
     (9, "diagnosis_jobs", include_str!("../../migrations/sqlite/0009_diagnosis_jobs.sql")),
     (10, "shared_limits", include_str!("../../migrations/sqlite/0010_shared_limits.sql")),
+    (11, "calendar", include_str!("../../migrations/sqlite/0011_calendar.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -84,7 +88,8 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let mut connection = connect.clone().connect().await?;
     migrate(&mut connection).await?;
     let names = Names::new(load_names(&mut connection).await?);
-    let tail = SharedTail::new(Tail::load(&mut connection).await?);
+    let tail = Shared::new(Tail::load(&mut connection).await?);
+    let calendar = Shared::new(Calendar::load(&mut connection).await?);
     let last_id = last_id(&mut connection).await?;
     let (writing, checkpointing) = (open_to_write(&file, options)?, open_to_write(&file, options)?);
     // Not sooner: where the last connection is closed, SQLite copies the log by itself.
@@ -97,8 +102,8 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let place = Place::File(file);
-    let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), tail: tail.clone(), place };
+    let (readers, place) = (Readers::Sqlite(readers), Place::File(file));
+    let store = Store { readers, names: names.clone(), tail: tail.clone(), calendar: calendar.clone(), place };
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
     match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {
@@ -106,7 +111,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
     }
-    let writer = FileWriter::new(writing, names, tail, checkpoints, halt, lock);
+    let writer = FileWriter::new(writing, names, (tail, calendar), checkpoints, halt, lock);
     Ok((store, Writer::of_file(IdSource::after(last_id), writer)))
 }
 

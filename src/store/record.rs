@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, cell, insert, on};
+use super::db::{Readers, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
@@ -145,17 +145,32 @@ impl Store {
 
     /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
     pub async fn records_at(&self, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
-        let sql =
-            "SELECT id, body_sha256, voided <> 0 FROM record WHERE imu = $1 AND calibrated_at = $2 ORDER BY voided";
-        let found: Vec<(i64, Vec<u8>, bool)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(at.0).fetch_all(db).await?);
-        Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
+        let waiting = self.calendar.read().at(imu, at).map(|id| id.0);
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record WHERE id = $3
+                     OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
+            postgres: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record
+                       WHERE imu = $1 AND calibrated_at = $2 AND $3 IS NULL ORDER BY voided",
+        });
+        let found: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(at.0).bind(waiting).fetch_all(db).await?);
+        let found = found.into_iter().map(|(id, Whole(of), then, hash, voided)| {
+            let found = RecordAt { id: Id(id), hash, voided };
+            let is_here = (of, UtcMicros(then)) == (imu, at);
+            if is_here {
+                Ok(found)
+            } else {
+                Err(StoreError::Damaged(format!("record {} is of another instant", Id(id))))
+            }
+        });
+        found.collect()
     }
 
     /// The newest record's instant of each IMU.
     pub async fn newest_of_imus(&self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
+        let Readers::Postgres(db) = &self.readers else { return Ok(self.calendar.read().newest().collect()) };
         let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
-        let rows: Vec<(Whole<u32>, Option<i64>)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+        let rows: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(sql).fetch_all(db).await?;
         Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
     }
 
@@ -183,23 +198,31 @@ impl Store {
         &self,
         records: impl Iterator<Item = Id>,
     ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
-        let ids: Vec<String> = records.map(|id| id.0.to_string()).collect();
         let sql = self.readers.words(Sql {
             sqlite: "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))",
             postgres: "SELECT id, verdicts FROM record WHERE id IN (SELECT CAST(j.value AS BIGINT)
                        FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
         });
         let rows: Vec<(i64, Vec<u8>)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(format!("[{}]", ids.join(","))).fetch_all(db).await?);
+            on!(self.readers, db => sqlx::query_as(sql).bind(json_of(records)).fetch_all(db).await?);
         rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
     }
 
     /// The newest `limit` records of an IMU that count, newest first, without their bodies.
     pub async fn records_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
-        let sql = "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
-                   ORDER BY calibrated_at DESC LIMIT $2";
-        let rows: Vec<(i64, i64, Whole<u32>, i64)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).fetch_all(db).await?);
+        // What waits counts, and is newer than the rest.
+        let waiting: Vec<Id> = self.calendar.read().last_of(imu, limit as usize).collect();
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
+                         (SELECT value FROM json_each($3) UNION ALL SELECT record FROM
+                             (SELECT record FROM calendar WHERE imu = $1 AND voided = 0 ORDER BY calibrated_at DESC LIMIT $2))
+                     ORDER BY calibrated_at DESC LIMIT $2",
+            postgres: "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
+                       AND $3 IS NOT NULL ORDER BY calibrated_at DESC LIMIT $2",
+        });
+        let rows: Vec<(i64, i64, Whole<u32>, i64)> = on!(self.readers, db => {
+            sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).bind(json_of(waiting)).fetch_all(db).await?
+        });
         let head = |(id, kind, Whole(station), at)| {
             let kind =
                 Kind::from_code(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
@@ -207,4 +230,9 @@ impl Store {
         };
         rows.into_iter().map(head).collect()
     }
+}
+
+fn json_of(ids: impl IntoIterator<Item = Id>) -> String {
+    let ids: Vec<String> = ids.into_iter().map(|id| id.0.to_string()).collect();
+    format!("[{}]", ids.join(","))
 }

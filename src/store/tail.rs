@@ -5,8 +5,7 @@
 //! Later all waiting rows of a gyro are folded into `history` together, those of the gyro that has waited longest first, a
 //! few gyros a commit so that none is held up; the log is then cut off before the oldest row that still waits.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+use std::collections::BTreeSet;
 
 use sqlx::SqliteConnection;
 
@@ -15,37 +14,20 @@ use super::db::{Sql, cell, insert};
 use super::error::StoreError;
 use super::figures::{Figures, PACKED_LEN};
 use super::history::{HistoryRow, Span};
+use super::waiting::Waiting;
 
-/// Rows that may wait: enough that a page of a gyro takes several of them at a time, in a fleet of thousands too.
-const CAPACITY: usize = 16_384;
-/// Rows of one gyro that are folded though there is room: more would take a commit longer than a millisecond or two.
-const MANY: usize = 512;
 const GYRO_LEN: usize = 4;
 
-/// Rows that wait, by gyro.
+/// Rows that wait, by gyro; those of a gyro in order of time, one an instant.
 #[derive(Debug, Default)]
 pub(super) struct Tail {
-    waiting: HashMap<u32, Waiting>,
-    /// First entry of the log that a gyro's waiting rows stand in, and the gyro.
-    by_age: BTreeSet<(i64, u32)>,
-    /// Gyros with [`MANY`] rows.
-    with_many: BTreeSet<u32>,
-    len: usize,
+    waiting: Waiting<Figures>,
     last_entry: i64,
 }
 
-#[derive(Debug)]
-struct Waiting {
-    since: i64,
-    /// In order of time, one an instant.
-    rows: Vec<Figures>,
-}
-
-/// What a commit moves from the tail into the history.
+/// The gyros whose waiting rows a commit moves into the history.
 #[derive(Debug, Default)]
-pub(super) struct Fold {
-    rows: Vec<HistoryRow>,
-}
+pub(super) struct Fold(BTreeSet<u32>);
 
 impl Tail {
     /// Reads the log, as it was left.
@@ -71,12 +53,12 @@ impl Tail {
 
     /// Every waiting row, with its gyro.
     pub fn rows(&self) -> impl Iterator<Item = (u32, &Figures)> {
-        self.waiting.iter().flat_map(|(gyro, waiting)| waiting.rows.iter().map(|row| (*gyro, row)))
+        self.waiting.iter().flat_map(|(gyro, rows)| rows.iter().map(move |row| (gyro, row)))
     }
 
     /// A gyro's waiting rows within `span`, in order of time.
     pub fn of(&self, gyro: u32, span: Span) -> &[Figures] {
-        let Some(Waiting { rows, .. }) = self.waiting.get(&gyro) else { return &[] };
+        let rows = self.waiting.of(gyro);
         let from = rows.partition_point(|row| row.at < span.from);
         let to = rows.partition_point(|row| row.at <= span.to);
         rows.get(from..to).unwrap_or_default()
@@ -90,28 +72,19 @@ impl Tail {
 
     /// The newest waiting row of each gyro that has any.
     pub fn newest(&self) -> impl Iterator<Item = (u32, &Figures)> {
-        self.waiting.iter().filter_map(|(gyro, waiting)| Some((*gyro, waiting.rows.last()?)))
+        self.waiting.iter().filter_map(|(gyro, rows)| Some((gyro, rows.last()?)))
     }
 
     /// What is to be folded so that `incoming` more rows find room.
     pub fn due(&self, incoming: usize) -> Fold {
-        let excess = (self.len + incoming).saturating_sub(CAPACITY);
-        let mut gyros = self.with_many.clone();
-        let mut taken: usize = gyros.iter().map(|gyro| self.waiting[gyro].rows.len()).sum();
-        for (_, gyro) in &self.by_age {
-            if taken >= excess {
-                break;
-            }
-            if gyros.insert(*gyro) {
-                taken += self.waiting[gyro].rows.len();
-            }
-        }
-        // In the order of the key, so that each page is touched once.
-        let rows_of = |gyro: &u32| {
-            let gyro = *gyro;
-            self.waiting[&gyro].rows.iter().map(move |figures| HistoryRow { gyro, figures: *figures })
-        };
-        Fold { rows: gyros.iter().flat_map(rows_of).collect() }
+        Fold(self.waiting.due(incoming))
+    }
+
+    /// In the order of the key, so that each page is touched once.
+    fn rows_of(&self, fold: &Fold) -> Vec<HistoryRow> {
+        let of_gyro =
+            |gyro: u32| self.waiting.of(gyro).iter().map(move |figures| HistoryRow { gyro, figures: *figures });
+        fold.0.iter().flat_map(|gyro| of_gyro(*gyro)).collect()
     }
 
     /// Enters new rows into the log, and those of `fold` into the history.
@@ -127,25 +100,18 @@ impl Tail {
             });
             batch.add(insert!("history_log (id, rows)", [int 0, blob 1 2]), entry);
         }
-        if !fold.rows.is_empty() {
-            super::history::upsert(fold.rows.iter(), batch);
+        if !fold.0.is_empty() {
+            super::history::upsert(self.rows_of(fold).iter(), batch);
             let mut cut = Rows::default();
-            cut.row().integer(self.oldest_after(fold));
+            cut.row().integer(self.waiting.first_without(&fold.0).unwrap_or(self.last_entry + 1));
             batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), cut);
         }
     }
 
-    /// The first entry of the log that is still needed when `fold` is in the history.
-    fn oldest_after(&self, fold: &Fold) -> i64 {
-        let folded: HashSet<u32> = fold.rows.iter().map(|row| row.gyro).collect();
-        let first = self.by_age.iter().find(|(_, gyro)| !folded.contains(gyro));
-        first.map_or(self.last_entry + 1, |(since, _)| *since)
-    }
-
     /// Follows a commit.
     pub fn committed<'a>(&mut self, new: impl Iterator<Item = &'a HistoryRow>, fold: &Fold) {
-        for of_gyro in fold.rows.chunk_by(|a, b| a.gyro == b.gyro) {
-            self.remove(of_gyro[0].gyro);
+        for gyro in &fold.0 {
+            self.waiting.remove(*gyro);
         }
         let mut new = new.peekable();
         if new.peek().is_some() {
@@ -156,48 +122,10 @@ impl Tail {
         }
     }
 
-    fn remove(&mut self, gyro: u32) {
-        if let Some(waiting) = self.waiting.remove(&gyro) {
-            self.by_age.remove(&(waiting.since, gyro));
-            self.with_many.remove(&gyro);
-            self.len -= waiting.rows.len();
-        }
-    }
-
     fn insert(&mut self, entry: i64, gyro: u32, figures: Figures) {
-        let waiting = self.waiting.entry(gyro).or_insert_with(|| {
-            self.by_age.insert((entry, gyro));
-            Waiting { since: entry, rows: Vec::new() }
+        self.waiting.enter(entry, gyro, |rows| match rows.binary_search_by_key(&figures.at, |row| row.at) {
+            Ok(there) => rows[there] = figures,
+            Err(place) => rows.insert(place, figures),
         });
-        match waiting.rows.binary_search_by_key(&figures.at, |row| row.at) {
-            Ok(there) => waiting.rows[there] = figures,
-            Err(place) => {
-                waiting.rows.insert(place, figures);
-                self.len += 1;
-                if waiting.rows.len() == MANY {
-                    self.with_many.insert(gyro);
-                }
-            }
-        }
-    }
-}
-
-/// The tail, as readers and the writer share it.
-#[derive(Debug, Clone, Default)]
-pub(super) struct SharedTail(Arc<RwLock<Tail>>);
-
-impl SharedTail {
-    pub fn new(tail: Tail) -> Self {
-        Self(Arc::new(RwLock::new(tail)))
-    }
-
-    /// To be asked before the database: what is folded in between is then seen in both rather than in neither.
-    pub fn read(&self) -> RwLockReadGuard<'_, Tail> {
-        // Every change leaves the tail whole, even one that panics.
-        self.0.read().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub fn change(&self, change: impl FnOnce(&mut Tail)) {
-        change(&mut self.0.write().unwrap_or_else(PoisonError::into_inner));
     }
 }

@@ -13,7 +13,7 @@ pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
     open(&options(&format!("sqlite://{}", dir.path().join("test.db").display()))).await.unwrap()
 }
 
-fn options(url: &str) -> Options {
+pub(super) fn options(url: &str) -> Options {
     Options {
         url: url.to_owned(),
         readers: 2,

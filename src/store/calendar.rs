@@ -1,0 +1,170 @@
+//! Which record an IMU has at which instant.
+//!
+//! In the table `calendar` every IMU's entries have pages of their own, so a commit that made its entries there would write a page an
+//! IMU. A record that is newer than every other of its IMU waits in memory instead, where readers find it, and is entered later with
+//! the others of that IMU; a start finds those that wait among the newest records. What comes late or takes another's place is
+//! entered at once, after what waits of its IMU. So what waits of an IMU counts, is in order of time and is newer than all that the
+//! table has of it, and the table's key refuses a second record of an IMU and instant.
+
+use std::collections::{BTreeSet, HashMap};
+
+use sqlx::SqliteConnection;
+
+use super::batch::{Batch, Rows};
+use super::commit::Changes;
+use super::db::{Sql, Whole, cell, insert};
+use super::error::StoreError;
+use super::id::Id;
+use super::record::RecordRow;
+use super::waiting::Waiting;
+use crate::core::time::UtcMicros;
+
+/// A record that waits.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    at: UtcMicros,
+    record: Id,
+}
+
+/// What is not in the table yet.
+#[derive(Debug, Default)]
+pub(super) struct Calendar {
+    waiting: Waiting<Entry>,
+    /// The newest instant of each IMU, whether what was calibrated then counts or not.
+    newest: HashMap<u32, UtcMicros>,
+}
+
+/// What a commit enters into the table.
+#[derive(Debug, Default)]
+pub(super) struct Entering {
+    /// IMUs whose records that wait are entered.
+    imus: BTreeSet<u32>,
+    /// Those whose new records are entered too.
+    at_once: BTreeSet<u32>,
+}
+
+impl Calendar {
+    /// Reads what is not in the table.
+    pub async fn load(connection: &mut SqliteConnection) -> Result<Self, StoreError> {
+        let newest = "SELECT id, (SELECT max(calibrated_at) FROM calendar WHERE imu = imu.id) FROM imu";
+        let newest: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(newest).fetch_all(&mut *connection).await?;
+        let newest = newest.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect();
+        let mut calendar = Self { waiting: Waiting::default(), newest };
+        let waiting = "SELECT id, imu, calibrated_at FROM record AS waits
+                       WHERE id >= (SELECT record FROM calendar_begun) AND NOT EXISTS (SELECT 1 FROM calendar
+                           WHERE imu = waits.imu AND calibrated_at = waits.calibrated_at AND voided = waits.voided)
+                       ORDER BY id";
+        let waiting: Vec<(i64, Whole<u32>, i64)> = sqlx::query_as(waiting).fetch_all(connection).await?;
+        for (record, Whole(imu), at) in waiting {
+            let (record, at) = (Id(record), UtcMicros(at));
+            if !calendar.is_newest(imu, at) {
+                return Err(StoreError::Damaged(format!(
+                    "record {record} is older than another of its IMU and not in the calendar"
+                )));
+            }
+            calendar.enter(imu, Entry { at, record });
+        }
+        Ok(calendar)
+    }
+
+    fn is_newest(&self, imu: u32, at: UtcMicros) -> bool {
+        self.newest.get(&imu).is_none_or(|newest| *newest < at)
+    }
+
+    fn enter(&mut self, imu: u32, entry: Entry) {
+        self.newest.insert(imu, entry.at);
+        self.waiting.enter(entry.record.0, imu, |entries| entries.push(entry));
+    }
+
+    /// The newest `limit` records of an IMU that wait, newest first.
+    pub fn last_of(&self, imu: u32, limit: usize) -> impl Iterator<Item = Id> {
+        self.waiting.of(imu).iter().rev().take(limit).map(|entry| entry.record)
+    }
+
+    /// The record of an IMU at an instant, if it waits.
+    pub fn at(&self, imu: u32, at: UtcMicros) -> Option<Id> {
+        let entries = self.waiting.of(imu);
+        entries.binary_search_by_key(&at, |entry| entry.at).ok().map(|place| entries[place].record)
+    }
+
+    /// The newest instant of each IMU.
+    pub fn newest(&self) -> impl Iterator<Item = (u32, UtcMicros)> {
+        self.newest.iter().map(|(imu, at)| (*imu, *at))
+    }
+
+    /// What is to be entered with `changes`.
+    pub fn due(&self, changes: &Changes) -> Entering {
+        let mut at_once = self.imus_of(&changes.withdrawn.records);
+        let mut newest: HashMap<u32, UtcMicros> = HashMap::new();
+        for record in &changes.records {
+            let (imu, at) = (record.imu, record.calibrated_at);
+            if newest.get(&imu).is_some_and(|newest| at <= *newest) || !self.is_newest(imu, at) {
+                at_once.insert(imu);
+            } else {
+                newest.insert(imu, at);
+            }
+        }
+        let mut imus = self.waiting.due(changes.records.len());
+        imus.extend(&at_once);
+        Entering { imus, at_once }
+    }
+
+    /// The IMUs of those records that wait.
+    fn imus_of(&self, records: &[Id]) -> BTreeSet<u32> {
+        if records.is_empty() {
+            return BTreeSet::new();
+        }
+        let among = |entries: &[Entry]| entries.iter().any(|entry| records.contains(&entry.record));
+        self.waiting.iter().filter(|(_, entries)| among(entries)).map(|(imu, _)| imu).collect()
+    }
+
+    /// After the records themselves have been written.
+    pub fn write(&self, entering: &Entering, changes: &Changes, batch: &mut Batch) {
+        let waiting =
+            entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry)));
+        enter(waiting, batch);
+        let mut withdrawn = Rows::default();
+        for record in &changes.withdrawn.records {
+            withdrawn.row().integer(record.0);
+        }
+        batch.add(Sql::of_sqlite(WITHDRAW), withdrawn);
+        let (at_once, later): (Vec<_>, Vec<_>) =
+            changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
+        let entry = |record: &&RecordRow| (record.imu, Entry { at: record.calibrated_at, record: record.id });
+        enter(at_once.iter().map(entry), batch);
+        let first = self.waiting.first_without(&entering.imus).or_else(|| later.first().map(|record| record.id.0));
+        if let (Some(first), false) = (first, entering.imus.is_empty()) {
+            let mut begun = Rows::default();
+            begun.row().integer(first);
+            batch.add(Sql::of_sqlite("UPDATE calendar_begun SET record = $C0"), begun);
+        }
+    }
+
+    /// Follows a commit.
+    pub fn committed(&mut self, entering: &Entering, changes: &Changes) {
+        for imu in &entering.imus {
+            self.waiting.remove(*imu);
+        }
+        for record in &changes.records {
+            let (imu, at) = (record.imu, record.calibrated_at);
+            if entering.at_once.contains(&imu) {
+                let newest = self.newest.entry(imu).or_insert(at);
+                *newest = at.max(*newest);
+            } else {
+                self.enter(imu, Entry { at, record: record.id });
+            }
+        }
+    }
+}
+
+/// Makes room for what takes its place.
+const WITHDRAW: &str = "UPDATE calendar SET voided = record
+    WHERE (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, 0 FROM record WHERE id = $C0)";
+
+fn enter(entries: impl Iterator<Item = (u32, Entry)>, batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for (imu, entry) in entries {
+        rows.row().integer(i64::from(imu)).integer(entry.at.0).integer(0).integer(entry.record.0);
+    }
+    batch.add(insert!("calendar (imu, calibrated_at, voided, record)", [int 0, int 1, int 2, int 3]), rows);
+}

@@ -254,6 +254,10 @@ async fn a_revised_record_is_judged_in_the_place_of_the_old() {
     lab::assert_close(&verdict(&next, "A", "D_I", "step")["value"], 0.001, 1e-9);
 
     assert_eq!(lab.post(&path, &revision(&of_a(120, 1.001))).await.ok()["id"], new["id"], "sent again");
+    let resent = lab.post("/v1/records", &of_a(120, 1.02)).await.ok();
+    assert_eq!((&resent["id"], &resent["state"]), (&json!(ids[3]), &json!("revised")), "the station does not know");
+    let imported = lab.imports(&[of_a(120, 1.02), of_a(120, 1.03)]).await;
+    assert_eq!((&imported[0]["id"], &imported[1]["status"]), (&json!(ids[3]), &json!(409)), "{imported:?}");
     let other = lab.post(&path, &revision(&of_a(120, 1.005))).await;
     other.refused(409);
     assert_eq!(other.json()["existing"], new["id"]);
@@ -280,7 +284,9 @@ async fn what_is_sent_again_does_not_come_back_to_life_and_what_differs_counts()
     let other = lab.posts(&of_a(40, 1.05)).await;
     assert_eq!(trend(&lab, "").await, [(day(0), 1.0), (day(40), 1.05)]);
     assert_eq!(id_of(&lab.post("/v1/records", &of_a(40, 1.05)).await.ok()), id_of(&other));
-    lab.post("/v1/records", &of_a(40, 1.1)).await.refused(409);
+    let again = lab.post("/v1/records", &of_a(40, 1.1)).await.ok();
+    assert_eq!((&again["id"], &again["state"]), (&json!(ids[1]), &json!("voided")), "whatever stands there now");
+    lab.post("/v1/records", &of_a(40, 1.2)).await.refused(409);
 
     engineer_voids(&lab, &id_of(&other)).await;
     let path = format!("/v1/records/{}/revise", ids[1]);
@@ -343,6 +349,9 @@ async fn a_voided_bench_result_is_compared_no_more_and_its_alert_ends() {
     assert_eq!(id_of(&lab.post("/v1/bench-results", &sent).await.ok()), id, "sent again, it stays voided");
     let better = id_of(&lab.post("/v1/bench-results", &bench("A", &day(5), 1.001, 2.0)).await.created());
     assert_ne!(better, id);
+    let again = lab.post("/v1/bench-results", &sent).await.ok();
+    assert_eq!((&again["id"], &again["state"]), (&json!(id), &json!("voided")), "whatever stands there now");
+    lab.post("/v1/bench-results", &bench("A", &day(5), 1.04, 2.0)).await.refused(409);
     assert_eq!(lab.sees_trend("A", "method=torque_feedback").await.len(), 1);
     assert_eq!(lab.post(&path, &said("clamped")).await.ok()["id"], json!(id));
     lab.post(&path, &said("dropped")).await.refused(409);

@@ -136,7 +136,13 @@ impl Desk<'_> {
         }
         let imu = self.number(Table::Imus, sent.imu.as_str(), group);
         if let Some((id, hash)) = self.counting_at(imu, sent.calibrated_at, group).await? {
-            return Ok(Accepted::There { id, same_bytes: hash == sent.body_sha256 });
+            let same_bytes = hash == sent.body_sha256;
+            if same_bytes || self.has_content(id, sent, group).await? {
+                return Ok(Accepted::There { id, same_bytes });
+            }
+            // What is sent may be what was revised, of the same time as what stands in its place.
+            let voided = self.voided_alike(imu, sent, group).await?;
+            return Ok(Accepted::There { id: voided.unwrap_or(id), same_bytes: voided.is_some() });
         }
         if let Some(id) = self.voided_alike(imu, sent, group).await? {
             return Ok(Accepted::There { id, same_bytes: true });
@@ -193,13 +199,18 @@ impl Desk<'_> {
             if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
                 return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
             }
+            let mut counting = None;
             for there in self.store.bench_results_at(gyro, at, method).await? {
                 let same_bytes = there.hash == sent.body_sha256;
                 let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
                 // What was voided and is sent again stays as it is: the sender does not know.
-                if counts || same_bytes || self.is_alike(there.id, &sent.body).await? {
+                if same_bytes || self.is_alike(there.id, &sent.body).await? {
                     return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts });
                 }
+                counting = counting.or(counts.then_some(there.id));
+            }
+            if let Some(id) = counting {
+                return Ok(Accepted::There { id, same_bytes: false });
             }
         }
         let id = self.ids.next(self.now);

@@ -116,7 +116,7 @@ impl Desk<'_> {
     }
 
     /// Whether a record, stored or of this group, says the same as another.
-    async fn has_content(&self, id: Id, other: &Calibration, group: &Group) -> Result<bool, StoreError> {
+    pub(super) async fn has_content(&self, id: Id, other: &Calibration, group: &Group) -> Result<bool, StoreError> {
         let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind, body, &other.body);
         if let Some(record) = group.changes.records.iter().find(|record| record.id == id) {
             return Ok(says(record.kind, &record.body));

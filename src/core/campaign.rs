@@ -2,15 +2,16 @@
 
 use nalgebra::Vector3;
 
-use super::frames::{Body, Nav, Rotation};
+use super::frames::{Body, Nav, Rotation, Vector};
 use super::model::Terms;
 use super::mounting::{Geometry, Slot};
 use super::record::Name;
 use super::time::UtcMicros;
+use super::units::EARTH_RATE_DEG_H;
 
 mod check;
 
-pub use check::{Limits, check_dwells, unchecked};
+pub use check::{Limits, check_dwells, oddities, unchecked};
 
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -65,6 +66,13 @@ pub struct Site {
     pub gravity_g0: f64,
     /// Direction of the magnetic field in East, North, Up, where the station knows it.
     pub magnetic_field_nav: Option<Vector3<f64>>,
+}
+
+impl Site {
+    /// The Earth's rate in East, North, Up, deg/h (the same number in arcsec/s): Omega [0, cos L, sin L] at the geodetic latitude L.
+    pub fn earth_rate(&self) -> Vector<Nav> {
+        Vector::new(EARTH_RATE_DEG_H * Vector3::new(0.0, self.latitude.cos(), self.latitude.sin()))
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]

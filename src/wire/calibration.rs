@@ -13,7 +13,7 @@ use crate::core::calibrate::bench::BenchCalibration;
 use crate::core::calibrate::noise::{Noise, overstated, overstated_note};
 use crate::core::calibrate::outcome::Outcome;
 use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
-use crate::core::campaign::{Campaign, unchecked};
+use crate::core::campaign::{Campaign, oddities, unchecked};
 use crate::core::model::{Term, Terms};
 
 mod parameters;
@@ -163,7 +163,7 @@ impl CampaignAnswer {
             not_separated: Vec::new(),
             bench_result: None,
             verdicts: Vec::new(),
-            notes: unchecked(campaign),
+            notes: [oddities(campaign), unchecked(campaign)].concat(),
         };
         match outcome {
             Outcome::Imu { calibration, separations } => {

@@ -66,8 +66,8 @@ impl Campaign {
     pub fn check_known_scales(&self, limits: &Plausibility) -> Result<(), Faults> {
         let mut faults = Faults::default();
         for (i, gyro) in self.gyros.iter().enumerate() {
-            if let (Some(e), Some(triad)) = (gyro.known_e, self.geometry.triad(gyro.slot))
-                && let Err(reason) = limits.check_scale(&e, &triad, gyro.slot)
+            if let Some(e) = gyro.known_e
+                && let Err(reason) = limits.check_scale(&e, &self.geometry, gyro.slot)
             {
                 faults.push(format!("/gyros/{i}/known_e_pulse_per_arcsec"), reason);
             }
@@ -85,12 +85,12 @@ fn check_gyros(gyros: &[CampaignGyro], geometry: &Geometry, limits: &Limits, fau
             faults.push(format!("/gyros/{i}/slot"), format!("{} is already taken by /gyros/{twin}", gyro.slot.name()));
             continue;
         }
-        let Some(triad) = geometry.triad(gyro.slot) else {
+        if geometry.triad(gyro.slot).is_none() {
             faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
             continue;
-        };
+        }
         if let Some(e) = gyro.known_e
-            && let Err(reason) = limits.plausibility.check_scale(&e, &triad, gyro.slot)
+            && let Err(reason) = limits.plausibility.check_scale(&e, geometry, gyro.slot)
         {
             faults.push(format!("/gyros/{i}/known_e_pulse_per_arcsec"), reason);
         }
@@ -214,6 +214,29 @@ fn check_columns(i: usize, dwell: &Dwell, (first, reference): (usize, &Dwell), f
             );
         }
     }
+}
+
+/// By how much the commanded rate of a static dwell may differ from the Earth's, arcsec/s: a heading that is 2 degrees off.
+const EARTH_RATE_OFF: f64 = 0.5;
+
+/// What is odd about what was commanded, in words for the campaign's answer. It is no fault: the model is fitted to what was commanded.
+pub fn oddities(campaign: &Campaign) -> Vec<String> {
+    let Some(site) = &campaign.site else { return Vec::new() };
+    let off = |dwell: &Dwell| {
+        let earth = (dwell.attitude.filter(|_| dwell.phase == Phase::Static)? * site.earth_rate()).0;
+        Some((dwell.rate_arcsec_s - earth).norm()).filter(|off| *off > EARTH_RATE_OFF)
+    };
+    let off: Vec<(usize, f64)> =
+        campaign.dwells.iter().enumerate().filter_map(|(k, dwell)| Some((k, off(dwell)?))).collect();
+    let worst = off.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let words = worst.map(|(k, most)| {
+        format!(
+            "rate_arcsec_s of {} static dwells is not the Earth's at their attitude and the site's latitude: by {most:.2} arcsec/s \
+             in /dwells/{k}",
+            off.len()
+        )
+    });
+    words.into_iter().collect()
 }
 
 /// The checks that this campaign's missing columns made impossible, in words for its answer.

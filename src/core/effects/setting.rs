@@ -5,7 +5,6 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::core::campaign::{Campaign, Phase};
 use crate::core::frames::{Nav, Vector};
 use crate::core::mounting::Slot;
-use crate::core::units::EARTH_RATE_DEG_H;
 
 /// Axes and first-order parameters of one gyro as the campaign shows them.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +61,7 @@ impl Setting {
         let force: Vec<_> = dwells.iter().map(|d| d.specific_force_g0).collect();
         let rate: Vec<_> = dwells.iter().map(|d| d.rate_arcsec_s).collect();
         let phase: Vec<_> = dwells.iter().map(|d| d.phase).collect();
-        let earth_nav = campaign.site.map(|s| earth_rate_nav(s.latitude)).unwrap_or_else(|| {
+        let earth_nav = campaign.site.map(|s| s.earth_rate().0).unwrap_or_else(|| {
             nav_to_body.as_deref().map(|c| mean_static_rate_nav(c, &rate, &phase)).unwrap_or_default()
         });
         let gravity = campaign.site.map(|s| s.gravity_g0).unwrap_or_else(|| mean_norm(&force));
@@ -106,11 +105,6 @@ impl Setting {
         steps.sort_by(f64::total_cmp);
         steps.get(steps.len() / 2).copied().unwrap_or(1.0)
     }
-}
-
-/// Earth rate in East, North, Up at a geodetic latitude, deg/h.
-pub fn earth_rate_nav(latitude: f64) -> Vector3<f64> {
-    EARTH_RATE_DEG_H * Vector3::new(0.0, latitude.cos(), latitude.sin())
 }
 
 fn mean_static_rate_nav(c: &[Matrix3<f64>], rate: &[Vector3<f64>], phase: &[Phase]) -> Vector3<f64> {

@@ -170,6 +170,22 @@ fn a_missing_column_is_fine_and_its_check_is_said_to_be_skipped() {
 }
 
 #[test]
+fn a_rate_that_is_not_the_earths_at_attitude_and_site_is_told_of() {
+    let oddities = |document: &Value| {
+        crate::core::campaign::oddities(&parse_json(document.to_string().as_bytes()).expect("no fault"))
+    };
+    assert_eq!(oddities(&document()), [""; 0]);
+    assert_eq!(oddities(&with("/dwells/1/rate_arcsec_s", json!([0.0, -15.041, 0.4]))), [""; 0]);
+    let turned = with("/dwells/1/rate_arcsec_s", json!([0.0, 15.041_067, 0.0]));
+    let words = "rate_arcsec_s of 1 static dwells is not the Earth's at their attitude and the site's latitude: by 30.08 arcsec/s \
+                 in /dwells/1";
+    assert_eq!(oddities(&turned), [words]);
+    let mut unknown = turned;
+    unknown.as_object_mut().expect("an object").remove("site");
+    assert_eq!(oddities(&unknown), [""; 0], "where the Earth's rate is not known nothing is said");
+}
+
+#[test]
 fn numbers_beyond_a_double_are_refused_at_their_place() {
     let text = document().to_string().replacen("180.0", "1e999", 1);
     let faults = parse_json(text.as_bytes()).unwrap_err();

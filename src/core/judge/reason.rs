@@ -256,7 +256,9 @@ impl Verdict {
             (Some(sd), Some(probability)) => {
                 let p = sd_digits(sd, self.limit);
                 write!(f, " With a standard deviation of {:.p$} the true value ", Decimal(sd))?;
-                f.write_str("exceeds it with a probability of ")?;
+                // What is required has a lower limit too.
+                f.write_str(if self.rule == Rule::Requirement { "lies beyond it" } else { "exceeds it" })?;
+                f.write_str(" with a probability of ")?;
                 write_percent(f, probability)?;
                 f.write_str(if self.state == State::Indeterminate {
                     ": the uncertainty straddles the limit."

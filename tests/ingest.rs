@@ -211,6 +211,19 @@ async fn bad_records_are_refused_with_the_place_and_nothing_is_stored() {
     let off = lab.post("/v1/records", &with("/gyros/0/e_pulse_per_arcsec", json!([1.0367, -0.6011, 0.8473]))).await;
     off.refused(422);
     assert!(off.text.contains("deg from the input axis"), "the angle is named: {}", off.text);
+    assert!(!off.text.contains("interchanged"), "it fits no other: {}", off.text);
+    let other_axes = tables_3_and_4()["gyros"][2]["e_pulse_per_arcsec"].clone();
+    let swapped = lab.post("/v1/records", &with("/gyros/0/e_pulse_per_arcsec", other_axes)).await;
+    swapped.refused(422);
+    assert!(swapped.text.contains("it fits that of G3: have two been interchanged?"), "{}", swapped.text);
+    let mut campaign = tables_3_and_4();
+    campaign["dwells"] = json!([]);
+    let elsewhere = lab.post("/v1/records", &campaign).await;
+    assert_eq!(elsewhere.refused(422)[..2], ["", "/dwells"]);
+    assert!(elsewhere.text.contains("send it to /v1/campaigns"), "{}", elsewhere.text);
+    let back = lab.post("/v1/campaigns", &tables_3_and_4()).await;
+    back.refused(422);
+    assert!(back.text.contains("this is a calibration record: send it to /v1/records"), "{}", back.text);
     assert_eq!(lab.get("/v1/gyros").await.ok()["gyros"], json!([]));
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::fault::Faults;
-use super::mounting::{Geometry, Slot, Triad};
+use super::mounting::{Geometry, Slot};
 use super::time::UtcMicros;
 
 /// Longest identifier (IMU, station, serial, operator, campaign) in characters.
@@ -102,11 +102,11 @@ impl Plausibility {
         Self { scale_factor: (1e-6, 1e6), max_drift: f64::INFINITY, ..Self::default() }
     }
 
-    /// Whether `e` (pulse/arcsec) is a possible row of E for a gyro mounted nominally as `triad`.
+    /// Whether `e` (pulse/arcsec) is a possible row of E for the gyro in `slot`. A slot without axes is not held against any.
     ///
     /// # Errors
-    /// Words for a person: |E| out of range, or its direction too far from the nominal input axis.
-    pub fn check_scale(&self, e: &Vector3<f64>, triad: &Triad, slot: Slot) -> Result<(), String> {
+    /// Words for a person: |E| out of range, or its direction too far from the nominal input axis, and whose axis it fits instead.
+    pub fn check_scale(&self, e: &Vector3<f64>, geometry: &Geometry, slot: Slot) -> Result<(), String> {
         let norm = e.norm();
         let (low, high) = self.scale_factor;
         if !(low..=high).contains(&norm) {
@@ -117,16 +117,21 @@ impl Plausibility {
             ));
         }
         let direction = e / norm;
-        let angle = direction.cross(&triad.input()).norm().atan2(direction.dot(&triad.input()));
-        if angle > self.max_misalignment {
-            return Err(format!(
-                "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted",
-                angle.to_degrees(),
-                slot.name(),
-                self.max_misalignment.to_degrees()
-            ));
-        }
-        Ok(())
+        let angle_from = |slot| {
+            let input = geometry.triad(slot)?.input();
+            Some(direction.cross(&input).norm().atan2(direction.dot(&input)))
+        };
+        let Some(angle) = angle_from(slot).filter(|angle| *angle > self.max_misalignment) else { return Ok(()) };
+        let fits = |slot: &Slot| angle_from(*slot).is_some_and(|angle| angle <= self.max_misalignment);
+        let instead = Slot::ALL.into_iter().find(fits);
+        let hint = instead.map(|slot| format!("; it fits that of {}: have two been interchanged?", slot.name()));
+        Err(format!(
+            "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted{}",
+            angle.to_degrees(),
+            slot.name(),
+            self.max_misalignment.to_degrees(),
+            hint.unwrap_or_default()
+        ))
     }
 }
 
@@ -168,11 +173,11 @@ fn check_against_geometry(
     faults: &mut Faults,
 ) {
     let pointer = format!("/gyros/{i}/e_pulse_per_arcsec");
-    let Some(triad) = geometry.triad(gyro.slot) else {
+    if geometry.triad(gyro.slot).is_none() {
         faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
         return;
-    };
-    if let Err(reason) = limits.check_scale(&gyro.e, &triad, gyro.slot) {
+    }
+    if let Err(reason) = limits.check_scale(&gyro.e, geometry, gyro.slot) {
         faults.push(pointer, reason);
     }
     let norm = gyro.e.norm();

@@ -25,6 +25,7 @@ use crate::pipeline::{
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 use crate::wire::split::SplitBody;
 use crate::wire::time;
@@ -77,6 +78,9 @@ async fn post_campaign(
     let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
+        Form::Json if DocumentKind::is_record(&bytes) => {
+            Document::problem(&bytes, faults.explained("this is a calibration record: send it to /v1/records"))
+        }
         Form::Json => Document::problem(&bytes, faults),
     })?;
     let is_bench = matches!(fitted, Fitted::Bench(_));

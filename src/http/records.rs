@@ -15,9 +15,11 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
+use crate::core::fault::Faults;
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
+use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::time;
@@ -49,7 +51,11 @@ async fn post_record(
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
-    let mut calibration = app.pipeline.read_record(&bytes).map_err(|faults| Document::problem(&bytes, faults))?;
+    let mut calibration = app.pipeline.read_record(&bytes).map_err(|faults| {
+        let is_campaign = DocumentKind::is_campaign(&bytes);
+        let explained = |faults: Faults| faults.explained("this is a campaign of raw dwells: send it to /v1/campaigns");
+        Document::problem(&bytes, if is_campaign { explained(faults) } else { faults })
+    })?;
     calibration.idempotency_key = idempotency_key(&headers)?;
     let body = calibration.body.clone();
     let separations = app.pipeline.separations(&calibration.gyros);

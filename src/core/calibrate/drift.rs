@@ -61,9 +61,7 @@ impl GyroCalibration {
         {
             return Err(NotSeparated::ScaleInNoise { ratio });
         }
-        if let Some(triad) = geometry.triad(self.slot) {
-            limits.check_scale(&e, &triad, self.slot).map_err(NotSeparated::Implausible)?;
-        }
+        limits.check_scale(&e, geometry, self.slot).map_err(NotSeparated::Implausible)?;
         Ok(separate(geometry, self.slot, &e, &g, covariance.as_ref())?)
     }
 

@@ -120,6 +120,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "|E| = {0} pulse/arcsec，超出{1}至{2}（由{3}与{4}规定）；单位是否不同？",
     ),
     (
+        "its direction is {} deg from the input axis that the geometry gives {}; at most {} deg is accepted; it fits that of {}: have two been interchanged?",
+        "其方向偏离构型给{1}规定的输入轴{0}°，最多允许{2}°；它与{3}的输入轴相符：是否互换了？",
+    ),
+    (
         "its direction is {} deg from the input axis that the geometry gives {}; at most {} deg is accepted",
         "其方向偏离构型给{1}规定的输入轴{0}°，最多允许{2}°",
     ),

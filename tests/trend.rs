@@ -167,6 +167,9 @@ async fn pages_follow_one_another_without_gap_or_overlap() {
     assert_eq!(lab.sees_trend("A", "last=3").await, all[20..]);
     let middle = lab.sees_trend("A", &format!("from={}&to={}", day(20), day(40))).await;
     assert_eq!(middle, all[2..5]);
+    let at_eight = |sign| format!("from={}&to={}", day(20).replace('Z', &format!("{sign}00:00")), day(40));
+    assert_eq!(lab.sees_trend("A", &at_eight("%2B")).await, middle);
+    assert_eq!(lab.sees_trend("A", &at_eight("+")).await, middle, "a + that was sent as it is means a blank");
     assert_eq!(lab.sees_trend("A", "from=2031-01-01T00:00:00Z").await, Vec::<Value>::new());
 }
 
@@ -177,6 +180,7 @@ async fn bad_queries_are_refused_in_words() {
         ("coefficient=D_X", "D_X"),
         ("from=yesterday", "from"),
         ("to=2026-01-01T00:00:00", "offset"),
+        ("to=2026-01-01+00:00:00Z", "to must be an RFC 3339 time"),
         ("limit=0", "limit"),
         ("limit=many", "limit"),
         ("limit=100001", "limit"),

@@ -1,5 +1,7 @@
 //! What several queries have in common: checked parameters, opaque cursors.
 
+use std::borrow::Cow;
+
 use axum::extract::{FromRequestParts, Query};
 use axum::http::Uri;
 use axum::http::request::Parts;
@@ -42,13 +44,21 @@ pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize,
 pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
     let instant = |name: &str, text: Option<&str>, or: UtcMicros| match text {
         None => Ok(or),
-        Some(text) => time::parse(text).map_err(|why| bad(&format!("{name} {why}"))),
+        Some(text) => time::parse(&with_sign(text)).map_err(|why| bad(&format!("{name} {why}"))),
     };
     let span = Span { from: instant("from", from, Span::EVER.from)?, to: instant("to", to, Span::EVER.to)? };
     if span.from > span.to {
         return Err(bad("from lies after to"));
     }
     Ok(span)
+}
+
+/// A time whose `+` was sent as it is: in a query it means a blank.
+fn with_sign(text: &str) -> Cow<'_, str> {
+    match text.rsplit_once(' ') {
+        Some((instant, offset)) if instant.contains(['T', 't']) => format!("{instant}+{offset}").into(),
+        _ => text.into(),
+    }
 }
 
 /// The position that a cursor stands for.

@@ -383,6 +383,21 @@ fn token_command(dir: &std::path::Path, arguments: &[&str]) -> (bool, String) {
     (output.status.success(), said)
 }
 
+#[test]
+fn a_token_for_a_database_that_is_not_there_makes_it_and_says_so() {
+    let dir = tempfile::TempDir::new().unwrap();
+    for order in [&["list"][..], &["revoke", "17"]] {
+        let (done, said) = token_command(dir.path(), order);
+        assert!(!done && said.contains("there is no database sqlite://"), "{said}");
+        assert!(!dir.path().join("gyrowatch.db").exists());
+    }
+    let create = ["create", "Li", "--role", "engineer"];
+    let (made, said) = token_command(dir.path(), &create);
+    assert!(made && said.contains("gyrowatch.db: it has been made"), "{said}");
+    let (made, said) = token_command(dir.path(), &create);
+    assert!(made && !said.contains("has been made"), "{said}");
+}
+
 fn secret(said: &str) -> String {
     said.lines().find(|line| line.starts_with("gyw_")).unwrap_or_else(|| panic!("{said}")).to_owned()
 }

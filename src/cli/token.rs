@@ -20,7 +20,7 @@ use crate::wire::{text, time};
 pub struct Token {
     #[command(subcommand)]
     order: Order,
-    /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]
+    /// Configuration file that names the database, as GYROWATCH_DATABASE_URL does too; repeat for several, later ones win [default: config/*.toml]
     #[arg(long = "config", value_name = "FILE", global = true)]
     config: Vec<PathBuf>,
 }
@@ -61,9 +61,17 @@ impl Token {
     pub fn run(self) -> anyhow::Result<()> {
         let database = Config::load(&self.config, std::env::vars())?.database;
         let (order, options) = (self.order, database.options());
+        let is_new = options.file().is_ok_and(|file| !file.exists());
+        if is_new && !matches!(order, Order::Create { .. }) {
+            bail!("there is no database {}", options.shown());
+        }
         let work = async {
             let mut beside = Beside::open(&options).await?;
-            order.carry_out(&mut beside, Clock::System.now()).await
+            order.carry_out(&mut beside, Clock::System.now()).await?;
+            if is_new {
+                eprintln!("there was no database {}: it has been made", options.shown());
+            }
+            Ok(())
         };
         block_on(work).map_err(|error| match is_of_the_database(&error) {
             true => error.context(format!("the database {}", database.options().shown())),

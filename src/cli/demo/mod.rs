@@ -51,6 +51,7 @@ impl Demo {
                 }
             });
         })
+        .with_context(|| format!("the demo on {} (--listen takes another address, port 0 a free one)", self.listen))
     }
 }
 
@@ -98,7 +99,7 @@ async fn furnish(address: SocketAddr) -> anyhow::Result<()> {
          A gyro whose D_I rises           {base}/gyros/LFG-0004\n\
          Why it does                      {base}/v1/gyros/LFG-0004/diagnosis\n\
          One that ages within its budget  {base}/gyros/LFG-0014\n\
-         One that jumped on transport     {base}/gyros/LFG-0008\n\
+         One whose D_S jumped             {base}/gyros/LFG-0008\n\
          One that was repaired and moved  {base}/gyros/LFG-0011\n\
          Raw campaigns, to diagnose       {base}/imus/IMU-21\n\
          Table 5, method beside method    {base}/gyros/PAPER-T5-G1\n\

@@ -73,7 +73,9 @@ async fn import(files: &[PathBuf], service: &Service, pauses: &[Duration]) -> an
             Ok(content) => {
                 let mut tell = |event: Event<'_>| match event {
                     Event::Carried { bytes } => bar.inc(bytes),
-                    Event::Refused(refusal) => bar.suspend(|| eprintln!("{name}:{refusal}")),
+                    Event::Refused(refusal) => {
+                        bar.suspend(|| eprintln!("{name}:{}{refusal}", if refusal.line.is_some() { "" } else { " " }))
+                    }
                     Event::Answered(answer) => gist = Gist(answer).to_string(),
                 };
                 let carried = Courier::new(service, pauses, &mut tell).carry(content).await;

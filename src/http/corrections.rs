@@ -137,7 +137,7 @@ impl VoidOrder {
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided or revised before, in other words", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
@@ -156,7 +156,7 @@ async fn void_record(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided or revised before, in other words", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
@@ -175,7 +175,7 @@ async fn void_campaign(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided before, in other words", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it was voided before, by another author or for another reason", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]

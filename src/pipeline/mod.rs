@@ -156,7 +156,7 @@ pub enum Refused {
     UnknownRecord { id: Id },
     #[error("there is no bench result {id}")]
     UnknownBench { id: Id },
-    #[error("{id} has been voided or revised already, in other words")]
+    #[error("{id} has been voided or revised already: by another author, for another reason or by other content")]
     AlreadyCorrected { id: Id, existing: Id },
     #[error("is of another IMU than what it is to replace")]
     AnotherImu,

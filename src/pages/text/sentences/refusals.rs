@@ -20,7 +20,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("there is no hook {}", "没有通知目标{0}"),
     ("there is no delivery {}", "没有投递{0}"),
     ("an alert cannot be told to {}", "警报没有“{0}”这一操作"),
-    ("{} has been voided or revised already, in other words", "{0}已被作废或修订，且说明不同"),
+    (
+        "{} has been voided or revised already: by another author, for another reason or by other content",
+        "{0}已被作废或修订：作者、原因或内容不同",
+    ),
     ("{} has been voided or revised already", "{0}已被作废或修订"),
     ("alert {} is resolved: there is nothing to acknowledge", "警报{0}已恢复，无需确认"),
     ("hook {} is disabled; enable it first", "通知目标{0}已停用，请先启用"),

@@ -214,7 +214,7 @@ async fn what_was_acknowledged_survives_a_power_cut() {
 
     // The same run on a disk that is told to flush less often: a check that finds nothing here would find nothing ever.
     let mut disk = Disk::new(&run.recording, Flushing::LogOnlyBeforeCopying);
-    let (mut cuts_with_losses, mut lost, cuts) = (0, 0, points.min(200));
+    let (mut cuts_with_losses, mut lost, cuts) = (0, 0, points.clamp(100, 200));
     for moment in run.moments(cuts, &mut random).into_iter().filter(|moment| *moment >= run.ready) {
         disk.pass(moment);
         put(dir.path(), &disk.cut(&mut random));

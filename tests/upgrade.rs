@@ -84,7 +84,7 @@ async fn write_as_of(version: i64, file: &Path, from: &Path) {
     for table in names(&mut connection, tables.to_owned()).await {
         let own =
             names(&mut connection, format!("SELECT name FROM pragma_table_info('{table}', 'main')")).await.join(", ");
-        let copy = format!("INSERT INTO main.{table} ({own}) SELECT {own} FROM newer.{table}");
+        let copy = format!("INSERT OR REPLACE INTO main.{table} ({own}) SELECT {own} FROM newer.{table}");
         sqlx::query(AssertSqlSafe(copy)).execute(&mut connection).await.unwrap();
     }
     // Before there was a log, every row was in its place.

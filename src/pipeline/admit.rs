@@ -1,20 +1,20 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
+mod benching;
 mod correcting;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::compare::benches_agree;
 use super::judging;
-use super::read::{BenchTest, Calibration, GyroEvent, Submission};
+use super::read::{Calibration, GyroEvent, Submission};
 use super::{Accepted, Refused};
 use crate::core::bench::BenchMethod;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
-    BenchRow, Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Names, PublishedFigures, RecordRow, Span,
-    States, Store, StoreError, StoredVerdict, Tables, VerdictSheet,
+    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Names, PublishedFigures, RecordRow, Span, States,
+    Store, StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::time;
 
@@ -135,17 +135,17 @@ impl Desk<'_> {
             return Ok(there);
         }
         let imu = self.number(Table::Imus, sent.imu.as_str(), group);
-        if let Some((id, hash)) = self.counting_at(imu, sent.calibrated_at, group).await? {
-            let same_bytes = hash == sent.body_sha256;
-            if same_bytes || self.has_content(id, sent, group).await? {
-                return Ok(Accepted::There { id, same_bytes });
-            }
-            // What is sent may be what was revised, of the same time as what stands in its place.
-            let voided = self.voided_alike(imu, sent, group).await?;
-            return Ok(Accepted::There { id: voided.unwrap_or(id), same_bytes: voided.is_some() });
+        let standing = self.counting_at(imu, sent.calibrated_at, group).await?;
+        if let Some((id, hash)) = &standing
+            && (*hash == sent.body_sha256 || self.has_content(*id, sent, group).await?)
+        {
+            return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
         }
         if let Some(id) = self.voided_alike(imu, sent, group).await? {
             return Ok(Accepted::There { id, same_bytes: true });
+        }
+        if let Some((id, _)) = standing {
+            return Ok(Accepted::There { id, same_bytes: false });
         }
         let id = self.enter(sent, group).await?;
         Ok(Accepted::Stored { id, judged: [].into() })
@@ -187,51 +187,6 @@ impl Desk<'_> {
             verdicts: sheet,
         });
         Ok(id)
-    }
-
-    async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
-        if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
-            return Ok(there);
-        }
-        let result = &sent.result;
-        let (at, method) = (result.measured_at, result.method);
-        if let Some(gyro) = self.number(Table::Gyros, result.serial.as_str(), group) {
-            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
-                return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
-            }
-            let mut counting = None;
-            for there in self.store.bench_results_at(gyro, at, method).await? {
-                let same_bytes = there.hash == sent.body_sha256;
-                let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
-                // What was voided and is sent again stays as it is: the sender does not know.
-                if same_bytes || self.is_alike(there.id, &sent.body).await? {
-                    return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts });
-                }
-                counting = counting.or(counts.then_some(there.id));
-            }
-            if let Some(id) = counting {
-                return Ok(Accepted::There { id, same_bytes: false });
-            }
-        }
-        let id = self.ids.next(self.now);
-        let gyro = self.take_number(Table::Gyros, result.serial.as_str(), group);
-        let station = self.take_number(Table::Stations, result.station.as_str(), group);
-        group.benches.insert((gyro, at, method), (id, sent.body_sha256));
-        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
-        group.changes.benches.push(BenchRow {
-            id,
-            gyro,
-            station,
-            measured_at: at,
-            method,
-            d: [result.d_i, result.d_s],
-            sd: [result.d_i_sd, result.d_s_sd],
-            voided: false,
-            received_at: self.now,
-            body: Arc::clone(&sent.body),
-            body_sha256: sent.body_sha256,
-        });
-        Ok(Accepted::Stored { id, judged: [].into() })
     }
 
     async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
@@ -278,10 +233,6 @@ impl Desk<'_> {
             Some((id, used_for)) if used_for == hash => Ok(Some(Accepted::There { id, same_bytes: true })),
             Some((existing, _)) => Err(Refused::KeyReused { existing }),
         }
-    }
-
-    async fn is_alike(&self, bench: Id, body: &str) -> Result<bool, StoreError> {
-        Ok(self.store.bench_result(bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
     }
 
     /// The record that holds a row of the gyro at that very instant.

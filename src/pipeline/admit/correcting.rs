@@ -144,7 +144,7 @@ impl Desk<'_> {
     }
 
     /// The record that was sent before with the same content, and does not count any more: sent again it stays as it is, because
-    /// the sender does not know.
+    /// the sender does not know. Another may stand in its place, of the same time.
     pub(super) async fn voided_alike(
         &self,
         imu: Option<u32>,

@@ -1,0 +1,60 @@
+//! Admitting the result of a bench test.
+
+use std::sync::Arc;
+
+use super::{Desk, Group, Table};
+use crate::pipeline::compare::benches_agree;
+use crate::pipeline::read::BenchTest;
+use crate::pipeline::{Accepted, Refused};
+use crate::store::{BenchRow, Id, StoreError};
+
+impl Desk<'_> {
+    pub(super) async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
+        if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
+            return Ok(there);
+        }
+        let result = &sent.result;
+        let (at, method) = (result.measured_at, result.method);
+        if let Some(gyro) = self.number(Table::Gyros, result.serial.as_str(), group) {
+            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
+                return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
+            }
+            let mut counting = None;
+            for there in self.store.bench_results_at(gyro, at, method).await? {
+                let same_bytes = there.hash == sent.body_sha256;
+                let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
+                // What was voided and is sent again stays as it is: the sender does not know.
+                if same_bytes || self.is_alike(there.id, &sent.body).await? {
+                    return Ok(Accepted::There { id: there.id, same_bytes: same_bytes || !counts });
+                }
+                counting = counting.or(counts.then_some(there.id));
+            }
+            if let Some(id) = counting {
+                return Ok(Accepted::There { id, same_bytes: false });
+            }
+        }
+        let id = self.ids.next(self.now);
+        let gyro = self.take_number(Table::Gyros, result.serial.as_str(), group);
+        let station = self.take_number(Table::Stations, result.station.as_str(), group);
+        group.benches.insert((gyro, at, method), (id, sent.body_sha256));
+        group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
+        group.changes.benches.push(BenchRow {
+            id,
+            gyro,
+            station,
+            measured_at: at,
+            method,
+            d: [result.d_i, result.d_s],
+            sd: [result.d_i_sd, result.d_s_sd],
+            voided: false,
+            received_at: self.now,
+            body: Arc::clone(&sent.body),
+            body_sha256: sent.body_sha256,
+        });
+        Ok(Accepted::Stored { id, judged: [].into() })
+    }
+
+    async fn is_alike(&self, bench: Id, body: &str) -> Result<bool, StoreError> {
+        Ok(self.store.bench_result(bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
+    }
+}

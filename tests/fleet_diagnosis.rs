@@ -156,6 +156,7 @@ async fn narrowed_down(lab: &Lab) {
         ("effect=warmup", &[]),
         ("station=ST-1&effect=hysteresis", &[]),
         ("since=2026-05-18T00:00:00Z", &["WARM-1"]),
+        ("since=2026-05-18T00:00:00+00:00", &["WARM-1"]),
         ("until=2026-05-14T00:00:00%2B08:00&imu=WARM", &[]),
     ] {
         let summary = lab.get(&format!("/v1/diagnoses/summary?{query}")).await.ok();

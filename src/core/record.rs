@@ -183,8 +183,9 @@ fn check_against_geometry(
     let norm = gyro.e.norm();
     let drift = gyro.g.amax() / norm;
     if norm > 0.0 && drift > limits.max_drift {
+        let member = if gyro.g_is_ratio { "g_deg_per_h_g0" } else { "g_pulse_per_s_g0" };
         faults.push(
-            format!("/gyros/{i}/g_pulse_per_s_g0"),
+            format!("/gyros/{i}/{member}"),
             format!("|G/E| = {} {}", short(drift), beyond_drift(limits.max_drift)),
         );
     }

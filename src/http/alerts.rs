@@ -203,7 +203,7 @@ fn unknown(id: &str) -> Problem {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct AcknowledgeBody {
-    #[schema(min_length = 1, max_length = 128)]
+    #[schema(min_length = 1, max_length = 64)]
     by: String,
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
@@ -215,7 +215,7 @@ struct AcknowledgeBody {
 struct SilenceOrder {
     /// RFC 3339; in the future.
     until: String,
-    #[schema(min_length = 1, max_length = 128)]
+    #[schema(min_length = 1, max_length = 64)]
     by: String,
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,

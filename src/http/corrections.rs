@@ -111,7 +111,7 @@ pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct VoidOrder {
-    #[schema(min_length = 1, max_length = 128)]
+    #[schema(min_length = 1, max_length = 64)]
     author: String,
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
@@ -198,7 +198,7 @@ async fn void(app: &App, item: Corrected, body: &[u8]) -> Result<Json<CorrectedB
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct RecordRevision {
-    #[schema(min_length = 1, max_length = 128)]
+    #[schema(min_length = 1, max_length = 64)]
     author: String,
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
@@ -236,7 +236,7 @@ async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Doc
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct CampaignRevision {
-    #[schema(min_length = 1, max_length = 128)]
+    #[schema(min_length = 1, max_length = 64)]
     author: String,
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,

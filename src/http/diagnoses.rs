@@ -13,7 +13,7 @@ use utoipa_axum::routes;
 use super::App;
 use super::answer::Answer;
 use super::document::Document;
-use super::query::{self, Parameters, bad};
+use super::query::{self, Parameters, bad, with_sign};
 use crate::pipeline::{Accepted, DiagnosisOrder, Id};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::problem::Problem;
@@ -154,6 +154,7 @@ async fn get_summary(
         None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
     };
     let SummaryQuery { imu, station, effect, since, until, .. } = asked;
+    let [since, until] = [since, until].map(|time| time.map(|text| with_sign(&text).into_owned()));
     let which = WhichBody { imu, station, since, until, again: false };
     let filter = app.pipeline.summary_filter(&which, effect.as_deref()).map_err(|faults| {
         let said = faults.0.iter().map(|fault| format!("{}: {}", fault.pointer.trim_start_matches('/'), fault.detail));

@@ -54,7 +54,7 @@ pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
 }
 
 /// A time whose `+` was sent as it is: in a query it means a blank.
-fn with_sign(text: &str) -> Cow<'_, str> {
+pub fn with_sign(text: &str) -> Cow<'_, str> {
     match text.rsplit_once(' ') {
         Some((instant, offset)) if instant.contains(['T', 't']) => format!("{instant}+{offset}").into(),
         _ => text.into(),

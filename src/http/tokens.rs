@@ -72,7 +72,7 @@ async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
 #[serde(deny_unknown_fields)]
 struct NewTokenBody {
     /// Who or what will use it.
-    #[schema(min_length = 1, max_length = 128)]
+    #[schema(min_length = 1, max_length = 64)]
     name: String,
     /// `station`, `engineer` or `admin`.
     role: String,

@@ -256,6 +256,7 @@ mod tests {
             ("/gyros/2/e_pulse_per_arcsec", json!([0, 0, 0])),
             ("/gyros/0/e_pulse_per_arcsec", json!(shift)),
             ("/gyros/0/g_pulse_per_s_g0", json!([1e308, 0, 0])),
+            ("/gyros/0/g_pulse_per_s_g0", json!([1e6, 0, 0])),
             ("/gyros/0/e_sd", json!([1e-4, 1e-4])),
             ("/gyros/0/surprise", json!(1)),
             ("/surprise", json!(1)),
@@ -299,6 +300,11 @@ mod tests {
 
         let gyro = document["gyros"][0].as_object_mut().unwrap();
         gyro.remove("g_pulse_per_s_g0");
+        gyro.insert("g_deg_per_h_g0".into(), json!([1e6, 2.0, 3.0]));
+        assert_eq!(pointers(&document), ["/gyros/0/g_deg_per_h_g0"]);
+
+        let gyro = document["gyros"][0].as_object_mut().unwrap();
+        gyro.insert("g_deg_per_h_g0".into(), json!([1.0, 2.0, 3.0]));
         gyro.insert("g_sd".into(), json!([0.1, 0.1, 0.1]));
         let gyro = &read(&document).unwrap().gyros[0];
         let scale = gyro.e.norm();

@@ -61,7 +61,7 @@ impl Token {
     pub fn run(self) -> anyhow::Result<()> {
         let database = Config::load(&self.config, std::env::vars())?.database;
         let (order, options) = (self.order, database.options());
-        let is_new = options.file().is_ok_and(|file| !file.exists());
+        let is_new = options.file().is_ok_and(|file| matches!(file.try_exists(), Ok(false)));
         if is_new && !matches!(order, Order::Create { .. }) {
             bail!("there is no database {}", options.shown());
         }

@@ -122,9 +122,9 @@ impl Plausibility {
             Some(direction.cross(&input).norm().atan2(direction.dot(&input)))
         };
         let Some(angle) = angle_from(slot).filter(|angle| *angle > self.max_misalignment) else { return Ok(()) };
-        let fits = |slot: &Slot| angle_from(*slot).is_some_and(|angle| angle <= self.max_misalignment);
-        let instead = Slot::ALL.into_iter().find(fits);
-        let hint = instead.map(|slot| format!("; it fits that of {}: have two been interchanged?", slot.name()));
+        let others = Slot::ALL.into_iter().filter_map(|slot| Some((slot, angle_from(slot)?)));
+        let instead = others.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, angle)| *angle <= self.max_misalignment);
+        let hint = instead.map(|(slot, _)| format!("; it fits that of {}: have two been interchanged?", slot.name()));
         Err(format!(
             "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted{}",
             angle.to_degrees(),

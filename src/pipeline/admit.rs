@@ -137,14 +137,15 @@ impl Desk<'_> {
         let imu = self.number(Table::Imus, sent.imu.as_str(), group);
         let standing = self.counting_at(imu, sent.calibrated_at, group).await?;
         if let Some((id, hash)) = &standing
-            && (*hash == sent.body_sha256 || self.has_content(*id, sent, group).await?)
+            && *hash == sent.body_sha256
         {
-            return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
+            return Ok(Accepted::There { id: *id, same_bytes: true });
         }
-        if let Some(id) = self.voided_alike(imu, sent, group).await? {
+        let stands = standing.as_ref().map(|(id, _)| *id);
+        if let Some(id) = self.voided_alike(imu, sent, stands, group).await? {
             return Ok(Accepted::There { id, same_bytes: true });
         }
-        if let Some((id, _)) = standing {
+        if let Some(id) = stands {
             return Ok(Accepted::There { id, same_bytes: false });
         }
         let id = self.enter(sent, group).await?;

@@ -194,15 +194,18 @@ async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError>
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.
 async fn check_calendar(readers: &SqlitePool) -> Result<(), StoreError> {
-    let sql = "SELECT record FROM calendar WHERE NOT EXISTS (SELECT 1 FROM record
-                   WHERE id = calendar.record AND (imu, calibrated_at, voided)
-                       = (calendar.imu, calendar.calibrated_at, calendar.voided))
-               UNION ALL
-               SELECT id FROM record WHERE id < (SELECT record FROM calendar_begun) AND NOT EXISTS (SELECT 1 FROM calendar
-                   WHERE (imu, calibrated_at, voided) = (record.imu, record.calibrated_at, record.voided))
-               LIMIT 1";
-    let found: Option<i64> = sqlx::query_scalar(sql).fetch_optional(readers).await?;
-    found.map_or(Ok(()), |record| Err(StoreError::Damaged(format!("record {}: its IMU has it elsewhere", Id(record)))))
+    let sql = "SELECT (SELECT count(*) FROM calendar), count(*) FILTER (WHERE entered), min(id) FILTER (WHERE NOT entered AND due)
+               FROM (SELECT id, id < coalesce((SELECT record FROM calendar_begun), 0) AS due, EXISTS (SELECT 1 FROM calendar
+                   WHERE record = held.id AND (imu, calibrated_at, voided) = (held.imu, held.calibrated_at, held.voided)) AS entered
+                   FROM record AS held)";
+    let (entries, entered, missing): (i64, i64, Option<i64>) = sqlx::query_as(sql).fetch_one(readers).await?;
+    if let Some(record) = missing {
+        return Err(StoreError::Damaged(format!("record {}: its IMU has it elsewhere", Id(record))));
+    }
+    if entries != entered {
+        return Err(StoreError::Damaged(format!("{} entries of the calendar are no record's", entries - entered)));
+    }
+    Ok(())
 }
 
 async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> {

@@ -50,19 +50,20 @@ impl Calendar {
         let newest: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(newest).fetch_all(&mut *connection).await?;
         let newest = newest.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect();
         let mut calendar = Self { waiting: Waiting::default(), newest };
-        let waiting = "SELECT id, imu, calibrated_at FROM record AS waits
-                       WHERE id >= (SELECT record FROM calendar_begun) AND NOT EXISTS (SELECT 1 FROM calendar
-                           WHERE imu = waits.imu AND calibrated_at = waits.calibrated_at AND voided = waits.voided)
-                       ORDER BY id";
-        let waiting: Vec<(i64, Whole<u32>, i64)> = sqlx::query_as(waiting).fetch_all(connection).await?;
-        for (record, Whole(imu), at) in waiting {
+        let since = "SELECT id, imu, calibrated_at, voided <> 0, EXISTS (SELECT 1 FROM calendar WHERE record = since.id
+                         AND (imu, calibrated_at, voided) = (since.imu, since.calibrated_at, since.voided))
+                     FROM record AS since WHERE id >= coalesce((SELECT record FROM calendar_begun), 0) ORDER BY id";
+        let since: Vec<(i64, Whole<u32>, i64, bool, bool)> = sqlx::query_as(since).fetch_all(connection).await?;
+        for (record, Whole(imu), at, voided, entered) in since {
             let (record, at) = (Id(record), UtcMicros(at));
-            if !calendar.is_newest(imu, at) {
-                return Err(StoreError::Damaged(format!(
-                    "record {record} is older than another of its IMU and not in the calendar"
-                )));
+            if entered {
+                calendar.waiting.pass(1);
+            } else if voided || !calendar.is_newest(imu, at) {
+                let why = "does not count or is not the newest of its IMU, and is not in the calendar";
+                return Err(StoreError::Damaged(format!("record {record} {why}")));
+            } else {
+                calendar.enter(imu, Entry { at, record });
             }
-            calendar.enter(imu, Entry { at, record });
         }
         Ok(calendar)
     }
@@ -95,6 +96,7 @@ impl Calendar {
     /// What is to be entered with `changes`.
     pub fn due(&self, changes: &Changes) -> Entering {
         let mut at_once = self.imus_of(&changes.withdrawn.records);
+        at_once.extend(changes.models.iter().map(|model| model.imu));
         let mut newest: HashMap<u32, UtcMicros> = HashMap::new();
         for record in &changes.records {
             let (imu, at) = (record.imu, record.calibrated_at);
@@ -132,11 +134,14 @@ impl Calendar {
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
         let entry = |record: &&RecordRow| (record.imu, Entry { at: record.calibrated_at, record: record.id });
         enter(at_once.iter().map(entry), batch);
-        let first = self.waiting.first_without(&entering.imus).or_else(|| later.first().map(|record| record.id.0));
+        let first = self.waiting.first_without(&entering.imus);
+        let first = first.or_else(|| later.first().map(|record| record.id.0));
+        // Where nothing waits any more.
+        let first = first.or_else(|| at_once.last().map(|record| record.id.0 + 1));
         if let (Some(first), false) = (first, entering.imus.is_empty()) {
             let mut begun = Rows::default();
             begun.row().integer(first);
-            batch.add(Sql::of_sqlite("UPDATE calendar_begun SET record = $C0"), begun);
+            batch.add(Sql::of_sqlite("INSERT OR REPLACE INTO calendar_begun (id, record) VALUES (1, $C0)"), begun);
         }
     }
 
@@ -150,6 +155,7 @@ impl Calendar {
             if entering.at_once.contains(&imu) {
                 let newest = self.newest.entry(imu).or_insert(at);
                 *newest = at.max(*newest);
+                self.waiting.pass(1);
             } else {
                 self.enter(imu, Entry { at, record: record.id });
             }
@@ -159,7 +165,7 @@ impl Calendar {
 
 /// Makes room for what takes its place.
 const WITHDRAW: &str = "UPDATE calendar SET voided = record
-    WHERE (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, 0 FROM record WHERE id = $C0)";
+    WHERE record = $C0 AND (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, 0 FROM record WHERE id = $C0)";
 
 fn enter(entries: impl Iterator<Item = (u32, Entry)>, batch: &mut Batch) {
     let mut rows = Rows::default();

@@ -142,6 +142,41 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
     assert_eq!(all, [ids[4], ids[0], ids[2], ids[3]]);
 }
 
+async fn begun(dir: &TempDir) -> i64 {
+    sqlx::query_scalar("SELECT record FROM calendar_begun").fetch_one(&pool(dir).await).await.unwrap()
+}
+
+#[tokio::test]
+async fn an_archive_of_late_records_is_not_read_again_at_every_start() {
+    let dir = TempDir::new().unwrap();
+    let (store, mut writer) = opened(&dir).await;
+    let first = writer.next_id(UtcMicros(0));
+    let names = Changes { imus: vec![(1, "A".into()), (2, "B".into())], ..first_names() };
+    writer.commit(&Changes { records: vec![of_imu(1, first, 1_000_000)], ..names }).await.unwrap();
+    let mut archive =
+        |count: i64| -> Vec<RecordRow> { (0..count).map(|at| of_imu(1, writer.next_id(UtcMicros(0)), at)).collect() };
+    let late = archive(50);
+    let last = late.last().unwrap().id;
+    writer.commit(&Changes { records: late, ..Changes::default() }).await.unwrap();
+    assert_eq!(begun(&dir).await, last.0 + 1, "nothing waits");
+
+    // One of another IMU waits while what comes is entered at once: not for ever, even over a start.
+    let waits = writer.next_id(UtcMicros(0));
+    writer.commit(&Changes { records: vec![of_imu(2, waits, 1)], ..Changes::default() }).await.unwrap();
+    let count = super::waiting::LATER as i64 / 2 + 100;
+    for part in 0..2 {
+        let late = (0..count).map(|k| of_imu(1, writer.next_id(UtcMicros(0)), 100 + part * count + k)).collect();
+        writer.commit(&Changes { records: late, ..Changes::default() }).await.unwrap();
+        if part == 0 {
+            drop((store.clone(), writer));
+            writer = opened(&dir).await.1;
+        }
+    }
+    let id = writer.next_id(UtcMicros(0));
+    writer.commit(&Changes { records: vec![of_imu(1, id, 99)], ..Changes::default() }).await.unwrap();
+    assert_eq!(begun(&dir).await, id.0 + 1);
+}
+
 #[tokio::test]
 async fn an_entry_that_is_not_the_records_own_is_found_out() {
     let dir = TempDir::new().unwrap();
@@ -157,6 +192,9 @@ async fn an_entry_that_is_not_the_records_own_is_found_out() {
         "UPDATE calendar SET record = (SELECT max(record) FROM calendar) WHERE calibrated_at = 10",
         "UPDATE calendar SET voided = 1 WHERE calibrated_at = 10",
         "UPDATE calendar SET calibrated_at = 11 WHERE calibrated_at = 10",
+        "INSERT INTO calendar VALUES (1, 17, 0, 5)",
+        "INSERT INTO record SELECT id + 1000, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided
+             FROM record WHERE calibrated_at = 10",
     ] {
         let copy = TempDir::new().unwrap();
         let into = copy.path().join("test.db");

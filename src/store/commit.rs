@@ -259,7 +259,6 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     model::insert(&changes.models, &mut batch);
     model::insert_uses(&changes.models_used, &mut batch);
     diagnosis::expect(&changes.records, &mut batch);
-    diagnosis::make_due(&changes.models, &mut batch);
     diagnosis::update(&changes.diagnoses, &mut batch);
     gist::upsert(&changes.diagnoses, &mut batch);
     diagnosis_job::apply(&changes.diagnosis_jobs, &mut batch);

@@ -38,7 +38,7 @@ pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
     batch.add(insert!("diagnosis (record)", [int 0]), rows);
 }
 
-/// A newly adopted model makes the diagnoses of its IMU due again.
+/// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into the calendar before.
 pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     let (mut rows, mut imus) = (Rows::default(), Rows::default());
     for model in models {
@@ -49,8 +49,7 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     batch.add(
         Sql {
             sqlite: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL WHERE record IN
-                         (SELECT record FROM calendar WHERE imu = $C0 UNION ALL
-                          SELECT id FROM record WHERE id >= (SELECT record FROM calendar_begun) AND imu = $C0)",
+                         (SELECT record FROM calendar WHERE imu = $C0)",
             postgres: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL
                        WHERE record IN (SELECT id FROM record WHERE imu IN
                            (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",

@@ -8,6 +8,7 @@ use rusqlite::Connection;
 use super::calendar::Calendar;
 use super::checkpoint::{self, Checkpoints};
 use super::commit::{Changes, batch_of};
+use super::diagnosis;
 use super::error::StoreError;
 use super::halt::Halt;
 use super::lock::Lock;
@@ -57,6 +58,7 @@ impl FileWriter {
             let calendar = self.calendar.read();
             let entering = calendar.due(changes);
             calendar.write(&entering, changes, &mut batch);
+            diagnosis::make_due(&changes.models, &mut batch);
             entering
         };
         let pages = batch.pages();

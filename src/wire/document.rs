@@ -27,10 +27,13 @@ struct Marks {
 impl DocumentKind {
     /// Whether a document shows that it is a calibration record, complete or not: by its time, or by the E of a gyro.
     pub fn is_record(bytes: &[u8]) -> bool {
+        if Self::is_campaign(bytes) {
+            return false;
+        }
         let Ok(document) = serde_json::from_slice::<Value>(without_mark(bytes)) else { return false };
         let gyros = document.get("gyros").and_then(Value::as_array);
         let has_e = gyros.is_some_and(|gyros| gyros.iter().any(|gyro| gyro.get("e_pulse_per_arcsec").is_some()));
-        document.get("dwells").is_none() && (document.get("calibrated_at").is_some() || has_e)
+        document.get("calibrated_at").is_some() || has_e
     }
 
     /// Whether a document shows that it is a campaign of raw dwells: in JSON by their list, in CSV by a column that only they have.

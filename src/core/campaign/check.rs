@@ -231,9 +231,10 @@ pub fn oddities(campaign: &Campaign) -> Vec<String> {
     let worst = off.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     let words = worst.map(|(k, most)| {
         format!(
-            "rate_arcsec_s of {} static dwells is not the Earth's at their attitude and the site's latitude: by {most:.2} arcsec/s \
-             in /dwells/{k}",
-            off.len()
+            "rate_arcsec_s of {} of {} static dwells is not the Earth's at their attitude and the site's latitude: by {most:.2} \
+             arcsec/s in /dwells/{k}",
+            off.len(),
+            campaign.dwells.iter().filter(|dwell| dwell.phase == Phase::Static).count()
         )
     });
     words.into_iter().collect()

@@ -16,10 +16,13 @@ impl Desk<'_> {
         let result = &sent.result;
         let (at, method) = (result.measured_at, result.method);
         if let Some(gyro) = self.number(Table::Gyros, result.serial.as_str(), group) {
-            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
-                return Ok(Accepted::There { id: *id, same_bytes: *hash == sent.body_sha256 });
-            }
             let mut counting = None;
+            if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
+                if *hash == sent.body_sha256 {
+                    return Ok(Accepted::There { id: *id, same_bytes: true });
+                }
+                counting = Some(*id);
+            }
             for there in self.store.bench_results_at(gyro, at, method).await? {
                 let same_bytes = there.hash == sent.body_sha256;
                 let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));

@@ -116,7 +116,7 @@ impl Desk<'_> {
     }
 
     /// Whether a record, stored or of this group, says the same as another.
-    pub(super) async fn has_content(&self, id: Id, other: &Calibration, group: &Group) -> Result<bool, StoreError> {
+    async fn has_content(&self, id: Id, other: &Calibration, group: &Group) -> Result<bool, StoreError> {
         let says = |kind: Kind, body: &str| kind == other.kind && says_the_same(kind, body, &other.body);
         if let Some(record) = group.changes.records.iter().find(|record| record.id == id) {
             return Ok(says(record.kind, &record.body));
@@ -144,17 +144,29 @@ impl Desk<'_> {
     }
 
     /// The record that was sent before with the same content, and does not count any more: sent again it stays as it is, because
-    /// the sender does not know. Another may stand in its place, of the same time.
+    /// the sender does not know. Another may stand in its place, of the same time; where that says the same, it is meant.
     pub(super) async fn voided_alike(
         &self,
         imu: Option<u32>,
         sent: &Calibration,
+        standing: Option<Id>,
         group: &Group,
     ) -> Result<Option<Id>, StoreError> {
         let is_new = |imu: &u32| self.newest.is_some_and(|newest| newest.is_new(*imu, sent.calibrated_at));
         let Some(imu) = imu.filter(|imu| !is_new(imu)) else { return Ok(None) };
-        for record in self.store.records_at(imu, sent.calibrated_at).await? {
-            if record.hash == sent.body_sha256 || self.has_content(record.id, sent, group).await? {
+        let mut others = self.store.records_at(imu, sent.calibrated_at).await?;
+        others.retain(|record| Some(record.id) != standing);
+        if let Some(same) = others.iter().find(|record| record.hash == sent.body_sha256) {
+            return Ok(Some(same.id));
+        }
+        // What is read only to be compared keeps everybody waiting: not where nothing was withdrawn.
+        if let Some(standing) = standing.filter(|_| !others.is_empty())
+            && self.has_content(standing, sent, group).await?
+        {
+            return Ok(None);
+        }
+        for record in others {
+            if self.has_content(record.id, sent, group).await? {
                 return Ok(Some(record.id));
             }
         }

@@ -12,6 +12,7 @@ use sqlx::{Connection, PgConnection, PgPool, Row as _};
 
 use super::{BREATH, COMES_UP, names, reach};
 use crate::store::commit::{Changes, batch_of};
+use crate::store::diagnosis;
 use crate::store::error::StoreError;
 use crate::store::history::{self, HistoryRow};
 use crate::store::id::Id;
@@ -308,6 +309,7 @@ async fn write(
     next: &Standing,
 ) -> Result<(), StoreError> {
     let mut batch = batch_of(changes);
+    diagnosis::make_due(&changes.models, &mut batch);
     history::upsert(last_of_each(changes).into_iter(), &mut batch);
     batch.run(connection).await?;
     let mut end = sqlx::query(END).bind(number).bind(next.version).bind(next.last_id);

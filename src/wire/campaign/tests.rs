@@ -177,7 +177,7 @@ fn a_rate_that_is_not_the_earths_at_attitude_and_site_is_told_of() {
     assert_eq!(oddities(&document()), [""; 0]);
     assert_eq!(oddities(&with("/dwells/1/rate_arcsec_s", json!([0.0, -15.041, 0.4]))), [""; 0]);
     let turned = with("/dwells/1/rate_arcsec_s", json!([0.0, 15.041_067, 0.0]));
-    let words = "rate_arcsec_s of 1 static dwells is not the Earth's at their attitude and the site's latitude: by 30.08 arcsec/s \
+    let words = "rate_arcsec_s of 1 of 2 static dwells is not the Earth's at their attitude and the site's latitude: by 30.08 arcsec/s \
                  in /dwells/1";
     assert_eq!(oddities(&turned), [words]);
     let mut unknown = turned;

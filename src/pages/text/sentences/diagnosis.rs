@@ -161,8 +161,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "没有姿态列：比力与角速度未与姿态核对",
     ),
     (
-        "rate_arcsec_s of {} static dwells is not the Earth's at their attitude and the site's latitude: by {} arcsec/s in {}",
-        "{0}个静态位置段的rate_arcsec_s不等于该姿态与台站纬度下的地球自转角速度：{2}处相差{1} arcsec/s",
+        "rate_arcsec_s of {} of {} static dwells is not the Earth's at their attitude and the site's latitude: by {} arcsec/s in {}",
+        "{1}个静态位置段中有{0}个的rate_arcsec_s不等于该姿态与台站纬度下的地球自转角速度：{3}处相差{2} arcsec/s",
     ),
     (
         "no site: the specific force of static dwells was checked against standard gravity",

@@ -120,11 +120,7 @@ pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
         ),
         rows,
     );
-    let mut rows = Rows::default();
-    for id in &changes.ended {
-        rows.row().integer(id.0);
-    }
-    batch.add(among!("DELETE FROM session WHERE id"), rows);
+    batch.add(among!("DELETE FROM session WHERE id"), Rows::of(changes.ended.iter().map(|id| id.0)));
     let mut rows = Rows::default();
     for line in &changes.audit {
         rows.row()

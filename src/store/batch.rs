@@ -91,6 +91,15 @@ impl Cell {
 }
 
 impl Rows {
+    /// A row of one whole number each.
+    pub fn of(numbers: impl IntoIterator<Item = i64>) -> Self {
+        let mut rows = Self::default();
+        for number in numbers {
+            rows.row().integer(number);
+        }
+        rows
+    }
+
     /// Begins a row; its cells follow.
     pub fn row(&mut self) -> Row<'_> {
         Row { rows: self }

@@ -96,6 +96,7 @@ impl Calendar {
     /// What is to be entered with `changes`.
     pub fn due(&self, changes: &Changes) -> Entering {
         let mut at_once = self.imus_of(&changes.withdrawn.records);
+        // Whose diagnoses become due is asked of the table alone.
         at_once.extend(changes.models.iter().map(|model| model.imu));
         let mut newest: HashMap<u32, UtcMicros> = HashMap::new();
         for record in &changes.records {
@@ -125,11 +126,7 @@ impl Calendar {
         let waiting =
             entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry)));
         enter(waiting, batch);
-        let mut withdrawn = Rows::default();
-        for record in &changes.withdrawn.records {
-            withdrawn.row().integer(record.0);
-        }
-        batch.add(Sql::of_sqlite(WITHDRAW), withdrawn);
+        batch.add(Sql::of_sqlite(WITHDRAW), Rows::of(changes.withdrawn.records.iter().map(|record| record.0)));
         let (at_once, later): (Vec<_>, Vec<_>) =
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
         let entry = |record: &&RecordRow| (record.imu, Entry { at: record.calibrated_at, record: record.id });
@@ -139,9 +136,8 @@ impl Calendar {
         // Where nothing waits any more.
         let first = first.or_else(|| at_once.last().map(|record| record.id.0 + 1));
         if let (Some(first), false) = (first, entering.imus.is_empty()) {
-            let mut begun = Rows::default();
-            begun.row().integer(first);
-            batch.add(Sql::of_sqlite("INSERT OR REPLACE INTO calendar_begun (id, record) VALUES (1, $C0)"), begun);
+            let sql = "INSERT OR REPLACE INTO calendar_begun (id, record) VALUES (1, $C0)";
+            batch.add(Sql::of_sqlite(sql), Rows::of([first]));
         }
     }
 

@@ -47,18 +47,9 @@ impl Withdrawn {
 
 /// Makes room for what the same transaction inserts.
 pub(super) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
-    let ids = |ids: &mut dyn Iterator<Item = Id>| {
-        let mut rows = Rows::default();
-        ids.for_each(|id| {
-            rows.row().integer(id.0);
-        });
-        rows
-    };
-    batch.add(among!("UPDATE record SET voided = id WHERE id"), ids(&mut withdrawn.records.iter().copied()));
-    batch.add(
-        among!("UPDATE bench_result SET voided = id WHERE id"),
-        ids(&mut withdrawn.benches.iter().map(|(id, _)| *id)),
-    );
+    let (records, benches) = (withdrawn.records.iter().map(|id| id.0), withdrawn.benches.iter().map(|(id, _)| id.0));
+    batch.add(among!("UPDATE record SET voided = id WHERE id"), Rows::of(records));
+    batch.add(among!("UPDATE bench_result SET voided = id WHERE id"), Rows::of(benches));
     batch.add(
         insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
         history::rows(withdrawn.history.iter()),

@@ -31,21 +31,14 @@ pub struct NewDiagnosis {
 
 /// Every stored campaign is to be diagnosed.
 pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for record in records.iter().filter(|record| record.kind == Kind::Campaign) {
-        rows.row().integer(record.id.0);
-    }
-    batch.add(insert!("diagnosis (record)", [int 0]), rows);
+    let campaigns = records.iter().filter(|record| record.kind == Kind::Campaign);
+    batch.add(insert!("diagnosis (record)", [int 0]), Rows::of(campaigns.map(|record| record.id.0)));
 }
 
 /// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into the calendar before.
 pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
-    let (mut rows, mut imus) = (Rows::default(), Rows::default());
-    for model in models {
-        rows.row().integer(i64::from(model.imu));
-        imus.row().integer(i64::from(model.imu));
-    }
-    batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus);
+    let imus = || Rows::of(models.iter().map(|model| i64::from(model.imu)));
+    batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus());
     batch.add(
         Sql {
             sqlite: "UPDATE diagnosis SET body = NULL, model = NULL, program = NULL, refused = NULL WHERE record IN
@@ -54,7 +47,7 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
                        WHERE record IN (SELECT id FROM record WHERE imu IN
                            (SELECT CAST(j.value->>0 AS BIGINT) FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)))",
         },
-        rows,
+        imus(),
     );
 }
 

@@ -102,9 +102,8 @@ impl Tail {
         }
         if !fold.0.is_empty() {
             super::history::upsert(self.rows_of(fold).iter(), batch);
-            let mut cut = Rows::default();
-            cut.row().integer(self.waiting.first_without(&fold.0).unwrap_or(self.last_entry + 1));
-            batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), cut);
+            let first = self.waiting.first_without(&fold.0).unwrap_or(self.last_entry + 1);
+            batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), Rows::of([first]));
         }
     }
 

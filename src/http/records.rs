@@ -15,7 +15,6 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
-use crate::core::fault::Faults;
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
@@ -51,11 +50,14 @@ async fn post_record(
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
-    let mut calibration = app.pipeline.read_record(&bytes).map_err(|faults| {
-        let is_campaign = DocumentKind::is_campaign(&bytes);
-        let explained = |faults: Faults| faults.explained("this is a campaign of raw dwells: send it to /v1/campaigns");
-        Document::problem(&bytes, if is_campaign { explained(faults) } else { faults })
-    })?;
+    let mut calibration =
+        app.pipeline.read_record(&bytes).map_err(|faults| match DocumentKind::is_campaign(&bytes) {
+            true => Document::problem(
+                &bytes,
+                faults.explained("this is a campaign of raw dwells: send it to /v1/campaigns"),
+            ),
+            false => Document::problem(&bytes, faults),
+        })?;
     calibration.idempotency_key = idempotency_key(&headers)?;
     let body = calibration.body.clone();
     let separations = app.pipeline.separations(&calibration.gyros);

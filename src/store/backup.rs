@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 
-use super::calendar::Calendar;
 use super::db::Readers;
 use super::error::StoreError;
 use super::history::Span;
@@ -15,8 +14,7 @@ use super::lock::beside;
 use super::names::Names;
 use super::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
 use super::postgres;
-use super::tail::Tail;
-use super::waiting::Shared;
+use super::unplaced::Unplaced;
 use crate::system::sha256;
 
 impl Options {
@@ -186,10 +184,9 @@ pub async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
 async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError> {
     let mut connection = readers.acquire().await?;
     let names = Names::new(load_names(&mut connection).await?);
-    let tail = Shared::new(Tail::load(&mut connection).await?);
-    let calendar = Shared::new(Calendar::load(&mut connection).await?);
+    let unplaced = Unplaced::load(&mut connection).await?;
     drop(connection);
-    Ok(Store { readers: Readers::Sqlite(readers), names, tail, calendar, place: Place::File(file.to_owned()) })
+    Ok(Store { readers: Readers::Sqlite(readers), names, unplaced, place: Place::File(file.to_owned()) })
 }
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.

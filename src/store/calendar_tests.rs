@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use sqlx::SqlitePool;
 use tempfile::TempDir;
 
-use super::tests::{first_names, opened, options, record};
+use super::tests::{first_names, opened, options, record, url};
 use super::*;
 use crate::core::time::UtcMicros;
 
@@ -17,10 +17,6 @@ const RECORDS: usize = 1_000;
 
 /// Records by IMU and instant: the one that counts, if any, and those that do not.
 type Expected = BTreeMap<(u32, i64), (Option<Id>, Vec<Id>)>;
-
-fn url(dir: &TempDir) -> String {
-    format!("sqlite://{}", dir.path().join("test.db").display())
-}
 
 async fn pool(dir: &TempDir) -> SqlitePool {
     SqlitePool::connect(&url(dir)).await.unwrap()
@@ -127,7 +123,7 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
     let of = |id: Id, at| Changes { records: vec![of_imu(1, id, at)], ..Changes::default() };
     writer.commit(&Changes { records: vec![of_imu(1, ids[0], 20)], ..first_names() }).await.unwrap();
     for entered in [false, true] {
-        assert_eq!(store.calendar.read().at(1, UtcMicros(20)).is_none(), entered);
+        assert_eq!(store.unplaced.calendar.read().at(1, UtcMicros(20)).is_none(), entered);
         assert!(matches!(writer.commit(&of(ids[1], 20)).await, Err(StoreError::Refused(_))));
         assert_eq!(store.record(ids[1]).await.unwrap(), None);
         let there: Vec<Id> = store.records_at(1, UtcMicros(20)).await.unwrap().iter().map(|found| found.id).collect();
@@ -137,7 +133,7 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
         writer.commit(&of(ids[2 + usize::from(entered)], late)).await.unwrap();
     }
     writer.commit(&of(ids[4], 30)).await.unwrap();
-    assert!(store.calendar.read().at(1, UtcMicros(30)).is_some());
+    assert!(store.unplaced.calendar.read().at(1, UtcMicros(30)).is_some());
     let all: Vec<Id> = store.records_of_imu(1, 9).await.unwrap().iter().map(|head| head.id).collect();
     assert_eq!(all, [ids[4], ids[0], ids[2], ids[3]]);
 }

@@ -5,7 +5,6 @@
 
 use rusqlite::Connection;
 
-use super::calendar::Calendar;
 use super::checkpoint::{self, Checkpoints};
 use super::commit::{Changes, batch_of};
 use super::diagnosis;
@@ -13,15 +12,13 @@ use super::error::StoreError;
 use super::halt::Halt;
 use super::lock::Lock;
 use super::names::Names;
-use super::tail::Tail;
-use super::waiting::Shared;
+use super::unplaced::Unplaced;
 
 #[derive(Debug)]
 pub(super) struct FileWriter {
     connection: Connection,
     names: Names,
-    tail: Shared<Tail>,
-    calendar: Shared<Calendar>,
+    unplaced: Unplaced,
     checkpoints: Checkpoints,
     halt: Halt,
     /// The last write failed: whether writing works again, only writing can tell.
@@ -33,12 +30,12 @@ impl FileWriter {
     pub fn new(
         connection: Connection,
         names: Names,
-        (tail, calendar): (Shared<Tail>, Shared<Calendar>),
+        unplaced: Unplaced,
         checkpoints: Checkpoints,
         halt: Halt,
         lock: Lock,
     ) -> Self {
-        Self { connection, names, tail, calendar, checkpoints, halt, in_doubt: false, _lock: lock }
+        Self { connection, names, unplaced, checkpoints, halt, in_doubt: false, _lock: lock }
     }
 
     /// See [`super::Writer::commit`].
@@ -49,13 +46,13 @@ impl FileWriter {
         self.halt.heed(finished)?;
         let mut batch = batch_of(changes);
         let fold = {
-            let tail = self.tail.read();
+            let tail = self.unplaced.tail.read();
             let fold = tail.due(changes.history_rows().count());
             tail.write(changes.history_rows(), &fold, &mut batch);
             fold
         };
         let entering = {
-            let calendar = self.calendar.read();
+            let calendar = self.unplaced.calendar.read();
             let entering = calendar.due(changes);
             calendar.write(&entering, changes, &mut batch);
             diagnosis::make_due(&changes.models, &mut batch);
@@ -67,8 +64,8 @@ impl FileWriter {
         self.halt.heed(committed)?;
         // First, so that whoever finds a row knows its names.
         self.names.learn(changes);
-        self.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
-        self.calendar.change(|calendar| calendar.committed(&entering, changes));
+        self.unplaced.tail.change(|tail| tail.committed(changes.history_rows(), &fold));
+        self.unplaced.calendar.change(|calendar| calendar.committed(&entering, changes));
         self.checkpoints.written(pages);
         Ok(())
     }

@@ -13,7 +13,8 @@ impl Store {
     /// a bench has seen.
     pub async fn newest_of_gyros(&self, after: u32, limit: u32) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
         // Before the database is asked: see `SharedTail::read`.
-        let waiting: HashMap<u32, Figures> = self.tail.read().newest().map(|(gyro, row)| (gyro, *row)).collect();
+        let waiting: HashMap<u32, Figures> =
+            self.unplaced.tail.read().newest().map(|(gyro, row)| (gyro, *row)).collect();
         let sql =
             "SELECT id, (SELECT figures FROM history WHERE history.gyro = gyro.id ORDER BY calibrated_at DESC LIMIT 1)
                    FROM gyro WHERE id > $1 ORDER BY id LIMIT $2";

@@ -55,7 +55,7 @@ impl Store {
         newest_first: bool,
     ) -> Result<Vec<Vec<Figures>>, StoreError> {
         let waiting: Vec<Vec<Figures>> = {
-            let tail = self.tail.read();
+            let tail = self.unplaced.tail.read();
             of.iter().map(|&(gyro, span)| tail.first_of(gyro, span, limit, newest_first)).collect()
         };
         let sql = self.readers.words(if newest_first {

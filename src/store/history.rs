@@ -157,7 +157,7 @@ impl Store {
         limit: usize,
         newest_first: bool,
     ) -> Result<Vec<Figures>, StoreError> {
-        let waiting = self.tail.read().first_of(gyro, span, limit, newest_first);
+        let waiting = self.unplaced.tail.read().first_of(gyro, span, limit, newest_first);
         let folded = read_folded(&self.readers, gyro, span, limit, newest_first).await?;
         Ok(merged(folded, waiting, newest_first, limit))
     }

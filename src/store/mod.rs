@@ -37,6 +37,7 @@ mod outbox;
 mod postgres;
 mod record;
 mod tail;
+mod unplaced;
 mod verdicts;
 mod waiting;
 

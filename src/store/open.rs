@@ -9,7 +9,6 @@ use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
-use super::calendar::Calendar;
 use super::checkpoint::Checkpoints;
 use super::commit::{Writer, waiting_for_disk};
 use super::db::{Readers, on};
@@ -20,8 +19,7 @@ use super::id::IdSource;
 use super::lock;
 use super::names::{Names, Table, Tables};
 use super::postgres::{self, Neighbours};
-use super::tail::Tail;
-use super::waiting::Shared;
+use super::unplaced::Unplaced;
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]
@@ -45,8 +43,7 @@ pub struct Options {
 pub struct Store {
     pub(super) readers: Readers,
     pub(super) names: Names,
-    pub(super) tail: Shared<Tail>,
-    pub(super) calendar: Shared<Calendar>,
+    pub(super) unplaced: Unplaced,
     pub(super) place: Place,
 }
 
@@ -88,8 +85,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let mut connection = connect.clone().connect().await?;
     migrate(&mut connection).await?;
     let names = Names::new(load_names(&mut connection).await?);
-    let tail = Shared::new(Tail::load(&mut connection).await?);
-    let calendar = Shared::new(Calendar::load(&mut connection).await?);
+    let unplaced = Unplaced::load(&mut connection).await?;
     let last_id = last_id(&mut connection).await?;
     let (writing, checkpointing) = (open_to_write(&file, options)?, open_to_write(&file, options)?);
     // Not sooner: where the last connection is closed, SQLite copies the log by itself.
@@ -102,8 +98,8 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         .max_lifetime(None)
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
-    let (readers, place) = (Readers::Sqlite(readers), Place::File(file));
-    let store = Store { readers, names: names.clone(), tail: tail.clone(), calendar: calendar.clone(), place };
+    let place = Place::File(file);
+    let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), unplaced: unplaced.clone(), place };
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
     match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {
@@ -111,7 +107,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         Err(StoreError::Full) => tracing::warn!("the disk is full: the write-ahead log stays as it was left"),
         copied => copied?,
     }
-    let writer = FileWriter::new(writing, names, (tail, calendar), checkpoints, halt, lock);
+    let writer = FileWriter::new(writing, names, unplaced, checkpoints, halt, lock);
     Ok((store, Writer::of_file(IdSource::after(last_id), writer)))
 }
 
@@ -241,7 +237,7 @@ impl Store {
         }
     }
 
-    /// Waits for reads under way and closes the readers.
+    /// Unplaced for reads under way and closes the readers.
     pub async fn close(&self) {
         if let (Place::Server(neighbours), Readers::Postgres(readers)) = (&self.place, &self.readers) {
             neighbours.part(readers).await;

@@ -145,7 +145,8 @@ impl Store {
 
     /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
     pub async fn records_at(&self, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
-        let waiting = self.calendar.read().at(imu, at).map(|id| id.0);
+        // On a server nothing waits, and $3 is null.
+        let waiting = self.unplaced.calendar.read().at(imu, at).map(|id| id.0);
         let sql = self.readers.words(Sql {
             sqlite: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record WHERE id = $3
                      OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
@@ -168,7 +169,7 @@ impl Store {
 
     /// The newest record's instant of each IMU.
     pub async fn newest_of_imus(&self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
-        let Readers::Postgres(db) = &self.readers else { return Ok(self.calendar.read().newest().collect()) };
+        let Readers::Postgres(db) = &self.readers else { return Ok(self.unplaced.calendar.read().newest().collect()) };
         let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
         let rows: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(sql).fetch_all(db).await?;
         Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
@@ -210,8 +211,8 @@ impl Store {
 
     /// The newest `limit` records of an IMU that count, newest first, without their bodies.
     pub async fn records_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
-        // What waits counts, and is newer than the rest.
-        let waiting: Vec<Id> = self.calendar.read().last_of(imu, limit as usize).collect();
+        // What waits counts, and is newer than the rest. On a server nothing does, and $3 says so.
+        let waiting: Vec<Id> = self.unplaced.calendar.read().last_of(imu, limit as usize).collect();
         let sql = self.readers.words(Sql {
             sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
                          (SELECT value FROM json_each($3) UNION ALL SELECT record FROM

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use sqlx::SqlitePool;
 use tempfile::TempDir;
 
-use super::tests::{first_names, history, opened, record};
+use super::tests::{first_names, history, opened, options, record, url};
 use super::*;
 use crate::core::time::UtcMicros;
 
@@ -43,8 +43,7 @@ fn some_rows(random: &mut ChaCha8Rng, record: Id, expected: &mut Expected) -> Ch
 }
 
 async fn counts(dir: &TempDir) -> (i64, i64) {
-    let url = format!("sqlite://{}", dir.path().join("test.db").display());
-    let pool = SqlitePool::connect(&url).await.unwrap();
+    let pool = SqlitePool::connect(&url(dir)).await.unwrap();
     let sql = "SELECT (SELECT count(*) FROM history), (SELECT count(*) FROM history_log)";
     sqlx::query_as(sql).fetch_one(&pool).await.unwrap()
 }
@@ -110,19 +109,10 @@ async fn a_row_of_the_log_that_was_altered_is_found_out_at_the_start() {
     let (records, rows) = (vec![record(id, 1, "")], vec![history(id, 1, 7, 2.9)]);
     writer.commit(&Changes { records, history: rows, ..names() }).await.unwrap();
     drop((_store, writer));
-    let url = format!("sqlite://{}", dir.path().join("test.db").display());
-    let pool = SqlitePool::connect(&url).await.unwrap();
+    let pool = SqlitePool::connect(&url(&dir)).await.unwrap();
     for damage in ["CAST(substr(rows, 1, 40) || x'ff' || substr(rows, 42) AS BLOB)", "substr(rows, 1, 100)"] {
         let sql = format!("UPDATE history_log SET rows = {damage}");
         sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&pool).await.unwrap();
-        let options = Options {
-            url: url.clone(),
-            readers: 1,
-            busy_timeout: std::time::Duration::from_secs(1),
-            cache_kib: 64,
-            checkpoint_pages: 100,
-            lease: std::time::Duration::from_secs(15),
-        };
-        assert!(matches!(open(&options).await, Err(StoreError::Damaged(_))));
+        assert!(matches!(open(&options(&url(&dir))).await, Err(StoreError::Damaged(_))));
     }
 }

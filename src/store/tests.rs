@@ -10,7 +10,11 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 
 pub(super) async fn opened(dir: &TempDir) -> (Store, Writer) {
-    open(&options(&format!("sqlite://{}", dir.path().join("test.db").display()))).await.unwrap()
+    open(&options(&url(dir))).await.unwrap()
+}
+
+pub(super) fn url(dir: &TempDir) -> String {
+    format!("sqlite://{}", dir.path().join("test.db").display())
 }
 
 pub(super) fn options(url: &str) -> Options {

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 /// Rows that may wait: enough that a page of a gyro takes several of them at a time, in a fleet of thousands too.
-pub(super) const CAPACITY: usize = 16_384;
+const CAPACITY: usize = 16_384;
 /// Rows of one gyro or IMU that are put into their places though there is room: more would take a commit longer than a millisecond or two.
 const MANY: usize = 512;
 /// Rows that may come after one that waits: a start reads all of them again.

@@ -5,6 +5,7 @@ mod support;
 use std::time::Duration;
 
 use support::{Server, gyrowatch};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 #[tokio::test]
 async fn it_says_where_it_listens_and_that_it_lives() {
@@ -48,5 +49,28 @@ async fn a_wrong_setting_stops_the_start_and_is_named() {
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{name}={value}: {stderr}");
         assert!(stderr.contains(named), "{name}={value}: {stderr}");
+    }
+}
+
+/// curl does so before it sends more than a mebibyte, and waits for a second where it is not told.
+#[tokio::test]
+async fn who_asks_whether_to_send_a_body_is_told_to_go_on_before_anything_else() {
+    let server = Server::start().await;
+    let record = include_str!("data/paper.json").replace('\n', "");
+    for (path, media_type) in [("/v1/import", "application/x-ndjson"), ("/v1/records", "application/json")] {
+        let head = format!(
+            "POST {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nExpect: 100-continue\r\n\
+             Content-Type: {media_type}\r\nContent-Length: {}\r\n\r\n",
+            record.len()
+        );
+        let mut stream = server.open_and_send(&head).await;
+        let mut told = [0; "HTTP/1.1 100 Continue\r\n\r\n".len()];
+        let told_at_all = tokio::time::timeout(Duration::from_secs(5), stream.read_exact(&mut told)).await;
+        told_at_all.unwrap_or_else(|_| panic!("{path}: nothing is said before the body")).unwrap();
+        assert_eq!(String::from_utf8_lossy(&told), "HTTP/1.1 100 Continue\r\n\r\n", "{path}");
+        stream.write_all(record.as_bytes()).await.unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).await.unwrap();
+        assert!(answer.starts_with("HTTP/1.1 20") && answer.contains("\"id\":"), "{path}: {answer}");
     }
 }

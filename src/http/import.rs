@@ -1,20 +1,22 @@
 //! `/v1/import`: one document a line, as many as there are, answered line by line.
 //!
-//! The body is read as it comes and never held whole. Lines that are there together are read together, on a thread
-//! for computing, and share commits. A client that sends everything before it reads an answer is not blocked: answers wait
+//! The body is read as it comes and never held whole: so much of it is under way at a time. Lines that are there together are read together, on
+//! a thread for computing, and share commits. A client that sends everything before it reads an answer is not blocked: answers wait
 //! in memory, up to a bound.
 
 mod lines;
 
+use std::pin::{Pin, pin};
 use std::sync::Arc;
 
 use axum::Extension;
-use axum::body::Body;
+use axum::body::{Body, BodyDataStream};
 use axum::extract::{Request, State};
-use axum::http::header::CONTENT_TYPE;
+use axum::http::header::{CONTENT_TYPE, EXPECT};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use futures::future::BoxFuture;
+use futures::stream::Peekable;
 use futures::{FutureExt, StreamExt};
 use serde::Serialize;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
@@ -26,7 +28,7 @@ use super::App;
 use super::document::{Document, check_media_type};
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::problem::Problem;
-use lines::{Line, lines};
+use lines::{Line, Longest, UNDER_WAY_KIB, lines};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(post_import))
@@ -34,8 +36,8 @@ pub fn routes() -> OpenApiRouter<App> {
 
 /// Lines that are read and stored together, at the most.
 const LINES_AT_ONCE: usize = 512;
-/// Such chunks under way at the same time: some are read while others are judged and others wait for the disk.
-const CHUNKS_UNDER_WAY: usize = 5;
+/// Such chunks that are read at the same time, while others are judged and others wait for the disk.
+const CHUNKS_READ_AT_ONCE: usize = 4;
 /// Answers that wait for a client that does not read them, bytes.
 const MAX_UNREAD_ANSWERS: usize = 32 << 20;
 
@@ -64,9 +66,15 @@ async fn post_import(
     request: Request,
 ) -> Result<Response, Problem> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
+    let asks_to_go_on = request.headers().contains_key(EXPECT);
+    let mut body = request.into_body().into_data_stream().peekable();
+    if asks_to_go_on {
+        // hyper says `100 Continue` when the body is asked for, and not any more once an answer has begun.
+        Pin::new(&mut body).peek().await;
+    }
     let (sender, receiver) = mpsc::unbounded_channel();
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
-    tokio::spawn(import(app, caller, request.into_body(), Answers { sender, room }));
+    tokio::spawn(import(app, caller, body, Answers { sender, room }));
     let stream = futures::stream::unfold(receiver, |mut receiver| async {
         let (text, _room): (Bytes, OwnedSemaphorePermit) = receiver.recv().await?;
         Some((Ok::<_, std::convert::Infallible>(text), receiver))
@@ -95,9 +103,9 @@ impl Answers {
     }
 }
 
-async fn import(app: App, caller: Caller, body: Body, answers: Answers) {
+async fn import(app: App, caller: Caller, body: Peekable<BodyDataStream>, answers: Answers) {
     let server = &app.config.server;
-    let lines = lines(body.into_data_stream(), server.max_import_line_bytes, server.max_import_bytes);
+    let lines = lines(body, Longest { line: server.max_import_line_bytes, body: server.max_import_bytes });
     let pipeline = app.pipeline.clone();
     let read = lines.ready_chunks(LINES_AT_ONCE).map(move |chunk| {
         let (pipeline, caller) = (pipeline.clone(), caller.clone());
@@ -105,8 +113,9 @@ async fn import(app: App, caller: Caller, body: Body, answers: Answers) {
     });
     let pipeline = app.pipeline.clone();
     // Queued one after the other, so that of two lines with the same key the first is the one that counts.
-    let queued = read.buffered(CHUNKS_UNDER_WAY).then(move |chunk| queue(chunk.ok(), pipeline.clone()));
-    let mut stored = std::pin::pin!(queued.buffered(CHUNKS_UNDER_WAY));
+    let queued = read.buffered(CHUNKS_READ_AT_ONCE).then(move |chunk| queue(chunk.ok(), pipeline.clone()));
+    // As many as there is room for lines.
+    let mut stored = pin!(queued.buffered(UNDER_WAY_KIB as usize));
     while let Some(text) = stored.next().await {
         let Some(text) = text else {
             tracing::error!("lines of an import could not be read: the reading failed");
@@ -130,6 +139,8 @@ async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>) -> BoxFuture<'stat
 struct Chunk {
     items: Vec<Submission>,
     lines: Vec<ReadLine>,
+    /// Of all its lines, until they are answered.
+    _room: Vec<OwnedSemaphorePermit>,
 }
 
 /// A line after reading: what is needed to answer it.
@@ -143,21 +154,23 @@ struct ReadLine {
 impl Chunk {
     /// Reads, checks and separates: computing, not waiting.
     fn read(lines: Vec<Line>, pipeline: &Pipeline, caller: &Caller) -> Self {
-        let mut chunk = Self { items: Vec::with_capacity(lines.len()), lines: Vec::with_capacity(lines.len()) };
-        for (number, line) in lines {
-            let read = line
+        let (mut items, mut read_lines) = (Vec::with_capacity(lines.len()), Vec::with_capacity(lines.len()));
+        let mut taken = Vec::with_capacity(lines.len());
+        for Line { number, text, room } in lines {
+            taken.push(room);
+            let read = text
                 .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| Document::problem(&bytes, faults)))
                 .and_then(|read| Ok(caller.may_submit(&read.submission).map(|()| read)?));
             let (problem, origin) = match read {
                 Ok(ReadDocument { submission, origin }) => {
-                    chunk.items.push(submission);
+                    items.push(submission);
                     (None, Some(origin))
                 }
                 Err(problem) => (Some(problem), None),
             };
-            chunk.lines.push(ReadLine { number, problem, origin });
+            read_lines.push(ReadLine { number, problem, origin });
         }
-        chunk
+        Self { items, lines: read_lines, _room: taken }
     }
 
     /// The answers as text.

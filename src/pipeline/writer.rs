@@ -29,8 +29,9 @@ use beside::UnderWay;
 use group::{Told, answer, foretell};
 use turns::in_turn;
 
-/// Most items of one transaction: more would hold up others for longer than it saves.
-const MAX_ITEMS: usize = 8192;
+/// Most items of one transaction: more would hold up others for longer than it saves. An import has three times as many lines under way, so that
+/// some are read while others are judged and others written.
+const MAX_ITEMS: usize = 640;
 
 pub(super) struct Task {
     store: Store,

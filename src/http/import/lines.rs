@@ -1,35 +1,63 @@
 //! The lines of a body, as it comes.
 
-use axum::body::BodyDataStream;
+use std::sync::Arc;
+
 use bytes::{Bytes, BytesMut};
 use futures::{Stream, StreamExt};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::wire::problem::Problem;
 
-/// A line of the body, or what is wrong with it already.
-pub type Line = (u64, Result<Bytes, Problem>);
+/// Text that may be under way at a time, from reading a line to its answer, KiB begun. A record is half a KiB, and what is made of it takes
+/// 30 KiB until it is stored.
+pub const UNDER_WAY_KIB: u32 = 2048;
 
-/// Splits a body into its lines. Empty ones are left out but counted. Reading ends with a problem when the body is too long
-/// or breaks off.
-pub fn lines(body: BodyDataStream, longest: usize, most: usize) -> impl Stream<Item = Line> {
-    let splitter =
-        Splitter { body: Some(body), pending: BytesMut::new(), line: 0, read: 0, skipping: false, longest, most };
-    futures::stream::unfold(splitter, |mut splitter| async { Some((splitter.next_line().await?, splitter)) })
+/// A line of the body.
+pub struct Line {
+    /// Counting from 1.
+    pub number: u64,
+    /// Or what is wrong with it already.
+    pub text: Result<Bytes, Problem>,
+    /// What it takes of [`UNDER_WAY_KIB`] until this is dropped.
+    pub room: OwnedSemaphorePermit,
 }
 
-struct Splitter {
-    body: Option<BodyDataStream>,
+/// How long a line and a body may be, bytes.
+#[derive(Clone, Copy)]
+pub struct Longest {
+    pub line: usize,
+    pub body: usize,
+}
+
+/// Splits a body into its lines, each when there is room for it. Empty ones are left out but counted. Reading ends with a problem when the
+/// body is too long or breaks off.
+pub fn lines<B>(body: B, longest: Longest) -> impl Stream<Item = Line>
+where
+    B: Stream<Item = Result<Bytes, axum::Error>> + Unpin,
+{
+    let splitter = Splitter { body: Some(body), pending: BytesMut::new(), line: 0, read: 0, skipping: false, longest };
+    let room = Arc::new(Semaphore::new(UNDER_WAY_KIB as usize));
+    futures::stream::unfold((splitter, room), |(mut splitter, room)| async {
+        let (number, text) = splitter.next_line().await?;
+        let bytes = text.as_ref().map_or(0, Bytes::len);
+        let kib = u32::try_from(bytes.div_ceil(1024)).unwrap_or(u32::MAX).clamp(1, UNDER_WAY_KIB);
+        let taken = Arc::clone(&room).acquire_many_owned(kib).await.expect("nobody closes it");
+        Some((Line { number, text, room: taken }, (splitter, room)))
+    })
+}
+
+struct Splitter<B> {
+    body: Option<B>,
     pending: BytesMut,
     line: u64,
     read: usize,
     /// Within a line that was refused for its length.
     skipping: bool,
-    longest: usize,
-    most: usize,
+    longest: Longest,
 }
 
-impl Splitter {
-    async fn next_line(&mut self) -> Option<Line> {
+impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
+    async fn next_line(&mut self) -> Option<(u64, Result<Bytes, Problem>)> {
         let mut searched = 0;
         loop {
             if let Some(end) = memchr::memchr(b'\n', &self.pending[searched..]) {
@@ -44,11 +72,11 @@ impl Splitter {
                 continue;
             }
             searched = self.pending.len();
-            if searched > self.longest && !self.skipping {
+            if searched > self.longest.line && !self.skipping {
                 self.skipping = true;
                 self.pending.clear();
                 self.line += 1;
-                return Some((self.line, Err(too_long(self.longest))));
+                return Some((self.line, Err(too_long(self.longest.line))));
             }
             if self.skipping {
                 self.pending.clear();
@@ -70,10 +98,10 @@ impl Splitter {
     }
 
     /// The line with its number, unless it is blank.
-    fn counted(&mut self, line: Bytes) -> Option<Line> {
+    fn counted(&mut self, line: Bytes) -> Option<(u64, Result<Bytes, Problem>)> {
         self.line += 1;
         let blank = line.iter().all(u8::is_ascii_whitespace);
-        let checked = if line.len() > self.longest + 1 { Err(too_long(self.longest)) } else { Ok(line) };
+        let checked = if line.len() > self.longest.line + 1 { Err(too_long(self.longest.line)) } else { Ok(line) };
         (!blank).then_some((self.line, checked))
     }
 
@@ -88,8 +116,9 @@ impl Splitter {
             Some(Ok(bytes)) => {
                 self.read += bytes.len();
                 self.pending.extend_from_slice(&bytes);
-                let detail = format!("an import may have {} bytes; what came before this line is answered", self.most);
-                (self.read > self.most).then(|| Problem::new(413, "Too large", detail))
+                let detail =
+                    format!("an import may have {} bytes; what came before this line is answered", self.longest.body);
+                (self.read > self.longest.body).then(|| Problem::new(413, "Too large", detail))
             }
             Some(Err(error)) => Some(Problem::new(400, "Broken off", format!("the body broke off: {error}"))),
         };

@@ -18,6 +18,7 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
+use super::prefer::{MinimalAnswer, Reply, Wanted};
 use super::query::{Parameters, bad};
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
@@ -54,10 +55,12 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
 /// A raw single-gyro bench test (`"test": "torque_feedback"` or `"turntable_servo"`) becomes a bench result.
 #[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns",
     request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
-    params(("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again")),
+    params(
+        ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
-        (status = 201, description = "stored and judged", body = CampaignAnswer, headers(("Location" = String, description = "where it is"))),
-        (status = 200, description = "was stored before with the same content", body = CampaignAnswer),
+        (status = 201, description = "stored and judged", body = Reply<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = Reply<CampaignAnswer>),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
@@ -69,6 +72,7 @@ async fn post_campaign(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
+    wanted: Wanted,
     body: Dwells,
 ) -> Result<Response, Problem> {
     let Dwells(bytes, form) = body;
@@ -94,9 +98,12 @@ async fn post_campaign(
     let answer_of = |id: Id| CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
     let worded = app.pipeline.submit_worded(submission, |accepted| {
         let Accepted::Stored { id, judged } = accepted else { return None };
-        let answer = answer_of(*id);
+        let answer = match wanted {
+            Wanted::Whole => JustJudged { answer: &answer_of(*id), judged }.into_response(),
+            Wanted::Minimal => MinimalAnswer::just_judged(*id, judged).into_response(),
+        };
         let location = [(LOCATION, format!("/v1/{place}/{id}"))];
-        Some((StatusCode::CREATED, location, JustJudged { answer: &answer, judged }).into_response())
+        Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
     });
     let (accepted, created) = worded.await?;
     if let Some(created) = created {
@@ -106,11 +113,19 @@ async fn post_campaign(
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
     if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        return Ok((location, Json(answer_of(id))).into_response());
+        let answer = match wanted {
+            Wanted::Whole => Reply::Whole(answer_of(id)),
+            Wanted::Minimal => Reply::Minimal(MinimalAnswer::just_judged(id, &[])),
+        };
+        return Ok((location, wanted.applied(), Json(answer)).into_response());
     }
-    let answer = stored(&app, id).await?.answer;
+    let stored = stored(&app, id).await?;
+    let answer = match wanted {
+        Wanted::Whole => Reply::Whole(stored.answer),
+        Wanted::Minimal => Reply::Minimal(MinimalAnswer::stored(id, &stored.row.verdicts)),
+    };
     let standing = standing(&app, id).await?.unless_valid();
-    Ok((location, Answer(Standing { answer, standing })).into_response())
+    Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }
 
 /// A stored campaign.

@@ -25,6 +25,7 @@ mod hooks;
 mod import;
 mod metrics;
 mod models;
+mod prefer;
 pub mod problem;
 mod query;
 mod records;

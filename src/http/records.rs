@@ -15,6 +15,7 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
+use super::prefer::{MinimalAnswer, Reply, Wanted};
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
@@ -32,10 +33,12 @@ pub fn routes() -> OpenApiRouter<App> {
 /// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and time with
 /// other content 409.
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
-    params(("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again")),
+    params(
+        ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
-        (status = 201, description = "stored and judged", body = RecordAnswer, headers(("Location" = String, description = "where it is"))),
-        (status = 200, description = "was stored before with the same content", body = RecordAnswer),
+        (status = 201, description = "stored and judged", body = Reply<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = Reply<RecordAnswer>),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
@@ -47,6 +50,7 @@ async fn post_record(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
+    wanted: Wanted,
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
@@ -60,15 +64,23 @@ async fn post_record(
         })?;
     calibration.idempotency_key = idempotency_key(&headers)?;
     let body = calibration.body.clone();
-    let separations = app.pipeline.separations(&calibration.gyros);
+    let mut whole = (wanted == Wanted::Whole).then(|| {
+        let separations = app.pipeline.separations(&calibration.gyros);
+        RecordAnswer { id: None, separations, verdicts: Vec::new() }
+    });
     let submission = Submission::Calibration(Box::new(calibration));
     caller.may_submit(&submission)?;
-    let mut answer = RecordAnswer { id: None, separations, verdicts: Vec::new() };
     let worded = app.pipeline.submit_worded(submission, |accepted| {
         let Accepted::Stored { id, judged } = accepted else { return None };
-        answer.id = Some(id.to_string());
+        let answer = match &mut whole {
+            Some(answer) => {
+                answer.id = Some(id.to_string());
+                JustJudged { answer, judged }.into_response()
+            }
+            None => MinimalAnswer::just_judged(*id, judged).into_response(),
+        };
         let location = [(LOCATION, format!("/v1/records/{id}"))];
-        Some((StatusCode::CREATED, location, JustJudged { answer: &answer, judged }).into_response())
+        Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
     });
     let (accepted, created) = worded.await?;
     if let Some(created) = created {
@@ -77,8 +89,12 @@ async fn post_record(
     let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
-    let answer = Standing { answer: stored.answer, standing };
-    Ok(([(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
+    let answer = match wanted {
+        Wanted::Whole => Reply::Whole(stored.answer),
+        Wanted::Minimal => Reply::Minimal(MinimalAnswer::stored(id, &stored.row.verdicts)),
+    };
+    let location = [(LOCATION, format!("/v1/records/{id}"))];
+    Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }
 
 /// A stored record.

@@ -1,0 +1,142 @@
+//! How much of an answer a client wants (RFC 7240): whoever only has to know that what it sent is stored asks for `return=minimal`, and neither
+//! side spends a third of a record's time on figures and words.
+
+use std::convert::Infallible;
+
+use axum::Json;
+use axum::extract::FromRequestParts;
+use axum::http::HeaderMap;
+use axum::http::request::Parts;
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use crate::core::judge::State;
+use crate::pipeline::{Id, Judged};
+use crate::store::VerdictSheet;
+
+/// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    Whole,
+    Minimal,
+}
+
+impl<S: Sync> FromRequestParts<S> for Wanted {
+    type Rejection = Infallible;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
+        Ok(Self::of(&parts.headers))
+    }
+}
+
+impl Wanted {
+    fn of(headers: &HeaderMap) -> Self {
+        let said = headers.get_all("prefer").iter().filter_map(|value| value.to_str().ok());
+        let mut preferences = said.flat_map(|value| outside_quotes(value, ','));
+        match preferences.find_map(returned) {
+            Some(value) if value.eq_ignore_ascii_case("minimal") => Self::Minimal,
+            _ => Self::Whole,
+        }
+    }
+
+    /// The header that tells the client that its preference was followed.
+    pub fn applied(self) -> Option<[(&'static str, &'static str); 1]> {
+        (self == Self::Minimal).then_some([("preference-applied", "return=minimal")])
+    }
+}
+
+/// The value of a preference that is called `return`.
+fn returned(preference: &str) -> Option<&str> {
+    let (name, value) = outside_quotes(preference, ';').next()?.split_once('=')?;
+    name.trim().eq_ignore_ascii_case("return").then(|| value.trim().trim_matches('"'))
+}
+
+/// The parts of `text` between `separator`s that are not within quotation marks.
+fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
+    let mut quoted = false;
+    text.split(move |letter| {
+        quoted ^= letter == '"';
+        letter == separator && !quoted
+    })
+}
+
+/// The answer to `Prefer: return=minimal`.
+#[derive(Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct MinimalAnswer {
+    id: String,
+    states: StatesBody,
+}
+
+/// How many verdicts there are of each state.
+#[derive(Debug, Default, PartialEq, Eq, Serialize, ToSchema)]
+struct StatesBody {
+    within: usize,
+    indeterminate: usize,
+    exceeded: usize,
+}
+
+impl MinimalAnswer {
+    pub fn just_judged(id: Id, judged: &[Judged]) -> Self {
+        Self::of(id, judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state))
+    }
+
+    pub fn stored(id: Id, verdicts: &VerdictSheet) -> Self {
+        Self::of(id, verdicts.0.iter().flat_map(|(_, verdicts)| verdicts).map(|verdict| verdict.state))
+    }
+
+    fn of(id: Id, verdicts: impl Iterator<Item = State>) -> Self {
+        let mut states = StatesBody::default();
+        for state in verdicts {
+            *match state {
+                State::Within => &mut states.within,
+                State::Indeterminate => &mut states.indeterminate,
+                State::Exceeded => &mut states.exceeded,
+            } += 1;
+        }
+        Self { id: id.to_string(), states }
+    }
+}
+
+impl IntoResponse for MinimalAnswer {
+    fn into_response(self) -> Response {
+        Json(self).into_response()
+    }
+}
+
+/// As much of an answer as was wanted.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum Reply<T> {
+    Whole(T),
+    Minimal(MinimalAnswer),
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::HeaderValue;
+    use rstest::rstest;
+
+    use super::*;
+
+    #[rstest]
+    #[case::nothing(&[], Wanted::Whole)]
+    #[case::alone(&["return=minimal"], Wanted::Minimal)]
+    #[case::in_any_case(&["Return=Minimal"], Wanted::Minimal)]
+    #[case::quoted(&["return=\"minimal\""], Wanted::Minimal)]
+    #[case::among_others(&["respond-async, wait=10, return=minimal"], Wanted::Minimal)]
+    #[case::with_parameters(&["return = minimal ; foo=bar"], Wanted::Minimal)]
+    #[case::in_another_line(&["respond-async", "return=minimal"], Wanted::Minimal)]
+    #[case::the_first_counts(&["return=representation, return=minimal"], Wanted::Whole)]
+    #[case::in_a_quotation(&["note=\"a, return=minimal\""], Wanted::Whole)]
+    #[case::of_another_name(&["returns=minimal"], Wanted::Whole)]
+    #[case::without_a_value(&["return"], Wanted::Whole)]
+    #[case::no_text(&["\u{fc}\u{ff}"], Wanted::Whole)]
+    fn a_preference_is_read_as_rfc_7240_has_it(#[case] values: &[&'static str], #[case] wanted: Wanted) {
+        let mut headers = HeaderMap::new();
+        for value in values {
+            headers.append("prefer", HeaderValue::from_bytes(value.as_bytes()).unwrap());
+        }
+        assert_eq!(Wanted::of(&headers), wanted);
+    }
+}

@@ -3,7 +3,7 @@
 //! `cargo bench --bench ingest`
 //!
 //! Client and service share the machine. Each connection posts records of one IMU of its own, one after the other; a
-//! record counts when its 201 is read. Then one import brings many records of a fleet at once, as a move from another system does.
+//! record counts when its 201 is read. It asks for whole answers, and for minimal ones. Then one import brings many records of a fleet at once, as a move from another system does.
 //! After the records one connection posts raw campaigns (78 dwells, three gyros), by turns with the records above and with records of the very
 //! calibration that is fitted to the campaign: these raise the same alerts and have standard deviations too. The bare loop writes the same body and three rows of 120 bytes a record, one
 //! transaction a record, then many, WAL and `synchronous = FULL` as the service has them.
@@ -14,7 +14,7 @@ use std::net::SocketAddr;
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
-use client::{Client, Times, instant, record};
+use client::{Client, Times, Wanted, instant, record};
 use gyrowatch::config::Config;
 use gyrowatch::core::calibrate::{GyroCalibration, calibrate};
 use gyrowatch::core::model::Terms;
@@ -48,33 +48,36 @@ struct Load {
     path: &'static str,
     body: fn(usize, usize) -> String,
     count: usize,
+    wanted: Wanted,
 }
 
-const OF_RECORDS: Load = Load { path: "/v1/records", body: record, count: RECORDS };
-const OF_CAMPAIGNS: Load = Load { path: "/v1/campaigns", body: campaign, count: CAMPAIGNS };
-const OF_THE_SAME: Load = Load { path: "/v1/records", body: fitted, count: CAMPAIGNS };
+const OF_RECORDS: Load = Load { path: "/v1/records", body: record, count: RECORDS, wanted: Wanted::Whole };
+const OF_CAMPAIGNS: Load = Load { path: "/v1/campaigns", body: campaign, count: CAMPAIGNS, wanted: Wanted::Whole };
+const OF_THE_SAME: Load = Load { path: "/v1/records", body: fitted, count: CAMPAIGNS, wanted: Wanted::Whole };
 
 fn main() {
     system::install_crypto();
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     runtime.block_on(async {
         let bare = bare_loop(1).await;
-        println!("{:<34}{bare:>9.0} records/s", "bare sqlx, one commit a record");
+        println!("{:<42}{bare:>9.0} records/s", "bare sqlx, one commit a record");
         let bare_many = bare_loop(MANY).await;
-        println!("{:<34}{bare_many:>9.0} records/s", format!("bare sqlx, {MANY} records a commit"));
+        println!("{:<42}{bare_many:>9.0} records/s", format!("bare sqlx, {MANY} records a commit"));
         for connections in connections() {
-            let times = over_http(connections, OF_RECORDS).await;
-            let (rate, p99) = (times.rate(), times.quantile(0.99));
-            println!(
-                "{:<34}{rate:>9.0} records/s  {:>5.2} of bare  p99 {:.1} ms",
-                format!("HTTP, {connections} connections"),
-                rate / bare,
-                p99.as_secs_f64() * 1e3
-            );
+            for (wanted, answers) in [(Wanted::Whole, ""), (Wanted::Minimal, ", minimal answers")] {
+                let times = over_http(connections, Load { wanted, ..OF_RECORDS }).await;
+                let (rate, p99) = (times.rate(), times.quantile(0.99));
+                println!(
+                    "{:<42}{rate:>9.0} records/s  {:>5.2} of bare  p99 {:.1} ms",
+                    format!("HTTP, {connections} connections{answers}"),
+                    rate / bare,
+                    p99.as_secs_f64() * 1e3
+                );
+            }
         }
         let rate = imported().await;
         println!(
-            "{:<34}{rate:>9.0} records/s  {:>5.2} of bare, {:.2} of bare with {MANY} a commit",
+            "{:<42}{rate:>9.0} records/s  {:>5.2} of bare, {:.2} of bare with {MANY} a commit",
             "HTTP, one import of many",
             rate / bare,
             rate / bare_many
@@ -89,7 +92,7 @@ fn main() {
         }
         let [campaign, record, same] = seconds_each;
         println!(
-            "{:<34}{:>9.0} campaigns/s, a campaign takes {:.2} of a record, {:.2} of a record of the same calibration",
+            "{:<42}{:>9.0} campaigns/s, a campaign takes {:.2} of a record, {:.2} of a record of the same calibration",
             "HTTP, 1 connection",
             1.0 / campaign,
             campaign / record,
@@ -258,7 +261,7 @@ async fn imported() -> f64 {
 }
 
 async fn post(address: SocketAddr, imu: usize, load: Load, count: usize) -> Vec<Duration> {
-    let mut client = Client::connect(&address.to_string()).await;
+    let mut client = Client::connect(&address.to_string()).await.wanting(load.wanted);
     let mut times = Vec::with_capacity(count);
     for k in 0..count {
         let body = (load.body)(imu, k);

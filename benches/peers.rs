@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use client::{Client, DAY_S, EPOCH_S, Times, record};
+use client::{Client, DAY_S, EPOCH_S, Times, Wanted, record};
 use tokio::task::JoinSet;
 
 const ROUNDS: usize = 3;
@@ -25,7 +25,7 @@ const DAYS: usize = 10_000;
 /// A store, and how it is spoken to.
 #[derive(Debug, Clone)]
 enum Peer {
-    Gyrowatch(String),
+    Gyrowatch(String, Wanted),
     Influxdb(String),
     VictoriaMetrics(String),
     Postgres(PathBuf),
@@ -49,7 +49,8 @@ impl Peer {
     fn all() -> Vec<Self> {
         let of = |name: &str| std::env::var(format!("GYROWATCH_BENCH_{name}")).ok();
         let peers = [
-            of("GYROWATCH").map(Self::Gyrowatch),
+            of("GYROWATCH").map(|address| Self::Gyrowatch(address, Wanted::Whole)),
+            of("GYROWATCH").map(|address| Self::Gyrowatch(address, Wanted::Minimal)),
             of("INFLUXDB").map(Self::Influxdb),
             of("VICTORIAMETRICS").map(Self::VictoriaMetrics),
             of("POSTGRES").map(|dir| Self::Postgres(dir.into())),
@@ -59,17 +60,23 @@ impl Peer {
 
     fn name(&self) -> &'static str {
         match self {
-            Self::Gyrowatch(_) => "gyrowatch",
+            Self::Gyrowatch(_, Wanted::Whole) => "gyrowatch",
+            Self::Gyrowatch(_, Wanted::Minimal) => "gyrowatch, minimal answers",
             Self::Influxdb(_) => "InfluxDB, with the record",
             Self::VictoriaMetrics(_) => "VictoriaMetrics, not durable",
             Self::Postgres(_) => "PostgreSQL, pgbench",
         }
     }
 
+    /// The service once more, asked for minimal answers.
+    fn is_minimal(&self) -> bool {
+        matches!(self, Self::Gyrowatch(_, Wanted::Minimal))
+    }
+
     /// Path, media type and body of the calibration `k` of IMU `imu`.
     fn calibration(&self, imu: usize, k: usize) -> (&'static str, &'static str, String) {
         match self {
-            Self::Gyrowatch(_) => ("/v1/records", "application/json", record(imu, k)),
+            Self::Gyrowatch(..) => ("/v1/records", "application/json", record(imu, k)),
             Self::Influxdb(_) => {
                 let raw = record(imu, k).replace('\\', "\\\\").replace('"', "\\\"").replace('\n', " ");
                 let at = (EPOCH_S + k * DAY_S) * 1_000_000_000;
@@ -87,12 +94,13 @@ impl Peer {
     async fn ingest(&self, connections: usize, round: usize) -> Figure {
         match self {
             Self::Postgres(dir) => pgbench(dir, "ingest.sql", connections),
-            Self::Gyrowatch(address) | Self::Influxdb(address) | Self::VictoriaMetrics(address) => {
+            Self::Gyrowatch(address, _) | Self::Influxdb(address) | Self::VictoriaMetrics(address) => {
                 let begun = Instant::now();
                 let mut senders = JoinSet::new();
                 for sender in 0..connections {
                     let (peer, address) = (self.clone(), address.clone());
-                    let imu = 10_000 * (round + 1) + 100 * connections + sender;
+                    let imu =
+                        1_000_000 * usize::from(self.is_minimal()) + 10_000 * (round + 1) + 100 * connections + sender;
                     senders.spawn(async move { peer.send(&address, imu).await });
                 }
                 figure(&Times::of(senders.join_all().await.into_iter().flatten().collect(), begun))
@@ -101,7 +109,8 @@ impl Peer {
     }
 
     async fn send(&self, address: &str, imu: usize) -> Vec<Duration> {
-        let mut client = Client::connect(address).await;
+        let wanted = if self.is_minimal() { Wanted::Minimal } else { Wanted::Whole };
+        let mut client = Client::connect(address).await.wanting(wanted);
         let (mut times, until) = (Vec::new(), Instant::now() + ROUND);
         for k in 0.. {
             let (path, media_type, body) = self.calibration(imu, k);
@@ -118,13 +127,13 @@ impl Peer {
 
     /// The gyro whose trend is read, [`DAYS`] long.
     async fn fill(&self) {
-        let (Self::Gyrowatch(address) | Self::Influxdb(address) | Self::VictoriaMetrics(address)) = self else {
+        let (Self::Gyrowatch(address, _) | Self::Influxdb(address) | Self::VictoriaMetrics(address)) = self else {
             return; // its script has filled it
         };
         let mut client = Client::connect(address).await;
         for block in (0..DAYS).step_by(500) {
             let answer = match self {
-                Self::Gyrowatch(_) => {
+                Self::Gyrowatch(..) => {
                     let lines: String = (block..block + 500).map(|k| record(0, k).replace('\n', "") + "\n").collect();
                     client.post("/v1/import", "application/x-ndjson", &lines).await
                 }
@@ -140,8 +149,8 @@ impl Peer {
     fn question(&self, read: Read) -> String {
         let year = EPOCH_S + (DAYS - 365) * DAY_S;
         match (self, read) {
-            (Self::Gyrowatch(_), Read::Last1000) => "/v1/gyros/L0-0101/trend?coefficient=D_I&last=1000".to_owned(),
-            (Self::Gyrowatch(_), Read::YearByDay) => {
+            (Self::Gyrowatch(..), Read::Last1000) => "/v1/gyros/L0-0101/trend?coefficient=D_I&last=1000".to_owned(),
+            (Self::Gyrowatch(..), Read::YearByDay) => {
                 "/v1/gyros/L0-0101/trend?coefficient=D_I&every=day&from=2026-05-19T00:00:00Z".to_owned()
             }
             (Self::Influxdb(_), Read::Last1000) => {
@@ -170,7 +179,7 @@ impl Peer {
         let question = self.question(read);
         match self {
             Self::Postgres(dir) => pgbench(dir, &question, connections),
-            Self::Gyrowatch(address) | Self::Influxdb(address) | Self::VictoriaMetrics(address) => {
+            Self::Gyrowatch(address, _) | Self::Influxdb(address) | Self::VictoriaMetrics(address) => {
                 let begun = Instant::now();
                 let mut readers = JoinSet::new();
                 for _ in 0..connections {
@@ -239,7 +248,7 @@ fn median(mut rounds: Vec<Figure>) -> Figure {
     rounds[rounds.len() / 2]
 }
 
-/// By turns, so that what else the machine does falls on all of them; the first store is what the others are held against.
+/// By turns, so that what else the machine does falls on all of them; each is held against the service, with each of its answers.
 async fn compare(title: &str, peers: &[Peer], measure: impl AsyncFn(&Peer, usize) -> Figure) {
     let mut rounds = vec![Vec::new(); peers.len()];
     for round in 0..ROUNDS {
@@ -249,12 +258,13 @@ async fn compare(title: &str, peers: &[Peer], measure: impl AsyncFn(&Peer, usize
     }
     println!("\n{title}");
     let figures: Vec<Figure> = rounds.into_iter().map(median).collect();
+    let own = peers.iter().take_while(|peer| matches!(peer, Peer::Gyrowatch(..))).count();
     for (peer, figure) in peers.iter().zip(&figures) {
+        let ratios: String = figures[..own].iter().map(|own| format!(" {:>6.2}", own.rate / figure.rate)).collect();
         println!(
-            "  {:<30}{:>9.0}/s {:>6.2}   p50 {:>7.0} us   p99 {:>7.0} us",
+            "  {:<30}{:>9.0}/s{ratios}   p50 {:>7.0} us   p99 {:>7.0} us",
             peer.name(),
             figure.rate,
-            figures[0].rate / figure.rate,
             figure.p50.as_secs_f64() * 1e6,
             figure.p99.as_secs_f64() * 1e6
         );
@@ -268,9 +278,8 @@ fn main() {
         return;
     }
     println!(
-        "medians of {ROUNDS} rounds of {} s; the third column is {} over the store",
-        ROUND.as_secs(),
-        peers[0].name()
+        "medians of {ROUNDS} rounds of {} s; then gyrowatch over the store, with whole and with minimal answers",
+        ROUND.as_secs()
     );
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     runtime.block_on(async {
@@ -278,6 +287,8 @@ fn main() {
             let title = format!("calibrations of three gyros, {connections} connections");
             compare(&title, &peers, async |peer, round| peer.ingest(connections, round).await).await;
         }
+        // Who reads is answered alike.
+        let peers: Vec<Peer> = peers.into_iter().filter(|peer| !peer.is_minimal()).collect();
         for peer in &peers {
             peer.fill().await;
         }

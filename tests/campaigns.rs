@@ -4,9 +4,11 @@ mod lab;
 
 use std::path::Path;
 
+use reqwest::Method;
+use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
 
-use lab::{Answer, JSON, Lab, assert_close, verdict};
+use lab::{Answer, JSON, Lab, assert_close, tables_3_and_4, verdict};
 
 const CSV: &str = "text/csv";
 
@@ -346,4 +348,29 @@ async fn a_bad_csv_is_refused_by_line_and_column() {
         command_line_refuses(&text, &words);
     }
     assert_eq!(lab.get("/v1/gyros").await.ok()["gyros"], json!([]));
+}
+
+#[tokio::test]
+async fn who_prefers_a_minimal_answer_is_told_the_identifier_and_the_states_of_the_verdicts() {
+    let lab = Lab::open().await;
+    let documents = [("/v1/records", tables_3_and_4()), ("/v1/campaigns", campaign()), ("/v1/campaigns", bench_test())];
+    for (path, document) in documents {
+        let send = || lab.request(Method::POST, path).header(CONTENT_TYPE, JSON).body(document.to_string());
+        let minimal = Answer::of(send().header("Prefer", "return=minimal")).await;
+        let created = minimal.created();
+        let id = created["id"].as_str().unwrap();
+        assert!(minimal.header("location").ends_with(id));
+        assert_eq!(minimal.header("preference-applied"), "return=minimal");
+        let again = Answer::of(send().header("Prefer", "return=minimal")).await;
+        assert_eq!((again.status, again.text.as_str()), (200, minimal.text.as_str()));
+        assert_eq!(again.header("preference-applied"), "return=minimal");
+        let whole = Answer::of(send().header("Prefer", "return=representation")).await;
+        assert_eq!((whole.status, whole.header("preference-applied")), (200, ""));
+        let whole = whole.json();
+        let verdicts = whole["verdicts"].as_array().map_or(&[][..], Vec::as_slice);
+        let count = |state: &str| verdicts.iter().filter(|verdict| verdict["state"] == state).count();
+        let [within, indeterminate, exceeded] = ["within", "indeterminate", "exceeded"].map(count);
+        let states = json!({"within": within, "indeterminate": indeterminate, "exceeded": exceeded});
+        assert_eq!(created, json!({"id": whole["id"], "states": states}), "{path}");
+    }
 }

@@ -24,7 +24,18 @@ pub fn instant(k: usize) -> String {
     jiff::Timestamp::from_second((EPOCH_S + k * DAY_S) as i64).expect("a time of this century").to_string()
 }
 
-pub struct Client(BufReader<TcpStream>);
+/// What a client wants of the answers to what it sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    Whole,
+    /// `Prefer: return=minimal`
+    Minimal,
+}
+
+pub struct Client {
+    stream: BufReader<TcpStream>,
+    wanted: Wanted,
+}
 
 pub struct Answer {
     pub status: u16,
@@ -35,7 +46,11 @@ impl Client {
     pub async fn connect(address: &str) -> Self {
         let stream = TcpStream::connect(address).await.unwrap_or_else(|error| panic!("{address}: {error}"));
         stream.set_nodelay(true).expect("an option");
-        Self(BufReader::new(stream))
+        Self { stream: BufReader::new(stream), wanted: Wanted::Whole }
+    }
+
+    pub fn wanting(self, wanted: Wanted) -> Self {
+        Self { wanted, ..self }
     }
 
     pub async fn get(&mut self, path: &str) -> Answer {
@@ -43,12 +58,13 @@ impl Client {
     }
 
     pub async fn post(&mut self, path: &str, media_type: &str, body: &str) -> Answer {
+        let prefer = if self.wanted == Wanted::Minimal { "prefer: return=minimal\r\n" } else { "" };
         let head = format!("POST {path} HTTP/1.1\r\nhost: localhost\r\ncontent-type: {media_type}\r\n");
-        self.send(&format!("{head}content-length: {}\r\n\r\n{body}", body.len())).await
+        self.send(&format!("{head}{prefer}content-length: {}\r\n\r\n{body}", body.len())).await
     }
 
     async fn send(&mut self, request: &str) -> Answer {
-        self.0.write_all(request.as_bytes()).await.expect("a request");
+        self.stream.write_all(request.as_bytes()).await.expect("a request");
         let mut answer = Answer { status: 0, body: Vec::new() };
         let (mut length, mut chunked) = (0, false);
         loop {
@@ -78,14 +94,14 @@ impl Client {
 
     async fn line(&mut self) -> String {
         let mut line = String::new();
-        self.0.read_line(&mut line).await.expect("a line");
+        self.stream.read_line(&mut line).await.expect("a line");
         line.trim_end().to_owned()
     }
 
     async fn read(&mut self, count: usize, body: &mut Vec<u8>) {
         let begin = body.len();
         body.resize(begin + count, 0);
-        self.0.read_exact(&mut body[begin..]).await.expect("a body");
+        self.stream.read_exact(&mut body[begin..]).await.expect("a body");
     }
 }
 

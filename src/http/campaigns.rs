@@ -18,7 +18,7 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
-use super::prefer::{MinimalAnswer, Reply, Wanted};
+use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use super::query::{Parameters, bad};
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
@@ -59,8 +59,8 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
-        (status = 201, description = "stored and judged", body = Reply<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
-        (status = 200, description = "was stored before with the same content", body = Reply<CampaignAnswer>),
+        (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = AsWanted<CampaignAnswer>),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
@@ -114,15 +114,15 @@ async fn post_campaign(
     if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
         let answer = match wanted {
-            Wanted::Whole => Reply::Whole(answer_of(id)),
-            Wanted::Minimal => Reply::Minimal(MinimalAnswer::just_judged(id, &[])),
+            Wanted::Whole => AsWanted::Whole(answer_of(id)),
+            Wanted::Minimal => AsWanted::Minimal(MinimalAnswer::just_judged(id, &[])),
         };
         return Ok((location, wanted.applied(), Json(answer)).into_response());
     }
     let stored = stored(&app, id).await?;
     let answer = match wanted {
-        Wanted::Whole => Reply::Whole(stored.answer),
-        Wanted::Minimal => Reply::Minimal(MinimalAnswer::stored(id, &stored.row.verdicts)),
+        Wanted::Whole => AsWanted::Whole(stored.answer),
+        Wanted::Minimal => AsWanted::Minimal(MinimalAnswer::of(id, stored.row.verdicts.states())),
     };
     let standing = standing(&app, id).await?.unless_valid();
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())

@@ -13,7 +13,6 @@ use utoipa::ToSchema;
 
 use crate::core::judge::State;
 use crate::pipeline::{Id, Judged};
-use crate::store::VerdictSheet;
 
 /// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,12 +64,12 @@ fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
 #[derive(Debug, PartialEq, Eq, Serialize, ToSchema)]
 pub struct MinimalAnswer {
     id: String,
-    states: StatesBody,
+    states: VerdictCounts,
 }
 
 /// How many verdicts there are of each state.
 #[derive(Debug, Default, PartialEq, Eq, Serialize, ToSchema)]
-struct StatesBody {
+struct VerdictCounts {
     within: usize,
     indeterminate: usize,
     exceeded: usize,
@@ -81,20 +80,17 @@ impl MinimalAnswer {
         Self::of(id, judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state))
     }
 
-    pub fn stored(id: Id, verdicts: &VerdictSheet) -> Self {
-        Self::of(id, verdicts.0.iter().flat_map(|(_, verdicts)| verdicts).map(|verdict| verdict.state))
-    }
-
-    fn of(id: Id, verdicts: impl Iterator<Item = State>) -> Self {
-        let mut states = StatesBody::default();
-        for state in verdicts {
+    /// `states` of the verdicts.
+    pub fn of(id: Id, states: impl Iterator<Item = State>) -> Self {
+        let mut counts = VerdictCounts::default();
+        for state in states {
             *match state {
-                State::Within => &mut states.within,
-                State::Indeterminate => &mut states.indeterminate,
-                State::Exceeded => &mut states.exceeded,
+                State::Within => &mut counts.within,
+                State::Indeterminate => &mut counts.indeterminate,
+                State::Exceeded => &mut counts.exceeded,
             } += 1;
         }
-        Self { id: id.to_string(), states }
+        Self { id: id.to_string(), states: counts }
     }
 }
 
@@ -107,7 +103,7 @@ impl IntoResponse for MinimalAnswer {
 /// As much of an answer as was wanted.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
-pub enum Reply<T> {
+pub enum AsWanted<T> {
     Whole(T),
     Minimal(MinimalAnswer),
 }

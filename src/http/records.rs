@@ -15,7 +15,7 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
-use super::prefer::{MinimalAnswer, Reply, Wanted};
+use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
@@ -37,8 +37,8 @@ pub fn routes() -> OpenApiRouter<App> {
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
-        (status = 201, description = "stored and judged", body = Reply<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
-        (status = 200, description = "was stored before with the same content", body = Reply<RecordAnswer>),
+        (status = 201, description = "stored and judged", body = AsWanted<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 200, description = "was stored before with the same content", body = AsWanted<RecordAnswer>),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
@@ -90,8 +90,8 @@ async fn post_record(
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
     let answer = match wanted {
-        Wanted::Whole => Reply::Whole(stored.answer),
-        Wanted::Minimal => Reply::Minimal(MinimalAnswer::stored(id, &stored.row.verdicts)),
+        Wanted::Whole => AsWanted::Whole(stored.answer),
+        Wanted::Minimal => AsWanted::Minimal(MinimalAnswer::of(id, stored.row.verdicts.states())),
     };
     let location = [(LOCATION, format!("/v1/records/{id}"))];
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())

@@ -50,6 +50,10 @@ impl StoredVerdict {
 pub struct VerdictSheet(pub Vec<(u32, Vec<StoredVerdict>)>);
 
 impl VerdictSheet {
+    pub fn states(&self) -> impl Iterator<Item = State> {
+        self.0.iter().flat_map(|(_, verdicts)| verdicts).map(|verdict| verdict.state)
+    }
+
     /// Puts new verdicts in the place of those of `gyro`; false where the record does not hold it.
     pub fn replace(&mut self, gyro: u32, verdicts: Vec<StoredVerdict>) -> bool {
         let found = self.0.iter_mut().find(|(number, _)| *number == gyro);

@@ -372,5 +372,10 @@ async fn who_prefers_a_minimal_answer_is_told_the_identifier_and_the_states_of_t
         let [within, indeterminate, exceeded] = ["within", "indeterminate", "exceeded"].map(count);
         let states = json!({"within": within, "indeterminate": indeterminate, "exceeded": exceeded});
         assert_eq!(created, json!({"id": whole["id"], "states": states}), "{path}");
+        lab.post(&format!("{}/void", minimal.header("location")), &json!({"author": "E. Ito", "reason": "a trial"}))
+            .await
+            .ok();
+        let voided = Answer::of(send().header("Prefer", "return=minimal")).await.ok();
+        assert_eq!((&voided["id"], &voided["states"]), (&created["id"], &created["states"]), "{path}");
     }
 }

@@ -70,7 +70,8 @@ async fn who_asks_whether_to_send_a_body_is_told_to_go_on_before_anything_else()
         assert_eq!(String::from_utf8_lossy(&told), "HTTP/1.1 100 Continue\r\n\r\n", "{path}");
         stream.write_all(record.as_bytes()).await.unwrap();
         let mut answer = String::new();
-        stream.read_to_string(&mut answer).await.unwrap();
+        let answered = tokio::time::timeout(Duration::from_secs(20), stream.read_to_string(&mut answer)).await;
+        answered.unwrap_or_else(|_| panic!("{path}: no end of the answer")).unwrap();
         assert!(answer.starts_with("HTTP/1.1 20") && answer.contains("\"id\":"), "{path}: {answer}");
     }
 }

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::net::TcpStream;
 
-/// 2000-01-01, s UTC.
-pub const EPOCH_S: usize = 946_684_800;
+/// 1990-01-01, s UTC: ten thousand days later is still in the past.
+pub const EPOCH_S: usize = 631_152_000;
 pub const DAY_S: usize = 86_400;
 const PAPER: &str = include_str!("../../tests/data/paper.json");
 

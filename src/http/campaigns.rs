@@ -59,7 +59,8 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
-        (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
+        (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>,
+            headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
         (status = 200, description = "was stored before with the same content", body = AsWanted<CampaignAnswer>),
         (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),

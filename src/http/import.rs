@@ -1,6 +1,6 @@
 //! `/v1/import`: one document a line, as many as there are, answered line by line.
 //!
-//! The body is read as it comes and never held whole: so much of it is under way at a time. Lines that are there together are read together, on
+//! The body is read as it comes and never held whole: so much of its text is under way at a time ([`lines::UNDER_WAY_KIB`]). Lines that are there together are read together, on
 //! a thread for computing, and share commits. A client that sends everything before it reads an answer is not blocked: answers wait
 //! in memory, up to a bound.
 
@@ -28,7 +28,7 @@ use super::App;
 use super::document::{Document, check_media_type};
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::problem::Problem;
-use lines::{Line, Longest, UNDER_WAY_KIB, lines};
+use lines::{Line, Longest, lines};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(post_import))
@@ -38,6 +38,9 @@ pub fn routes() -> OpenApiRouter<App> {
 const LINES_AT_ONCE: usize = 512;
 /// Such chunks that are read at the same time, while others are judged and others wait for the disk.
 const CHUNKS_READ_AT_ONCE: usize = 4;
+/// Such chunks that are judged or wait for the disk. What is under way is bounded by its text; this holds for those who send line by line, so that
+/// one import does not fill the queue of all writes.
+const CHUNKS_UNDER_WAY: usize = 64;
 /// Answers that wait for a client that does not read them, bytes.
 const MAX_UNREAD_ANSWERS: usize = 32 << 20;
 
@@ -114,10 +117,9 @@ async fn import(app: App, caller: Caller, body: Peekable<BodyDataStream>, answer
     let pipeline = app.pipeline.clone();
     // Queued one after the other, so that of two lines with the same key the first is the one that counts.
     let queued = read.buffered(CHUNKS_READ_AT_ONCE).then(move |chunk| queue(chunk.ok(), pipeline.clone()));
-    // As many as there is room for lines.
-    let mut stored = pin!(queued.buffered(UNDER_WAY_KIB as usize));
-    while let Some(text) = stored.next().await {
-        let Some(text) = text else {
+    let mut stored = pin!(queued.buffered(CHUNKS_UNDER_WAY));
+    while let Some(answered) = stored.next().await {
+        let Some((text, _room)) = answered else {
             tracing::error!("lines of an import could not be read: the reading failed");
             return;
         };
@@ -129,7 +131,7 @@ async fn import(app: App, caller: Caller, body: Peekable<BodyDataStream>, answer
 }
 
 /// Puts a chunk into the queue of writes; what is returned waits for the disk and gives the answers as text.
-async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>) -> BoxFuture<'static, Option<Bytes>> {
+async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>) -> BoxFuture<'static, Option<(Bytes, Room)>> {
     let Some(mut chunk) = chunk else { return async { None }.boxed() };
     let replies = pipeline.enqueue(std::mem::take(&mut chunk.items)).await;
     async move { Some(chunk.answered(replies.await, &pipeline).await) }.boxed()
@@ -139,9 +141,11 @@ async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>) -> BoxFuture<'stat
 struct Chunk {
     items: Vec<Submission>,
     lines: Vec<ReadLine>,
-    /// Of all its lines, until they are answered.
-    _room: Vec<OwnedSemaphorePermit>,
+    room: Room,
 }
+
+/// What the lines of a chunk take of what may be under way, until they are answered.
+type Room = Vec<OwnedSemaphorePermit>;
 
 /// A line after reading: what is needed to answer it.
 struct ReadLine {
@@ -170,11 +174,11 @@ impl Chunk {
             };
             read_lines.push(ReadLine { number, problem, origin });
         }
-        Self { items, lines: read_lines, _room: taken }
+        Self { items, lines: read_lines, room: taken }
     }
 
-    /// The answers as text.
-    async fn answered(self, replies: Vec<Reply>, pipeline: &Pipeline) -> Bytes {
+    /// The answers as text, and the room that is free again when it has gone out.
+    async fn answered(self, replies: Vec<Reply>, pipeline: &Pipeline) -> (Bytes, Room) {
         let mut replies = replies.into_iter();
         let mut text = Vec::with_capacity(64 * self.lines.len());
         for line in self.lines {
@@ -195,7 +199,7 @@ impl Chunk {
             serde_json::to_writer(&mut text, &answer).expect("numbers and text can always be written to memory");
             text.push(b'\n');
         }
-        text.into()
+        (text.into(), self.room)
     }
 }
 

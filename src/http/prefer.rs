@@ -1,5 +1,5 @@
 //! How much of an answer a client wants (RFC 7240): whoever only has to know that what it sent is stored asks for `return=minimal`, and neither
-//! side spends a third of a record's time on figures and words.
+//! side spends time on figures and words. What was stored before is read as for a whole answer.
 
 use std::convert::Infallible;
 
@@ -32,8 +32,14 @@ impl<S: Sync> FromRequestParts<S> for Wanted {
 impl Wanted {
     fn of(headers: &HeaderMap) -> Self {
         let said = headers.get_all("prefer").iter().filter_map(|value| value.to_str().ok());
-        let mut preferences = said.flat_map(|value| outside_quotes(value, ','));
-        match preferences.find_map(returned) {
+        let preferences = said.flat_map(|value| outside_quotes(value, ','));
+        let mut named = preferences.map(|preference| {
+            let said = outside_quotes(preference, ';').next().unwrap_or_default();
+            said.split_once('=').unwrap_or((said, ""))
+        });
+        // Of several the first counts.
+        let returned = named.find(|(name, _)| name.trim().eq_ignore_ascii_case("return"));
+        match returned.map(|(_, value)| value.trim().trim_matches('"')) {
             Some(value) if value.eq_ignore_ascii_case("minimal") => Self::Minimal,
             _ => Self::Whole,
         }
@@ -45,17 +51,12 @@ impl Wanted {
     }
 }
 
-/// The value of a preference that is called `return`.
-fn returned(preference: &str) -> Option<&str> {
-    let (name, value) = outside_quotes(preference, ';').next()?.split_once('=')?;
-    name.trim().eq_ignore_ascii_case("return").then(|| value.trim().trim_matches('"'))
-}
-
 /// The parts of `text` between `separator`s that are not within quotation marks.
 fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
-    let mut quoted = false;
+    let (mut quoted, mut escaped) = (false, false);
     text.split(move |letter| {
-        quoted ^= letter == '"';
+        quoted ^= letter == '"' && !escaped;
+        escaped = quoted && letter == '\\' && !escaped;
         letter == separator && !quoted
     })
 }
@@ -125,8 +126,10 @@ mod tests {
     #[case::in_another_line(&["respond-async", "return=minimal"], Wanted::Minimal)]
     #[case::the_first_counts(&["return=representation, return=minimal"], Wanted::Whole)]
     #[case::in_a_quotation(&["note=\"a, return=minimal\""], Wanted::Whole)]
+    #[case::in_a_quotation_with_a_quotation_mark(&["note=\"a\\\", return=minimal\""], Wanted::Whole)]
     #[case::of_another_name(&["returns=minimal"], Wanted::Whole)]
     #[case::without_a_value(&["return"], Wanted::Whole)]
+    #[case::the_first_counts_without_a_value_too(&["return, return=minimal"], Wanted::Whole)]
     #[case::no_text(&["\u{fc}\u{ff}"], Wanted::Whole)]
     fn a_preference_is_read_as_rfc_7240_has_it(#[case] values: &[&'static str], #[case] wanted: Wanted) {
         let mut headers = HeaderMap::new();

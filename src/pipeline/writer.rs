@@ -29,9 +29,8 @@ use beside::UnderWay;
 use group::{Told, answer, foretell};
 use turns::in_turn;
 
-/// Most items of one transaction: more would hold up others for longer than it saves. An import has three times as many lines under way, so that
-/// some are read while others are judged and others written.
-const MAX_ITEMS: usize = 640;
+/// Items from which on no more are added to one transaction: more would hold up others for longer than it saves.
+const MAX_ITEMS: usize = 8192;
 
 pub(super) struct Task {
     store: Store,
@@ -139,6 +138,7 @@ impl Task {
                 self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
+            let most = if self.writer.committer().is_some() { beside::MAX_ITEMS } else { MAX_ITEMS };
             let (mut orders, mut findings) = (Orders::new(), Findings::new());
             for job in jobs.drain(..) {
                 let job = match job {
@@ -185,7 +185,7 @@ impl Task {
                         continue;
                     }
                 };
-                if items + job.0.len() > MAX_ITEMS && items > 0 {
+                if items + job.0.len() > most && items > 0 {
                     self.process(std::mem::take(&mut group)).await;
                     if mixed {
                         self.finish().await;

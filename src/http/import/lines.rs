@@ -8,8 +8,8 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::wire::problem::Problem;
 
-/// Text that may be under way at a time, from reading a line to its answer, KiB begun. A record is half a KiB, and what is made of it takes
-/// 30 KiB until it is stored.
+/// Text that may be under way at a time, from reading a line to its answer, KiB begun a line. What is made of a record takes dozens of times
+/// the memory of its text until it is stored.
 pub const UNDER_WAY_KIB: u32 = 2048;
 
 /// A line of the body.
@@ -41,7 +41,11 @@ where
         let (number, text) = splitter.next_line().await?;
         let bytes = text.as_ref().map_or(0, Bytes::len);
         let kib = u32::try_from(bytes.div_ceil(1024)).unwrap_or(u32::MAX).clamp(1, UNDER_WAY_KIB);
-        let taken = Arc::clone(&room).acquire_many_owned(kib).await.expect("nobody closes it");
+        // Waiting, even for what is there, ends a task's turn now and then, and with it the chunk that the lines come in.
+        let taken = match Arc::clone(&room).try_acquire_many_owned(kib) {
+            Ok(taken) => taken,
+            Err(_) => Arc::clone(&room).acquire_many_owned(kib).await.expect("nobody closes it"),
+        };
         Some((Line { number, text, room: taken }, (splitter, room)))
     })
 }
@@ -135,4 +139,46 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
 
 fn too_long(longest: usize) -> Problem {
     Problem::new(413, "Too large", format!("a line may have {longest} bytes"))
+}
+
+#[cfg(test)]
+mod tests {
+    use futures::FutureExt;
+
+    use super::*;
+
+    const LONGEST: Longest = Longest { line: 8 << 20, body: 64 << 20 };
+
+    fn lines_of(text: String) -> impl Stream<Item = Line> {
+        lines(futures::stream::iter([Ok(Bytes::from(text))]), LONGEST)
+    }
+
+    #[test]
+    fn so_much_text_is_under_way_and_more_when_a_line_is_done_with() {
+        let text = format!("{}\n", "x".repeat(1500)).repeat(UNDER_WAY_KIB as usize);
+        let mut lines = Box::pin(lines_of(text));
+        let mut under_way = Vec::new();
+        while let Some(Some(line)) = lines.next().now_or_never() {
+            under_way.push(line);
+        }
+        assert_eq!(under_way.len(), UNDER_WAY_KIB as usize / 2);
+        assert!(lines.next().now_or_never().is_none());
+        drop(under_way.swap_remove(7));
+        let next = lines.next().now_or_never().flatten().expect("there is room again");
+        assert_eq!(next.number, u64::from(UNDER_WAY_KIB) / 2 + 1);
+    }
+
+    #[test]
+    fn a_line_that_is_longer_than_all_that_may_be_under_way_goes_alone() {
+        let long = "y".repeat(UNDER_WAY_KIB as usize * 1024 + 5000);
+        let mut lines = Box::pin(lines_of(format!("a\n{long}\nb\n")));
+        let first = lines.next().now_or_never().flatten().expect("a line");
+        assert!(lines.next().now_or_never().is_none(), "not beside another");
+        drop(first);
+        let second = lines.next().now_or_never().flatten().expect("when nothing else is under way");
+        assert_eq!(second.text.as_ref().map_or(0, Bytes::len), long.len() + 1);
+        assert!(lines.next().now_or_never().is_none());
+        drop(second);
+        assert_eq!(lines.next().now_or_never().flatten().map(|line| line.number), Some(3));
+    }
 }

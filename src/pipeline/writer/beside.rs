@@ -21,6 +21,10 @@ const MANY: usize = 128;
 /// be written anyway.
 const ENOUGH: usize = 384;
 
+/// Items from which on no more are added to a group. An import has three such groups of records under way: while one is written and the next
+/// judged, lines of a third are read.
+pub(super) const MAX_ITEMS: usize = 640;
+
 /// A group that is being written.
 pub(super) struct UnderWay {
     jobs: Vec<StoreJob>,

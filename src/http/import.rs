@@ -1,8 +1,8 @@
 //! `/v1/import`: one document a line, as many as there are, answered line by line.
 //!
-//! The body is read as it comes and never held whole: so much of its text is under way at a time ([`lines::UNDER_WAY_KIB`]). Lines that are there together are read together, on
-//! a thread for computing, and share commits. A client that sends everything before it reads an answer is not blocked: answers wait
-//! in memory, up to a bound.
+//! The body is read as it comes and never held whole: so much of its text is under way at a time ([`lines::UNDER_WAY_KIB`]). Lines that are
+//! there together are read together, on a thread for computing, and share commits. A client that sends everything before it reads an answer
+//! is not blocked: answers wait in memory, up to a bound.
 
 mod lines;
 

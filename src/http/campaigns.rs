@@ -101,7 +101,7 @@ async fn post_campaign(
         let Accepted::Stored { id, judged } = accepted else { return None };
         let answer = match wanted {
             Wanted::Whole => JustJudged { answer: &answer_of(*id), judged }.into_response(),
-            Wanted::Minimal => MinimalAnswer::just_judged(*id, judged).into_response(),
+            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged)).into_response(),
         };
         let location = [(LOCATION, format!("/v1/{place}/{id}"))];
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
@@ -114,17 +114,11 @@ async fn post_campaign(
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
     if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        let answer = match wanted {
-            Wanted::Whole => AsWanted::Whole(answer_of(id)),
-            Wanted::Minimal => AsWanted::Minimal(MinimalAnswer::just_judged(id, &[])),
-        };
+        let answer = AsWanted::of(wanted, answer_of(id), id, std::iter::empty());
         return Ok((location, wanted.applied(), Json(answer)).into_response());
     }
     let stored = stored(&app, id).await?;
-    let answer = match wanted {
-        Wanted::Whole => AsWanted::Whole(stored.answer),
-        Wanted::Minimal => AsWanted::Minimal(MinimalAnswer::of(id, stored.row.verdicts.states())),
-    };
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states());
     let standing = standing(&app, id).await?.unless_valid();
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }

@@ -3,11 +3,9 @@
 
 use std::convert::Infallible;
 
-use axum::Json;
 use axum::extract::FromRequestParts;
 use axum::http::HeaderMap;
 use axum::http::request::Parts;
-use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -81,8 +79,7 @@ impl MinimalAnswer {
         Self::of(id, judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state))
     }
 
-    /// `states` of the verdicts.
-    pub fn of(id: Id, states: impl Iterator<Item = State>) -> Self {
+    fn of(id: Id, states: impl Iterator<Item = State>) -> Self {
         let mut counts = VerdictCounts::default();
         for state in states {
             *match state {
@@ -95,18 +92,22 @@ impl MinimalAnswer {
     }
 }
 
-impl IntoResponse for MinimalAnswer {
-    fn into_response(self) -> Response {
-        Json(self).into_response()
-    }
-}
-
 /// As much of an answer as was wanted.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum AsWanted<T> {
     Whole(T),
     Minimal(MinimalAnswer),
+}
+
+impl<T> AsWanted<T> {
+    /// `whole`, or what is left of it: the identifier and the `states` of its verdicts.
+    pub fn of(wanted: Wanted, whole: T, id: Id, states: impl Iterator<Item = State>) -> Self {
+        match wanted {
+            Wanted::Whole => Self::Whole(whole),
+            Wanted::Minimal => Self::Minimal(MinimalAnswer::of(id, states)),
+        }
+    }
 }
 
 #[cfg(test)]

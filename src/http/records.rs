@@ -78,7 +78,7 @@ async fn post_record(
                 answer.id = Some(id.to_string());
                 JustJudged { answer, judged }.into_response()
             }
-            None => MinimalAnswer::just_judged(*id, judged).into_response(),
+            None => Json(MinimalAnswer::just_judged(*id, judged)).into_response(),
         };
         let location = [(LOCATION, format!("/v1/records/{id}"))];
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
@@ -90,10 +90,7 @@ async fn post_record(
     let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
-    let answer = match wanted {
-        Wanted::Whole => AsWanted::Whole(stored.answer),
-        Wanted::Minimal => AsWanted::Minimal(MinimalAnswer::of(id, stored.row.verdicts.states())),
-    };
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states());
     let location = [(LOCATION, format!("/v1/records/{id}"))];
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }

@@ -1,13 +1,17 @@
-//! Durable ingest over HTTP beside a bare sqlx loop with the same durability, in one run: what counts is the ratio.
+//! Durable ingest over HTTP beside bare loops with the same durability, in one run: what counts is the ratio.
 //!
 //! `cargo bench --bench ingest`
 //!
 //! Client and service share the machine. Each connection posts records of one IMU of its own, one after the other; a
 //! record counts when its 201 is read. It asks for whole answers, and for minimal ones. Then one import brings many records of a fleet at once, as a move from another system does.
 //! After the records one connection posts raw campaigns (78 dwells, three gyros), by turns with the records above and with records of the very
-//! calibration that is fitted to the campaign: these raise the same alerts and have standard deviations too. The bare loop writes the same body and three rows of 120 bytes a record, one
-//! transaction a record, then many, WAL and `synchronous = FULL` as the service has them.
+//! calibration that is fitted to the campaign: these raise the same alerts and have standard deviations too.
+//!
+//! The bare loops write the same text and three rows of 120 bytes a record, WAL and `synchronous = FULL` as the service has them: one through sqlx,
+//! one transaction a record or many, and those of [`bare`] through SQLite itself. Rounds are run by turns, and medians are printed: of the
+//! rates, and of the ratios round by round.
 
+mod bare;
 mod client;
 
 use std::net::SocketAddr;
@@ -33,13 +37,16 @@ use tokio::net::TcpListener;
 use tokio::task::{JoinHandle, JoinSet};
 
 const RECORDS: usize = 8_000;
+/// Of several connections together.
+const RECORDS_OF_MANY: usize = 24_000;
 const CAMPAIGNS: usize = 1_000;
 const TURNS: u32 = 4;
-/// Records of one import, and how many IMUs they are of.
+const ROUNDS: usize = 3;
+/// Records of one import.
 const IMPORTED: usize = 60_000;
-const IMPORTED_IMUS: usize = 200;
-/// Records in a transaction of the bare loop that the import is held against.
+/// Records in a transaction of the bare loops that the import is held against, through sqlx and through SQLite itself.
 const MANY: usize = 512;
+const A_BATCH: usize = 1_000;
 const CAMPAIGN: &str = include_str!("../tests/data/practice/campaign-00.json");
 
 /// What is posted, and how often.
@@ -55,50 +62,99 @@ const OF_RECORDS: Load = Load { path: "/v1/records", body: record, count: RECORD
 const OF_CAMPAIGNS: Load = Load { path: "/v1/campaigns", body: campaign, count: CAMPAIGNS, wanted: Wanted::Whole };
 const OF_THE_SAME: Load = Load { path: "/v1/records", body: fitted, count: CAMPAIGNS, wanted: Wanted::Whole };
 
+/// What was aimed at, as a part of what bare SQLite did on the machine on which the aims were set (`docs/performance.md`).
+fn aim(connections: usize) -> Option<f64> {
+    match connections {
+        1 => Some(4_000.0 / 8_500.0),
+        16 => Some(16_000.0 / 17_920.0),
+        64 => Some(16_000.0 / 19_670.0),
+        _ => None,
+    }
+}
+const AIM_OF_AN_IMPORT: f64 = 40_000.0 / 34_600.0;
+
 fn main() {
     system::install_crypto();
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     runtime.block_on(async {
-        let bare = bare_loop(1).await;
-        println!("{:<42}{bare:>9.0} records/s", "bare sqlx, one commit a record");
-        let bare_many = bare_loop(MANY).await;
-        println!("{:<42}{bare_many:>9.0} records/s", format!("bare sqlx, {MANY} records a commit"));
+        let sqlx = bare_loop(1).await;
+        println!("{:<42}{sqlx:>9.0} records/s", "bare sqlx, one commit a record");
+        let sqlx_many = bare_loop(MANY).await;
+        println!("{:<42}{sqlx_many:>9.0} records/s", format!("bare sqlx, {MANY} records a commit"));
         for connections in connections() {
-            for (wanted, answers) in [(Wanted::Whole, ""), (Wanted::Minimal, ", minimal answers")] {
-                let times = over_http(connections, Load { wanted, ..OF_RECORDS }).await;
-                let (rate, p99) = (times.rate(), times.quantile(0.99));
-                println!(
-                    "{:<42}{rate:>9.0} records/s  {:>5.2} of bare  p99 {:.1} ms",
-                    format!("HTTP, {connections} connections{answers}"),
-                    rate / bare,
-                    p99.as_secs_f64() * 1e3
-                );
-            }
+            records(connections, sqlx).await;
         }
-        let rate = imported().await;
+        let rounds = rounds(async || [bare::in_batches(IMPORTED, A_BATCH), imported().await]).await;
+        let [bare, imports] = [0, 1].map(|which| median(rounds.iter().map(|rates| rates[which])));
+        println!("{:<42}{bare:>9.0} records/s", format!("bare SQLite, {A_BATCH} records a commit"));
+        let of_bare = median(rounds.iter().map(|[bare, import]| import / bare));
+        let of_many = imports / sqlx_many;
         println!(
-            "{:<42}{rate:>9.0} records/s  {:>5.2} of bare, {:.2} of bare with {MANY} a commit",
-            "HTTP, one import of many",
-            rate / bare,
-            rate / bare_many
+            "{:<42}{imports:>9.0} records/s  {of_bare:>5.2} of bare SQLite (aim {AIM_OF_AN_IMPORT:.2}), {of_many:.2} of bare sqlx with {MANY} a commit",
+            "HTTP, one import of many"
         );
-        // Short runs by turns: what else the machine does falls on all.
-        let loads = [OF_CAMPAIGNS, Load { count: CAMPAIGNS, ..OF_RECORDS }, OF_THE_SAME];
-        let mut seconds_each = [0.0; 3];
-        for _ in 0..TURNS {
-            for (load, seconds_each) in loads.iter().zip(&mut seconds_each) {
-                *seconds_each += 1.0 / over_http(1, *load).await.rate() / f64::from(TURNS);
-            }
-        }
-        let [campaign, record, same] = seconds_each;
-        println!(
-            "{:<42}{:>9.0} campaigns/s, a campaign takes {:.2} of a record, {:.2} of a record of the same calibration",
-            "HTTP, 1 connection",
-            1.0 / campaign,
-            campaign / record,
-            campaign / same
-        );
+        campaigns().await;
     });
+}
+
+/// Records over so many connections, with whole and with minimal answers, by turns with bare SQLite.
+async fn records(connections: usize, sqlx: f64) {
+    let count = if connections == 1 { RECORDS } else { RECORDS_OF_MANY };
+    let times = async |wanted| over_http(connections, Load { wanted, count, ..OF_RECORDS }).await;
+    let rounds = rounds(async || {
+        let bare = if connections == 1 { bare::in_batches(count, 1) } else { bare::together(count, connections) };
+        (bare, times(Wanted::Whole).await, times(Wanted::Minimal).await)
+    })
+    .await;
+    let bare = median(rounds.iter().map(|(bare, ..)| *bare));
+    println!("{:<42}{bare:>9.0} records/s", format!("bare SQLite, {connections} threads"));
+    let whole: Vec<(f64, &Times)> = rounds.iter().map(|(bare, whole, _)| (*bare, whole)).collect();
+    let minimal: Vec<(f64, &Times)> = rounds.iter().map(|(bare, _, minimal)| (*bare, minimal)).collect();
+    for (rounds, answers) in [(whole, ""), (minimal, ", minimal answers")] {
+        let rate = median(rounds.iter().map(|(_, times)| times.rate()));
+        let of_bare = median(rounds.iter().map(|(bare, times)| times.rate() / bare));
+        let p99 = median(rounds.iter().map(|(_, times)| times.quantile(0.99).as_secs_f64()));
+        let aim = aim(connections).map(|aim| format!(" (aim {aim:.2})")).unwrap_or_default();
+        println!(
+            "{:<42}{rate:>9.0} records/s  {of_bare:>5.2} of bare SQLite{aim}, {:.2} of bare sqlx  p99 {:.1} ms",
+            format!("HTTP, {connections} connections{answers}"),
+            rate / sqlx,
+            p99 * 1e3
+        );
+    }
+}
+
+/// Short runs by turns: what else the machine does falls on all.
+async fn campaigns() {
+    let loads = [OF_CAMPAIGNS, Load { count: CAMPAIGNS, ..OF_RECORDS }, OF_THE_SAME];
+    let mut seconds_each = [0.0; 3];
+    for _ in 0..TURNS {
+        for (load, seconds_each) in loads.iter().zip(&mut seconds_each) {
+            *seconds_each += 1.0 / over_http(1, *load).await.rate() / f64::from(TURNS);
+        }
+    }
+    let [campaign, record, same] = seconds_each;
+    println!(
+        "{:<42}{:>9.0} campaigns/s, a campaign takes {:.2} of a record, {:.2} of a record of the same calibration",
+        "HTTP, 1 connection",
+        1.0 / campaign,
+        campaign / record,
+        campaign / same
+    );
+}
+
+async fn rounds<T>(mut round: impl AsyncFnMut() -> T) -> Vec<T> {
+    let mut rounds = Vec::with_capacity(ROUNDS);
+    for _ in 0..ROUNDS {
+        rounds.push(round().await);
+    }
+    rounds
+}
+
+fn median(figures: impl Iterator<Item = f64>) -> f64 {
+    let mut figures: Vec<f64> = figures.collect();
+    figures.sort_by(f64::total_cmp);
+    figures[figures.len() / 2]
 }
 
 /// Given on the command line (`cargo bench --bench ingest -- 64`), or 1, 16 and 64.
@@ -247,7 +303,7 @@ async fn over_http(connections: usize, load: Load) -> Times {
 /// Records a second of one import, until its last answer is read.
 async fn imported() -> f64 {
     let running = Running::start().await;
-    let lines = (0..IMPORTED).map(|k| record(k % IMPORTED_IMUS, k / IMPORTED_IMUS).replace('\n', "") + "\n");
+    let lines = (0..IMPORTED).map(|k| record(k % bare::IMUS, k / bare::IMUS).replace('\n', "") + "\n");
     let text: String = lines.collect();
     let client = system::http_client(Duration::from_secs(5), Duration::from_secs(600)).build().expect("a client");
     let begun = Instant::now();

@@ -51,11 +51,27 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     let listener = TcpListener::bind(config.server.listen)
         .await
         .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
-    let address = listener.local_addr().context("cannot tell the address listened on")?;
     let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
     let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
+    let served = serve_with(pipeline, config, listener, tls, stop, ready).await;
+    // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and closes the database.
+    writing.await.context("the writer failed")?;
+    served?;
+    tracing::info!("stopped");
+    Ok(())
+}
+
+async fn serve_with(
+    pipeline: Pipeline,
+    config: Arc<Config>,
+    listener: TcpListener,
+    tls: Option<Tls>,
+    stop: impl Future<Output = ()>,
+    ready: impl FnOnce(SocketAddr),
+) -> anyhow::Result<()> {
+    let address = listener.local_addr().context("cannot tell the address listened on")?;
     anyhow::ensure!(
         address.ip().is_loopback() || pipeline.guard().asks_for_tokens(),
         "cannot listen on {address} (server.listen): there is no token yet, and without one everybody could do everything; \
@@ -73,9 +89,6 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result
     ready(address);
     http::server::serve(listener, tls, router, &config.server, stop).await;
     outbox.stop().await;
-    // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and closes the database.
-    writing.await.context("the writer failed")?;
-    tracing::info!("stopped");
     Ok(())
 }
 

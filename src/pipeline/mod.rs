@@ -43,6 +43,7 @@ mod writer;
 
 use std::sync::Arc;
 
+use tokio::runtime::Handle;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
@@ -226,7 +227,9 @@ impl Pipeline {
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
         tokio::spawn(diagnoser.clone().run(watched));
-        let handle = tokio::spawn(task.run(queue));
+        // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just answered.
+        let runtime = Handle::current();
+        let handle = tokio::task::spawn_blocking(move || runtime.block_on(task.run(queue)));
         let pulse = outbox::Pulse::default();
         Ok((Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard }, handle))
     }

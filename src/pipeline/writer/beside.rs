@@ -56,11 +56,6 @@ impl UnderWay {
     }
 }
 
-/// Lets what this task has just woken run: no other thread takes it over while this one computes.
-async fn step_back() {
-    tokio::task::yield_now().await;
-}
-
 impl Task {
     /// Whether more is to be waited for before the next group is begun: until what is under way has been written, or enough has come.
     pub(super) fn is_to_wait(&self, jobs: &[Job]) -> bool {
@@ -146,7 +141,6 @@ impl Task {
                 self.store_all(jobs).await;
             }
         }
-        step_back().await;
     }
 
     /// Forgets what is remembered of gyros and alerts: it is ahead of what is stored.

@@ -4,7 +4,7 @@ mod lab;
 
 use serde_json::{Value, json};
 
-use lab::{Lab, assert_close, bench, record, verdict};
+use lab::{Lab, NDJSON, assert_close, bench, record, verdict};
 
 /// Table 5: slot, serial, then D_I and D_S of bench before, separation, bench after, and the printed range in 1e-4.
 const TABLE_5: [(&str, &str, [[f64; 3]; 2], [f64; 2]); 3] = [
@@ -44,6 +44,19 @@ async fn table_5_gives_its_range_column() {
             }
             let counted = agreement["results"].as_array().unwrap().iter().filter(|r| r["counts"] == true).count();
             assert_eq!(counted, 3);
+        }
+    }
+}
+
+#[tokio::test]
+async fn the_file_of_table_5_gives_its_range_column() {
+    let lab = Lab::open().await;
+    let lines = lab.post_text("/v1/import", NDJSON, include_str!("data/paper-table5.ndjson")).await.lines();
+    assert!(lines.len() == 7 && lines.iter().all(|line| line["status"] == 201), "{lines:?}");
+    for (serial, (.., range)) in ["LFG-0501", "LFG-0502", "LFG-0503"].iter().zip(TABLE_5) {
+        let agreement = lab.get(&format!("/v1/gyros/{serial}/agreement")).await.ok();
+        for (coefficient, printed) in ["D_I", "D_S"].iter().zip(range) {
+            assert_close(&agreement["range"][coefficient], printed * 1e-4, 1e-12);
         }
     }
 }

@@ -5,7 +5,7 @@ mod lab;
 
 use std::collections::BTreeSet;
 
-use gyrowatch::config::Config;
+use gyrowatch::config::{Config, SlotRequirements};
 use reqwest::Method;
 use reqwest::header::CONTENT_TYPE;
 use serde_json::{Value, json};
@@ -146,6 +146,19 @@ async fn many_stations_posting_at_once_lose_nothing() {
             assert_close(&point["value"], (k * 20 + imu) as f64 * 1e-4, 1e-12);
         }
     }
+}
+
+#[tokio::test]
+async fn what_is_required_is_what_is_configured() {
+    let own: SlotRequirements =
+        serde_json::from_value(json!({"all": {"e_norm": [1.5, 2.0]}, "G3": {"g_z": []}})).expect("bounds");
+    let lab = Lab::with(|config| config.judging.requirement = own).await;
+    let mut heavy = tables_3_and_4();
+    heavy["gyros"][2]["g_pulse_per_s_g0"][2] = json!(-14.0);
+    let answer = lab.posts(&heavy).await;
+    let e = verdict(&answer, "LFG-0101", "E", "requirement");
+    assert_eq!((&e["state"], &e["limit"]), (&json!("exceeded"), &json!(1.5)), "|E| of 1.4676: {e}");
+    assert_eq!(verdict(&answer, "LFG-0103", "G", "requirement")["state"], "within", "nothing is required of G_z");
 }
 
 #[tokio::test]

@@ -2,9 +2,11 @@
 
 use serde::Deserialize;
 
-use crate::core::judge::limits::{DriftLimits, Limits};
+use crate::core::judge::limits::{DriftLimits, Limits, Requirement};
+use crate::core::mounting::Slot;
 
 use super::ConfigError;
+use super::requirement::SlotRequirements;
 use super::rules::RuleKeys;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -25,6 +27,7 @@ pub struct Judging {
     pub remembered_records: usize,
     pub interval_days: f64,
     pub requirements: bool,
+    pub requirement: SlotRequirements,
     pub rules: RuleKeys,
     pub overrides: Vec<Override>,
 }
@@ -38,6 +41,8 @@ pub struct Override {
     pub coefficient: Option<OverriddenCoefficient>,
     pub budget: Option<f64>,
     pub interval_days: Option<f64>,
+    #[serde(default)]
+    pub requirement: SlotRequirements,
     #[serde(default)]
     pub rules: RuleKeys,
 }
@@ -82,6 +87,20 @@ impl Judging {
         limits
     }
 
+    /// What E and G of the gyro `serial` in `slot` of `imu` must keep. Without an override that names them nothing is required of a geometry
+    /// other than the skewed one.
+    pub fn requirement(&self, skewed: bool, slot: Slot, imu: &str, serial: &str) -> Requirement {
+        let mut required = Requirement::default();
+        if skewed && self.requirements {
+            required = Requirement::tables_3_and_4()[slot.index()];
+            self.requirement.apply(slot, &mut required);
+        }
+        for change in self.overrides.iter().filter(|o| o.matches(imu, serial)) {
+            change.requirement.apply(slot, &mut required);
+        }
+        required
+    }
+
     /// Where no override says otherwise.
     pub fn fleet_interval_days(&self) -> Option<f64> {
         (self.interval_days > 0.0).then_some(self.interval_days)
@@ -105,6 +124,10 @@ impl Judging {
             if change.coefficient.is_some() && change.rules.closure.is_some() {
                 let detail = "the closure belongs to the gyro: leave coefficient out".to_owned();
                 return wrong(format!("judging.overrides[{i}].rules.closure"), detail);
+            }
+            if change.coefficient.is_some() && change.requirement != SlotRequirements::default() {
+                let detail = "E and G belong to the gyro: leave coefficient out".to_owned();
+                return wrong(format!("judging.overrides[{i}].requirement"), detail);
             }
             if change.budget.is_some_and(|b| !(b.is_finite() && b > 0.0)) {
                 return wrong(format!("judging.overrides[{i}].budget"), "must be positive".into());

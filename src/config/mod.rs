@@ -4,6 +4,7 @@ mod access;
 mod alerts;
 mod hooks;
 mod judging;
+mod requirement;
 mod rules;
 
 use std::net::SocketAddr;
@@ -22,6 +23,7 @@ pub use access::Access;
 pub use alerts::Alerts;
 pub use hooks::Hooks;
 pub use judging::{JudgedMethod, Judging, Override};
+pub use requirement::SlotRequirements;
 pub use rules::{FixedBaseline, RuleKeys};
 
 /// What `server.plain_http` must say for HTTP beyond this machine.

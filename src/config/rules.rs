@@ -43,7 +43,7 @@ impl TryFrom<String> for OffRule {
 
     fn try_from(name: String) -> Result<Self, String> {
         match Rule::from_name(&name) {
-            Some(Rule::Requirement) => Err("requirement is switched off by judging.requirements = false".into()),
+            Some(Rule::Requirement) => Err("requirement is switched off by judging.requirements = false, or figure by figure in judging.requirement".into()),
             Some(Rule::Overdue) => Err("overdue is switched off by interval_days = 0".into()),
             Some(rule) => Ok(Self(rule)),
             None => Err(format!("there is no rule {name:?}")),

@@ -1,4 +1,6 @@
 use super::*;
+use crate::core::judge::limits::{Bounds, Requirement};
+use crate::core::mounting::Slot;
 
 fn with(variables: &[(&str, &str)]) -> Result<Config, ConfigError> {
     let owned = variables.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
@@ -76,8 +78,36 @@ fn a_budget_for_one_gyro_is_its_closures_too() {
 }
 
 #[test]
+fn what_is_required_can_be_set_by_slot_gyro_and_figure() {
+    let bounds = |low, high| Some(Bounds { low, high });
+    let tables = Requirement::tables_3_and_4();
+    let text = "[judging.requirement]\nall = { e_norm = [0.8, 2.0], g_z = [] }\nG2 = { g_z = [-5.0, 5.0] }\n\
+                [[judging.overrides]]\nserial = \"A\"\nrequirement = { G3 = { e_x = [0.7, 0.8] } }\n";
+    let judging = judging_of(text).unwrap();
+    let [first, second, third] =
+        [Slot::G1, Slot::G2, Slot::G3].map(|slot| judging.requirement(true, slot, "IMU-1", "A"));
+    assert_eq!((first.e_norm, first.g[2], second.g[2]), (bounds(0.8, 2.0), None, bounds(-5.0, 5.0)));
+    assert_eq!((first.e, first.g[..2].to_vec()), (tables[0].e, tables[0].g[..2].to_vec()), "the rest is the tables'");
+    assert_eq!((third.e[0], third.e[1]), (bounds(0.7, 0.8), tables[2].e[1]));
+    assert_eq!(judging.requirement(true, Slot::G3, "IMU-1", "B").e[0], tables[2].e[0], "another gyro's");
+    let own = Requirement { e: [bounds(0.7, 0.8), None, None], ..Requirement::default() };
+    assert_eq!(judging.requirement(false, Slot::G3, "IMU-1", "A"), own, "what is named holds for every geometry");
+    let off = judging_of(&format!("[judging]\nrequirements = false\n{text}")).unwrap();
+    assert_eq!(off.requirement(true, Slot::G3, "IMU-1", "A"), own);
+    assert_eq!(off.requirement(true, Slot::G3, "IMU-1", "B"), Requirement::default());
+}
+
+#[test]
 fn a_wrong_rule_is_named() {
     for (text, key, why) in [
+        ("[judging.requirement]\nG1 = { e_x = [1.0] }\n", "judging.requirement.G1.e_x", "neither [low, high] nor []"),
+        ("[judging.requirement]\nG1 = { e_x = [2.0, 1.0] }\n", "judging.requirement.G1.e_x", "neither"),
+        ("[judging.requirement]\nG4 = {}\n", "judging.requirement", "G4"),
+        (
+            "[[judging.overrides]]\ncoefficient = \"D_I\"\nrequirement = { all = { e_x = [] } }\n",
+            "judging.overrides[0].requirement",
+            "leave coefficient out",
+        ),
         ("[judging.rules]\nstep = -1\n", "judging.rules.step", "positive"),
         ("[judging.rules]\noff = [\"tren\"]\n", "judging.rules.off", "no rule \"tren\""),
         ("[judging.rules]\noff = [\"overdue\"]\n", "judging.rules.off", "interval_days = 0"),

@@ -75,7 +75,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
         (closure(t, row.id, closures))
-        section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
+        section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
     };
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
 }
@@ -121,7 +121,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
             (separation::tables(t, &answer.separations))
             @for gyro in &answer.not_separated { p { (gyro.serial) ": " (t.spoken(&gyro.reason)) } }
         }
-        section { h2 { (t.parameters) } (parameters::tables(t, &gyros, required(pages, parameters::is_skewed(&body.geometry)))) }
+        section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
         section {
             h2 { (t.fit_quality) }
             (quality(viewer, fits))
@@ -141,11 +141,6 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
         }
     };
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
-}
-
-/// Tables 3 and 4 hold where they are configured to.
-fn required(pages: &Pages, skewed: bool) -> bool {
-    skewed && pages.config.judging.requirements
 }
 
 fn unreadable(id: &Id) -> Problem {

@@ -12,6 +12,7 @@ use super::standing::Grade;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
+use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 
@@ -60,15 +61,14 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
 }
 
 async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result<Markup, Problem> {
-    let requirements = pages.config.judging.requirements;
+    let judging = &pages.config.judging;
     let tables = match head.kind {
         Kind::Campaign => {
             let stored = pages.pipeline.stored_campaign(head.id).await?;
-            stored.map(|stored| {
+            stored.and_then(|stored| {
                 let gyros: Vec<_> = stored.answer.calibration.gyros.iter().map(Parameters::fitted).collect();
-                let skewed = serde_json::from_str::<crate::wire::campaign::CampaignBody>(&stored.row.body)
-                    .is_ok_and(|body| parameters::is_skewed(&body.geometry));
-                parameters::tables(t, &gyros, requirements && skewed)
+                let body = serde_json::from_str::<CampaignBody>(&stored.row.body).ok()?;
+                Some(parameters::tables(t, &gyros, parameters::required(judging, &body.imu, &body.geometry)))
             })
         }
         Kind::Record => {
@@ -76,7 +76,7 @@ async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result
             let body = stored.and_then(|row| serde_json::from_str::<RecordBody>(&row.body).ok());
             body.map(|body| {
                 let gyros: Vec<_> = body.gyros.iter().map(Parameters::stated).collect();
-                parameters::tables(t, &gyros, requirements && parameters::is_skewed(&body.geometry))
+                parameters::tables(t, &gyros, parameters::required(judging, &body.imu, &body.geometry))
             })
         }
     };

@@ -6,6 +6,7 @@ use maud::{Markup, html};
 use super::figure;
 use super::layout::encoded;
 use super::text::Text;
+use crate::config::Judging;
 use crate::core::judge::limits::{Bounds, Requirement};
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{GyroFitBody, ParameterBody};
@@ -65,26 +66,26 @@ impl Parameters {
     }
 }
 
-/// Whether Tables 3 and 4 apply.
-pub(super) fn is_skewed(geometry: &GeometryBody) -> bool {
-    matches!(geometry, GeometryBody::Named(NamedGeometry::Skewed))
+/// What E and G of a gyro of `imu` must keep, by its slot and serial number.
+pub(super) fn required(judging: &Judging, imu: &str, geometry: &GeometryBody) -> impl Fn(Slot, &str) -> Requirement {
+    let skewed = matches!(geometry, GeometryBody::Named(NamedGeometry::Skewed));
+    move |slot, serial| judging.requirement(skewed, slot, imu, serial)
 }
 
-pub(super) fn tables(t: &Text, gyros: &[Parameters], skewed: bool) -> Markup {
-    let required =
-        |slot: Slot| if skewed { Requirement::tables_3_and_4()[slot.index()] } else { Requirement::default() };
+pub(super) fn tables(t: &Text, gyros: &[Parameters], required: impl Fn(Slot, &str) -> Requirement) -> Markup {
+    let required = |gyro: &Parameters| required(gyro.slot, &gyro.serial);
     let norm = |three: &Three| three.values.iter().map(|v| v * v).sum::<f64>().sqrt();
     html! {
         (table(t, ("E", "pulse/arcsec"), gyros, |gyro| {
             let e = gyro.e?;
-            let required = required(gyro.slot);
+            let required = required(gyro);
             Some((e, required.e, Some((norm(&e), required.e_norm))))
         }))
-        (table(t, ("G", "pulse/(s g0)"), gyros, |gyro| Some((gyro.g?, required(gyro.slot).g, None))))
+        (table(t, ("G", "pulse/(s g0)"), gyros, |gyro| Some((gyro.g?, required(gyro).g, None))))
         @if gyros.iter().any(|gyro| gyro.p.is_some()) {
             (table(t, ("P", "pulse/(s g0²)"), gyros, |gyro| Some((gyro.p?, [None; 3], None))))
         }
-        @if skewed { p.note { (t.requirement_note) } }
+        @if gyros.iter().any(|gyro| required(gyro) != Requirement::default()) { p.note { (t.requirement_note) } }
     }
 }
 
@@ -148,6 +149,7 @@ fn bounds_alike(low: f64, high: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
     use crate::pages::text::Language;
     use crate::wire::record::RecordBody;
 
@@ -156,7 +158,9 @@ mod tests {
         let record: RecordBody =
             serde_json::from_str(include_str!("../../tests/data/paper.json")).expect("the paper's record");
         let gyros: Vec<Parameters> = record.gyros.iter().map(Parameters::stated).collect();
-        let shown = tables(Language::English.text(), &gyros, is_skewed(&record.geometry)).into_string();
+        let config = Config::defaults();
+        let required = required(&config.judging, &record.imu, &record.geometry);
+        let shown = tables(Language::English.text(), &gyros, required).into_string();
         assert!(shown.contains("0.847300") && shown.contains("0.8425 … 0.8529"), "{shown}");
         assert_eq!(bounds_alike(-0.609, -0.5972), "-0.6090 … -0.5972");
         assert_eq!(shown.matches("class=\"badge ").count(), 3 * (3 + 1 + 3));

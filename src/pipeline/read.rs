@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use super::{Actor, Pipeline};
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
-use crate::core::judge::limits::Requirement;
 use crate::core::judge::{Event, FixedLevels, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
@@ -144,7 +143,7 @@ impl Pipeline {
     fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
         let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
             let covariance = stated_covariance(gyro);
-            self.calibrated(&record.geometry, (i, gyro), covariance.as_ref())
+            self.calibrated(&record, (i, gyro), covariance.as_ref())
                 .map_err(|detail| Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), detail }.into())
         });
         let gyros = gyros.collect::<Result<_, Faults>>()?;
@@ -169,29 +168,27 @@ impl Pipeline {
     /// In words, why E and G cannot be separated.
     pub fn calibrated(
         &self,
-        geometry: &Geometry,
+        Record { geometry, imu, .. }: &Record,
         (place, gyro): (usize, &GyroParameters),
         covariance: Option<&CovarianceEg>,
     ) -> Result<CalibratedGyro, String> {
         let separation =
             separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance).map_err(|error| error.to_string())?;
         let sds = (gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
-        let requirements = self.requirements(geometry, gyro.slot, (&gyro.e, &gyro.g), sds);
+        let requirements = self.requirements(geometry, (gyro.slot, imu, &gyro.serial), (&gyro.e, &gyro.g), sds);
         Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
     }
 
-    /// E and G, with their standard deviations, against what Tables 3 and 4 require of the skewed geometry.
+    /// E and G, with their standard deviations, against what is required of them.
     pub(super) fn requirements(
         &self,
         geometry: &Geometry,
-        slot: Slot,
+        (slot, imu, serial): (Slot, &Name, &Name),
         (e, g): (&Vector3<f64>, &Vector3<f64>),
         (e_sd, g_sd): (Option<&Vector3<f64>>, Option<&Vector3<f64>>),
     ) -> [Option<Verdict>; 2] {
-        let required = match geometry {
-            Geometry::Skewed if self.config.judging.requirements => Requirement::tables_3_and_4()[slot.index()],
-            _ => Requirement::default(),
-        };
+        let skewed = matches!(geometry, Geometry::Skewed);
+        let required = self.config.judging.requirement(skewed, slot, imu.as_str(), serial.as_str());
         requirement(&required, e, g, e_sd, g_sd, self.config.judging.confidence)
     }
 

@@ -145,7 +145,7 @@ catalogue! {
     misalignment: "off nominal", "偏离标称";
     clocking: "clocking of S about I", "S绕I的转角";
     parameters: "Parameters of model (6)", "模型(6)参数";
-    requirement_note: "Limits: requirements of Tables 3 and 4 of the paper.", "限值：论文表3与表4的要求。";
+    requirement_note: "Limits: what is required of E and G, from Tables 3 and 4 of the paper unless it is configured otherwise.", "限值：对E与G的要求；除另行配置外，取自论文表3与表4。";
     not_determined: "not determined by these dwells", "这些位置段不能确定";
     pass: "pass", "合格";
     fail: "fail", "不合格";

@@ -1,12 +1,14 @@
 //! Which results of a gyro are put side by side, and how far they are apart.
 
+use std::collections::HashMap;
+
 use super::Pipeline;
-use super::alerting::{Naming, Origin};
+use super::alerting::{Naming, Origin, finding_of};
 use super::line::{load_marks, mark_of, sample_of};
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Mark, Measured};
-use crate::core::judge::{Coefficient, Event, Source, SourcedResult, Verdict, agreement};
+use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Verdict, agreement};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
@@ -35,7 +37,26 @@ pub struct Compared {
     pub counts: bool,
 }
 
+/// That the methods disagree on a coefficient of a gyro, as its alert has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Disagreement {
+    pub coefficient: Coefficient,
+    /// The range over its limit.
+    pub load: f64,
+}
+
 impl Pipeline {
+    /// What the methods disagree on, of one gyro or of all, in one query: comparing the results of every gyro would take several for each.
+    pub(super) async fn disagreements(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Disagreement>>, StoreError> {
+        let mut found: HashMap<u32, Vec<Disagreement>> = HashMap::new();
+        for row in self.store.unresolved(Rule::Agreement, gyro).await? {
+            let finding = finding_of(&row)?;
+            let load = finding.value.map_or(0.0, |range| range / finding.limit);
+            found.entry(row.gyro).or_default().push(Disagreement { coefficient: row.coefficient, load });
+        }
+        Ok(found)
+    }
+
     /// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
     /// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
     /// Nothing from before the last repair.

@@ -136,6 +136,34 @@ async fn a_gyro_that_only_benches_have_seen_is_not_well_where_they_disagree() {
 }
 
 #[tokio::test]
+async fn what_is_too_old_beside_the_newest_result_does_not_count() {
+    let mut lab = Lab::open().await;
+    lab.posts(&record("IMU-1", "2025-01-01T08:00:00Z", &[("G1", "A", 1.0, 2.0)])).await;
+    lab.post("/v1/bench-results", &bench("A", "2026-01-01T08:00:00Z", 1.5, 2.0)).await.created();
+    let counted = |agreement: &Value| -> Vec<bool> {
+        let results = agreement["results"].as_array().unwrap().iter().filter(|result| result["method"] != "published");
+        results.map(|result| result["counts"].as_bool().unwrap()).collect()
+    };
+    let apart = lab.get("/v1/gyros/A/agreement").await.ok();
+    assert_eq!((counted(&apart), &apart["range"]), (vec![false, true], &json!({"D_I": null, "D_S": null})));
+    let d_i = verdict(&apart, "A", "D_I", "agreement");
+    assert_eq!((&d_i["state"], &d_i["value"]), (&json!("indeterminate"), &Value::Null));
+    assert_eq!(d_i["reason"], "D_I: the rule agreement needs 2 results within 180 days, 1 is there.");
+    // Whoever names a span compares what is in it.
+    let named = lab.get("/v1/gyros/A/agreement?from=2025-01-01T00:00:00Z").await.ok();
+    assert_eq!(counted(&named), [true, true]);
+    assert_close(&named["range"]["D_I"], 0.5, 1e-9);
+    assert_eq!(verdict(&named, "A", "D_I", "agreement")["state"], "exceeded");
+    lab.stop().await;
+    lab.config.judging.agreement_days = 366.0;
+    lab.start().await;
+    let near = lab.get("/v1/gyros/A/agreement").await.ok();
+    assert_eq!(counted(&near), [true, true]);
+    assert_close(&near["range"]["D_I"], 0.5, 1e-9);
+    assert_close(&verdict(&near, "A", "D_I", "agreement")["value"], 0.5, 1e-9);
+}
+
+#[tokio::test]
 async fn bench_results_follow_the_rules_of_records() {
     let lab = Lab::open().await;
     let mut result = bench("LFG-0101", "2026-02-10T08:00:00Z", 4.193101, 5.771452);

@@ -238,6 +238,7 @@ impl Config {
             ("plausibility.max_drift_deg_per_h_g0", self.plausibility.max_drift_deg_per_h_g0),
             ("judging.budget", self.judging.budget),
             ("judging.range_days", self.judging.range_days),
+            ("judging.agreement_days", self.judging.agreement_days),
             ("judging.remembered_records", self.judging.remembered_records as f64),
         ];
         for (key, value) in positive {

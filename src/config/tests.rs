@@ -35,6 +35,8 @@ fn a_wrong_key_is_named() {
     assert!(unknown.contains("server") && unknown.contains("listem"), "{unknown}");
     let mistyped = wrong(&[("GYROWATCH_JUDGING__BUDGET", "wide")]);
     assert!(mistyped.contains("judging.budget"), "{mistyped}");
+    let never = wrong(&[("GYROWATCH_JUDGING__AGREEMENT_DAYS", "0")]);
+    assert!(never.contains("judging.agreement_days") && never.contains("positive"), "{never}");
     let negative = wrong(&[("GYROWATCH_JUDGING__BUDGET", "-1")]);
     assert!(negative.contains("judging.budget") && negative.contains("positive"), "{negative}");
 }

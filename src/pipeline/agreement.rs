@@ -34,6 +34,7 @@ pub struct Compared {
     pub id: Id,
     /// D_I and D_S.
     pub d: [Measured; 2],
+    /// In the ranges and the verdicts on them.
     pub counts: bool,
 }
 
@@ -59,7 +60,8 @@ impl Pipeline {
 
     /// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
     /// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
-    /// Nothing from before the last repair.
+    /// Nothing from before the last repair; and of them those count that are not too old beside the newest. Within `span` all do: whoever names
+    /// it has said what is to be compared.
     pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StoreError> {
         let (benches, separations) = match span {
             Some(span) => {
@@ -68,7 +70,9 @@ impl Pipeline {
             None => made_to_be_compared(&self.store, gyro, &Changes::default()).await?,
         };
         let naming = Naming { tables: &self.store.names().read(), new: None };
-        Ok(compare(gyro, &benches, &separations, &self.config.judging, &naming))
+        let judging = &self.config.judging;
+        let within_days = span.is_none().then_some(judging.agreement_days);
+        Ok(compare(gyro, (&benches, &separations), within_days, judging, &naming))
     }
 }
 
@@ -89,7 +93,7 @@ pub(super) async fn agreement_after(
 ) -> Result<Option<Agreement>, StoreError> {
     let (benches, separations) = made_to_be_compared(store, gyro, changes).await?;
     let naming = Naming { tables: &store.names().read(), new: Some(changes) };
-    let compared = compare(gyro, &benches, &separations, judging, &naming);
+    let compared = compare(gyro, (&benches, &separations), Some(judging.agreement_days), judging, &naming);
     let seat = separations.last().map(Origin::from);
     let of_bench = benches.iter().max_by_key(|bench| bench.measured_at).map(|bench| Origin {
         at: bench.measured_at,
@@ -102,10 +106,11 @@ pub(super) async fn agreement_after(
     Ok(newest.map(|origin| Agreement { gyro, origin, verdicts: compared.verdicts }))
 }
 
+/// `within_days`: how much older than the newest a result may be and count.
 fn compare(
     gyro: u32,
-    benches: &[BenchRow],
-    separations: &[Figures],
+    (benches, separations): (&[BenchRow], &[Figures]),
+    within_days: Option<f64>,
     judging: &Judging,
     naming: &Naming<'_>,
 ) -> Comparison {
@@ -119,17 +124,15 @@ fn compare(
     let imu = separations.last().map(|figures| naming.imu(figures.imu)).unwrap_or_default();
     let limits = judging.limits(&imu, &naming.gyro(gyro));
     results.sort_by_key(|result| (result.at, result.id, result.method));
+    if let (Some(days), Some(newest)) = (within_days, results.last().map(|result| result.at)) {
+        results.iter_mut().for_each(|result| result.counts &= newest.days_since(result.at) <= days);
+    }
     let range = [0, 1].map(|column| range(&results, column));
-    let newest = results.iter().map(|result| result.at).max();
-    let recent: Vec<&Compared> = results
-        .iter()
-        .filter(|r| r.counts && newest.is_some_and(|newest| newest.days_since(r.at) <= limits.agreement_days))
-        .collect();
     let drifts = [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)];
     let verdicts = drifts.into_iter().enumerate().filter_map(|(column, (coefficient, drift))| {
-        let of = |r: &&Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
-        let sourced: Vec<SourcedResult> = recent.iter().map(of).collect();
-        drift.agreement.map(|limit| agreement(coefficient, &sourced, limit, limits.confidence))
+        let of = |r: &Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
+        let sourced: Vec<SourcedResult> = results.iter().filter(|r| r.counts).map(of).collect();
+        drift.agreement.map(|limit| agreement(coefficient, &sourced, within_days, limit, limits.confidence))
     });
     Comparison { range, verdicts: verdicts.collect(), results }
 }

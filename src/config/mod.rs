@@ -6,6 +6,7 @@ mod hooks;
 mod judging;
 mod requirement;
 mod rules;
+mod values;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use serde_json::Value;
 
 use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
+use crate::core::time::UtcMicros;
 use crate::store::Options;
 
 pub use access::Access;
@@ -135,6 +137,8 @@ pub struct PlausibilityKeys {
     pub max_scale_factor: f64,
     pub max_misalignment_deg: f64,
     pub max_drift_deg_per_h_g0: f64,
+    #[serde(deserialize_with = "values::instant")]
+    pub earliest: UtcMicros,
     pub max_future_hours: f64,
 }
 

@@ -42,6 +42,24 @@ fn a_wrong_key_is_named() {
 }
 
 #[test]
+fn a_value_that_is_written_as_text_says_what_is_wanted() {
+    for (key, wrong, named, wanted) in [
+        ("GYROWATCH_PLAUSIBILITY__EARLIEST", "soon", "plausibility.earliest", "such as \"1950-01-01\""),
+        ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950-13-01", "plausibility.earliest", "a date or an RFC 3339 time"),
+    ] {
+        let error = with(&[(key, wrong)]).unwrap_err().to_string();
+        assert!(error.contains(named) && error.contains(wanted) && error.contains(wrong), "{error}");
+    }
+}
+
+#[test]
+fn the_earliest_time_may_be_a_date() {
+    let earliest = |text: &str| with(&[("GYROWATCH_PLAUSIBILITY__EARLIEST", text)]).unwrap().plausibility.earliest;
+    assert_eq!(earliest("1970-01-01").0, 0);
+    assert_eq!(earliest("1970-01-01T08:00:01+08:00").0, 1_000_000);
+}
+
+#[test]
 fn the_last_matching_override_wins() {
     let file = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
     let text = "[[judging.overrides]]\nimu = \"IMU-1\"\nbudget = 0.03\n\

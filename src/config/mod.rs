@@ -49,6 +49,7 @@ pub struct Config {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Server {
+    #[serde(deserialize_with = "values::address")]
     pub listen: SocketAddr,
     pub tls_certificate: Option<PathBuf>,
     pub tls_key: Option<PathBuf>,

@@ -44,7 +44,10 @@ fn a_wrong_key_is_named() {
 #[test]
 fn a_value_that_is_written_as_text_says_what_is_wanted() {
     for (key, wrong, named, wanted) in [
+        ("GYROWATCH_LISTEN", "localhost:18733", "server.listen", "such as 127.0.0.1:8080"),
+        ("GYROWATCH_LISTEN", "8080", "server.listen", "an IP address and a port"),
         ("GYROWATCH_PLAUSIBILITY__EARLIEST", "soon", "plausibility.earliest", "such as \"1950-01-01\""),
+        ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950", "plausibility.earliest", "a date or an RFC 3339 time"),
         ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950-13-01", "plausibility.earliest", "a date or an RFC 3339 time"),
     ] {
         let error = with(&[(key, wrong)]).unwrap_err().to_string();

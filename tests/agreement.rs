@@ -94,6 +94,75 @@ async fn methods_that_disagree_are_named() {
     assert_eq!(verdict(&agreement, "A", "D_S", "agreement")["state"], "within");
 }
 
+/// State of a gyro, by itself and among the others.
+async fn states(lab: &Lab, serial: &str) -> [Value; 2] {
+    let alone = lab.get(&format!("/v1/gyros/{serial}")).await.ok();
+    let all = lab.get("/v1/gyros").await.ok();
+    let among = all["gyros"].as_array().unwrap().iter().find(|gyro| gyro["serial"] == serial).unwrap();
+    [alone["state"].clone(), among["state"].clone()]
+}
+
+#[tokio::test]
+async fn a_gyro_whose_methods_disagree_is_not_well_until_the_alert_is_over() {
+    let lab = Lab::open().await;
+    lab.posts(&record("IMU-1", "2026-03-01T08:00:00Z", &[("G1", "A", 1.0, 2.0), ("G2", "B", 1.0, 2.0)])).await;
+    let before = states(&lab, "A").await;
+    assert!(before[0] != "exceeded" && before[0] == before[1], "{before:?}");
+    let off = lab.post("/v1/bench-results", &bench("A", "2026-03-05T08:00:00Z", 1.02, 2.001)).await.created();
+    assert_eq!(states(&lab, "A").await, ["exceeded", "exceeded"]);
+    let gyro = lab.get("/v1/gyros/A").await.ok();
+    assert_eq!(verdict(&gyro, "A", "D_I", "agreement")["state"], "exceeded");
+    assert_eq!(verdict(&gyro, "A", "D_S", "agreement")["state"], "within");
+    assert_eq!(states(&lab, "B").await, before);
+    let unmeasured = lab.get("/v1/gyros/B").await.ok();
+    assert!(unmeasured["verdicts"].as_array().unwrap().iter().all(|verdict| verdict["rule"] != "agreement"));
+    // Somebody knows: that makes it no better.
+    let alert = lab.get("/v1/alerts?serial=A&rule=agreement").await.ok()["alerts"][0]["id"].clone();
+    let known = json!({"by": "Li", "reason": "the bench is looked at"});
+    lab.post(&format!("/v1/alerts/{}/acknowledge", alert.as_str().unwrap()), &known).await.ok();
+    assert_eq!(states(&lab, "A").await, ["exceeded", "exceeded"]);
+    let void = json!({"author": "Li", "reason": "the table slipped"});
+    lab.post(&format!("/v1/bench-results/{}/void", off["id"].as_str().unwrap()), &void).await;
+    assert_eq!(states(&lab, "A").await, before);
+}
+
+#[tokio::test]
+async fn a_gyro_that_only_benches_have_seen_is_not_well_where_they_disagree() {
+    let lab = Lab::open().await;
+    lab.post("/v1/bench-results", &bench("A", "2026-03-05T08:00:00Z", 1.0, 2.0)).await.created();
+    assert_eq!(states(&lab, "A").await, [Value::Null, Value::Null]);
+    lab.post("/v1/bench-results", &bench("A", "2026-03-06T08:00:00Z", 1.03, 2.0)).await.created();
+    assert_eq!(states(&lab, "A").await, ["exceeded", "exceeded"]);
+}
+
+#[tokio::test]
+async fn what_is_too_old_beside_the_newest_result_does_not_count() {
+    let mut lab = Lab::open().await;
+    lab.posts(&record("IMU-1", "2025-01-01T08:00:00Z", &[("G1", "A", 1.0, 2.0)])).await;
+    lab.post("/v1/bench-results", &bench("A", "2026-01-01T08:00:00Z", 1.5, 2.0)).await.created();
+    let counted = |agreement: &Value| -> Vec<bool> {
+        let results = agreement["results"].as_array().unwrap().iter().filter(|result| result["method"] != "published");
+        results.map(|result| result["counts"].as_bool().unwrap()).collect()
+    };
+    let apart = lab.get("/v1/gyros/A/agreement").await.ok();
+    assert_eq!((counted(&apart), &apart["range"]), (vec![false, true], &json!({"D_I": null, "D_S": null})));
+    let d_i = verdict(&apart, "A", "D_I", "agreement");
+    assert_eq!((&d_i["state"], &d_i["value"]), (&json!("indeterminate"), &Value::Null));
+    assert_eq!(d_i["reason"], "D_I: the rule agreement needs 2 results within 180 days, 1 is there.");
+    // Whoever names a span compares what is in it.
+    let named = lab.get("/v1/gyros/A/agreement?from=2025-01-01T00:00:00Z").await.ok();
+    assert_eq!(counted(&named), [true, true]);
+    assert_close(&named["range"]["D_I"], 0.5, 1e-9);
+    assert_eq!(verdict(&named, "A", "D_I", "agreement")["state"], "exceeded");
+    lab.stop().await;
+    lab.config.judging.agreement_days = 366.0;
+    lab.start().await;
+    let near = lab.get("/v1/gyros/A/agreement").await.ok();
+    assert_eq!(counted(&near), [true, true]);
+    assert_close(&near["range"]["D_I"], 0.5, 1e-9);
+    assert_close(&verdict(&near, "A", "D_I", "agreement")["value"], 0.5, 1e-9);
+}
+
 #[tokio::test]
 async fn bench_results_follow_the_rules_of_records() {
     let lab = Lab::open().await;

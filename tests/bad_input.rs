@@ -181,6 +181,7 @@ fn records() -> Vec<Row> {
             At("/calibrated_at"),
         ),
         row("the year 9999", with("/calibrated_at", json!("9999-12-31T23:59:59Z")), 422, At("/calibrated_at")),
+        row("the year mistyped", with("/calibrated_at", json!("0206-03-01T08:00:00Z")), 422, At("/calibrated_at")),
         row("far future", with("/calibrated_at", json!("2140-01-01T00:00:00Z")), 422, At("/calibrated_at")),
         row("negative sd", with("/gyros/0/e_sd", json!([1e-6, -1e-6, 1e-6])), 422, At("/gyros/0/e_sd/1")),
         row("negative sd of G", with("/gyros/2/g_sd", json!([1e-3, 1e-3, -0.5])), 422, At("/gyros/2/g_sd/2")),
@@ -199,6 +200,12 @@ fn bench_results() -> Vec<Row> {
         row(
             "time without offset",
             changed(bench(), "/measured_at", json!("2026-02-10T08:00:00")),
+            422,
+            At("/measured_at"),
+        ),
+        row(
+            "the year mistyped",
+            changed(bench(), "/measured_at", json!("0206-02-10T08:00:00Z")),
             422,
             At("/measured_at"),
         ),
@@ -253,6 +260,27 @@ fn problem(answer: &support::Answer) -> (u16, String, Vec<String>) {
     let pointers = problem["errors"].as_array().into_iter().flatten();
     let pointers = pointers.map(|e| e["pointer"].as_str().unwrap().to_owned()).collect();
     (answer.status, problem["detail"].as_str().unwrap().to_owned(), pointers)
+}
+
+#[tokio::test]
+async fn a_time_of_long_ago_is_refused_wherever_it_is_said() {
+    let server = Server::start().await;
+    let first = with("/calibrated_at", json!("1950-01-01T00:00:00Z"));
+    assert_eq!(server.post("/v1/records", "application/json", first).await.status, 201, "the limit itself is accepted");
+    let (ago, before) = (json!("0206-03-01T08:00:00Z"), json!("1949-12-31T23:59:59Z"));
+    let mut campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    campaign["measured_at"] = ago.clone();
+    let done = json!({"event": "repair", "reason": "new motor", "at": before});
+    for (route, body, place) in [
+        ("/v1/campaigns", campaign, "/measured_at"),
+        ("/v1/gyros/LFG-0101/events", done, "/at"),
+        ("/v1/gyros/LFG-0101/baseline", json!({"reason": "accepted", "at": ago}), "/at"),
+    ] {
+        let (status, detail, pointers) = problem(&server.post_json(route, &body).await);
+        assert_eq!((status, pointers), (422, vec![place.to_owned()]), "{route}: {detail}");
+    }
+    let line = server.post("/v1/import", "application/x-ndjson", with("/calibrated_at", ago)).await.text();
+    assert!(line.contains("/calibrated_at") && line.contains("plausibility.earliest"), "{line}");
 }
 
 #[tokio::test]

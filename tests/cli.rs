@@ -82,6 +82,29 @@ fn people_get_a_table_with_every_method() {
 }
 
 #[test]
+fn what_lies_outside_its_requirement_is_said_without_a_history() {
+    let file = paper_with("[2.4210, 4.0554, 6.5179]", "[20.0, 4.0554, 6.5179]");
+    let path = file.path().to_str().unwrap();
+    let answer: Value = serde_json::from_str(&printed(&["separate", path, "--format", "json"])).unwrap();
+    let verdicts = answer["verdicts"].as_array().unwrap();
+    let said: Vec<String> = verdicts
+        .iter()
+        .map(|v| ["serial", "coefficient", "rule", "state"].map(|member| v[member].as_str().unwrap()).join(" "))
+        .collect();
+    let expected = ["LFG-0101 E within", "LFG-0101 G exceeded", "LFG-0102 E within", "LFG-0102 G within"];
+    let expected =
+        expected.map(|words| words.replacen(" E ", " E requirement ", 1).replacen(" G ", " G requirement ", 1));
+    assert_eq!(said[..4], expected);
+    assert_eq!(said.len(), 6);
+    assert_eq!((verdicts[1]["value"].as_f64(), verdicts[1]["limit"].as_f64()), (Some(20.0), Some(13.23)));
+    let reason = verdicts[1]["reason"].as_str().unwrap();
+    assert!(reason.contains("G_x = 20.00 lies outside -13.23 to 13.23"), "{reason}");
+    let table = printed(&["separate", path]);
+    assert!(table.contains(&format!("G1 LFG-0101: {reason}")), "{table}");
+    assert!(table.contains("E and G against what is required of them") && table.contains("exceeded"), "{table}");
+}
+
+#[test]
 fn standard_deviations_are_carried_through() {
     let stated = r#"[2.4210, 4.0554, 6.5179], "e_sd": [0,0,0], "g_sd": [0.001, 0.001, 0.001]}"#;
     let file = paper_with("[2.4210, 4.0554, 6.5179]}", stated);

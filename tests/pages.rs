@@ -82,6 +82,27 @@ async fn a_gyro_is_shown_down_to_every_figure_without_a_script() {
 }
 
 #[tokio::test]
+async fn a_gyro_whose_methods_disagree_stands_among_the_worst() {
+    let server = a_small_fleet().await;
+    let bench = json!({"serial": "STEADY", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
+        "method": "torque_feedback", "d_i_deg_per_h_g0": 2.5, "d_s_deg_per_h_g0": -2.2501});
+    assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
+    // A hundred budgets apart, where the other gyro has moved by five.
+    let fleet = page(&server, "/?state=exceeded", &[]).await;
+    let table = &fleet[place(&fleet, "<tbody>")..];
+    assert!(place(table, "STEADY") < place(table, "JUMP/1"), "{table}");
+    let steady = &table[place(table, "STEADY")..place(table, "JUMP/1")];
+    assert!(steady.contains("agreement of methods"), "{steady}");
+    for path in ["/gyros/STEADY", "/gyros/STEADY/report"] {
+        let shown = page(&server, path, &[]).await;
+        let head = &shown[place(&shown, "<h1>")..place(&shown, "</h1>")];
+        assert!(head.contains("badge exceeded"), "{path}: {head}");
+    }
+    let imu = page(&server, "/imus/IMU-A", &[]).await;
+    assert!(imu[place(&imu, "STEADY")..].contains("badge exceeded"), "{imu}");
+}
+
+#[tokio::test]
 async fn beyond_the_oldest_calibration_the_last_page_is_shown() {
     let server = a_small_fleet().await;
     for skip in ["500", "18446744073709551615"] {

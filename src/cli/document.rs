@@ -37,9 +37,14 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What is refused as impossible, as the configuration in force says: files in `config` and the environment.
+/// The configuration in force: files in `config` and the environment.
+pub fn config() -> anyhow::Result<Config> {
+    Ok(Config::load(&[], std::env::vars())?)
+}
+
+/// What is refused as impossible, as the configuration in force says.
 pub fn plausibility() -> anyhow::Result<Plausibility> {
-    Ok(Config::load(&[], std::env::vars())?.plausibility.limits())
+    Ok(config()?.plausibility.limits())
 }
 
 /// The file as messages name it.

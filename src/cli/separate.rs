@@ -1,4 +1,5 @@
-//! `separate`: one record in, its drift coefficients out. Nothing is stored, and nothing judged: that takes a history.
+//! `separate`: one record in, its drift coefficients out. Nothing is stored; what is judged is E and G against what is required of them,
+//! which takes no history.
 
 use std::path::PathBuf;
 
@@ -6,10 +7,13 @@ use anyhow::{Context, anyhow, bail};
 use comfy_table::Table;
 
 use super::document::{self, Format, table};
+use crate::config::Judging;
+use crate::core::judge::{State, Verdict, requirement};
+use crate::core::mounting::Geometry;
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{NotPublished, Published, Separation, separate, stated_covariance};
 use crate::pages::figure::with_sd;
-use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody};
+use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
@@ -56,13 +60,24 @@ impl Separate {
                 file()
             );
         }
-        let record = parse_record(&bytes, &document::plausibility()?).with_context(file)?;
+        let config = document::config()?;
+        let record = parse_record(&bytes, &config.plausibility.limits()).with_context(file)?;
         let separations = separate_all(&record).with_context(file)?;
+        let verdicts: Vec<_> = record.gyros.iter().map(|gyro| required(&record, gyro, &config.judging)).collect();
         match self.format {
-            Format::Table => document::print(&tables(&record, &separations)),
-            Format::Json => document::print_json(&answer(&record, &separations, self.method)),
+            Format::Table => document::print(&tables(&record, &separations, &verdicts)),
+            Format::Json => document::print_json(&answer(&record, &separations, &verdicts, self.method)),
         }
     }
+}
+
+/// On E and G, where something is required of them.
+type Requirements = [Option<Verdict>; 2];
+
+fn required(record: &Record, gyro: &GyroParameters, judging: &Judging) -> Requirements {
+    let skewed = matches!(record.geometry, Geometry::Skewed);
+    let required = judging.requirement(skewed, gyro.slot, record.imu.as_str(), gyro.serial.as_str());
+    requirement(&required, &gyro.e, &gyro.g, gyro.e_sd.as_ref(), gyro.g_sd.as_ref(), judging.confidence)
 }
 
 fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
@@ -74,16 +89,39 @@ fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {
     record.gyros.iter().enumerate().map(one).collect()
 }
 
-fn answer(record: &Record, separations: &[Separation], method: Method) -> RecordAnswer {
+fn answer(record: &Record, separations: &[Separation], verdicts: &[Requirements], method: Method) -> RecordAnswer {
     let body = |(gyro, s): (&GyroParameters, _)| SeparationBody::of(gyro.serial.as_str(), s, method.into());
     let separations = record.gyros.iter().zip(separations).map(body).collect();
-    RecordAnswer { id: None, separations, verdicts: Vec::new() }
+    let said = |(gyro, verdicts): (&GyroParameters, &Requirements)| {
+        verdicts.iter().flatten().map(|verdict| VerdictBody::of(gyro.serial.as_str(), verdict)).collect::<Vec<_>>()
+    };
+    let verdicts = record.gyros.iter().zip(verdicts).flat_map(said).collect();
+    RecordAnswer { id: None, separations, verdicts }
 }
 
-fn tables(record: &Record, separations: &[Separation]) -> String {
+fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]) -> String {
     let (imu, station, at) = (&record.imu, &record.station, time::format(record.calibrated_at));
     let rows = record.gyros.iter().zip(separations).map(|(gyro, s)| (gyro.serial.as_str(), s));
-    format!("{imu}, calibrated by {station} at {at}\n\n{}", drift_and_mounting(rows))
+    let requirements = requirement_table(record.gyros.iter().zip(verdicts));
+    format!("{imu}, calibrated by {station} at {at}\n\n{}{requirements}", drift_and_mounting(rows))
+}
+
+/// How E and G keep to what is required of them, and below the table why where they do not; empty where nothing is required.
+fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Requirements)>) -> String {
+    let (mut states, mut reasons) = (table(["gyro", "serial", "E", "G"], 4..4), String::new());
+    for (gyro, verdicts) in gyros.filter(|(_, verdicts)| verdicts.iter().any(Option::is_some)) {
+        let (slot, serial) = (gyro.slot.name(), gyro.serial.as_str());
+        let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| verdict.state.name()));
+        states.add_row([slot, serial, e, g]);
+        for verdict in verdicts.iter().flatten().filter(|verdict| verdict.state != State::Within) {
+            reasons.push_str(&format!("\n{slot} {serial}: {verdict}"));
+        }
+    }
+    if states.is_empty() {
+        String::new()
+    } else {
+        format!("\n\nE and G against what is required of them\n{states}{reasons}")
+    }
 }
 
 /// Two tables: drift coefficients by every method, and the mounting, for gyros given by serial.

@@ -24,6 +24,7 @@ pub struct Judging {
     pub confidence: f64,
     pub range_days: f64,
     pub range_min_records: usize,
+    pub agreement_days: f64,
     pub remembered_records: usize,
     pub interval_days: f64,
     pub requirements: bool,

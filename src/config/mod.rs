@@ -6,6 +6,7 @@ mod hooks;
 mod judging;
 mod requirement;
 mod rules;
+mod values;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use serde_json::Value;
 
 use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
+use crate::core::time::UtcMicros;
 use crate::store::Options;
 
 pub use access::Access;
@@ -47,6 +49,7 @@ pub struct Config {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Server {
+    #[serde(deserialize_with = "values::address")]
     pub listen: SocketAddr,
     pub tls_certificate: Option<PathBuf>,
     pub tls_key: Option<PathBuf>,
@@ -135,6 +138,8 @@ pub struct PlausibilityKeys {
     pub max_scale_factor: f64,
     pub max_misalignment_deg: f64,
     pub max_drift_deg_per_h_g0: f64,
+    #[serde(deserialize_with = "values::instant")]
+    pub earliest: UtcMicros,
     pub max_future_hours: f64,
 }
 
@@ -238,6 +243,7 @@ impl Config {
             ("plausibility.max_drift_deg_per_h_g0", self.plausibility.max_drift_deg_per_h_g0),
             ("judging.budget", self.judging.budget),
             ("judging.range_days", self.judging.range_days),
+            ("judging.agreement_days", self.judging.agreement_days),
             ("judging.remembered_records", self.judging.remembered_records as f64),
         ];
         for (key, value) in positive {

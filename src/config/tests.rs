@@ -35,8 +35,31 @@ fn a_wrong_key_is_named() {
     assert!(unknown.contains("server") && unknown.contains("listem"), "{unknown}");
     let mistyped = wrong(&[("GYROWATCH_JUDGING__BUDGET", "wide")]);
     assert!(mistyped.contains("judging.budget"), "{mistyped}");
+    let never = wrong(&[("GYROWATCH_JUDGING__AGREEMENT_DAYS", "0")]);
+    assert!(never.contains("judging.agreement_days") && never.contains("positive"), "{never}");
     let negative = wrong(&[("GYROWATCH_JUDGING__BUDGET", "-1")]);
     assert!(negative.contains("judging.budget") && negative.contains("positive"), "{negative}");
+}
+
+#[test]
+fn a_value_that_is_written_as_text_says_what_is_wanted() {
+    for (key, wrong, named, wanted) in [
+        ("GYROWATCH_LISTEN", "localhost:18733", "server.listen", "such as 127.0.0.1:8080"),
+        ("GYROWATCH_LISTEN", "8080", "server.listen", "an IP address and a port"),
+        ("GYROWATCH_PLAUSIBILITY__EARLIEST", "soon", "plausibility.earliest", "such as \"1950-01-01\""),
+        ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950", "plausibility.earliest", "a date or an RFC 3339 time"),
+        ("GYROWATCH_PLAUSIBILITY__EARLIEST", "1950-13-01", "plausibility.earliest", "a date or an RFC 3339 time"),
+    ] {
+        let error = with(&[(key, wrong)]).unwrap_err().to_string();
+        assert!(error.contains(named) && error.contains(wanted) && error.contains(wrong), "{error}");
+    }
+}
+
+#[test]
+fn the_earliest_time_may_be_a_date() {
+    let earliest = |text: &str| with(&[("GYROWATCH_PLAUSIBILITY__EARLIEST", text)]).unwrap().plausibility.earliest;
+    assert_eq!(earliest("1970-01-01").0, 0);
+    assert_eq!(earliest("1970-01-01T08:00:01+08:00").0, 1_000_000);
 }
 
 #[test]

@@ -39,7 +39,7 @@ struct Agreement {
     results: Vec<ResultBody>,
     /// max - min over the results that count.
     range: RangeBody,
-    /// The ranges against their limits, over the results that are not too far apart in time to agree.
+    /// The ranges against their limits, over the same results.
     verdicts: Vec<VerdictBody>,
 }
 
@@ -56,7 +56,8 @@ struct ResultBody {
     id: String,
     d_i: FigureBody,
     d_s: FigureBody,
-    /// Whether it counts in the range: of a separation, only the judged method's figures do.
+    /// Whether it counts in the ranges and the verdicts: of a separation, only the judged method's figures do; and without `from` and `to`,
+    /// only what is no more than `judging.agreement_days` older than the newest of these results.
     counts: bool,
 }
 

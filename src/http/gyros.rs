@@ -48,7 +48,8 @@ struct Gyro {
     serial: String,
     /// Null for a gyro that only a bench has seen.
     latest: Option<Latest>,
-    /// The worst that any rule says of its newest calibration, requirements on E and G included; null before the first.
+    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included: `indeterminate` while none
+    /// could judge its drift, null before the first. `exceeded` in any case while an alert of `agreement` is not resolved.
     state: Option<&'static str>,
 }
 
@@ -103,7 +104,7 @@ async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQu
 struct GyroDetail {
     #[serde(flatten)]
     gyro: Gyro,
-    /// Verdicts on its newest record.
+    /// Verdicts on its newest record; where a bench has measured it, also how the methods agree.
     verdicts: Vec<VerdictBody>,
     /// What was done to it, oldest first.
     events: Vec<EventBody>,
@@ -123,10 +124,14 @@ async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<
     let store = app.pipeline.store();
     let newest = store.newest_history(number, Span::EVER, 1).await?.pop();
     let found = app.pipeline.standing_in_words(number, newest).await?;
-    let (standing, verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
+    let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
     let events = store.events(number).await?.iter().map(EventBody::of).collect();
     let calibrations = store.count_history(number).await?;
     let bench_results = store.bench_results(number, Span::EVER).await?.len();
+    if bench_results > 0 {
+        let compared = app.pipeline.compare_methods(number, None).await?;
+        verdicts.extend(compared.verdicts.iter().map(|verdict| VerdictBody::of(&serial, verdict)));
+    }
     let gyro = Gyro::of(&standing, app.config.judging.method, &store.names().read());
     Ok(Json(GyroDetail { gyro, verdicts, events, calibrations, bench_results }))
 }

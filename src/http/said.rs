@@ -27,9 +27,9 @@ impl Said {
         let at = self.at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, faults));
         let author = text::short("/author", &self.author, faults);
         if faults.is_empty()
-            && let Err(future) = app.pipeline.check_time("/at", at)
+            && let Err(impossible) = app.pipeline.check_time("/at", at)
         {
-            faults.absorb("", future);
+            faults.absorb("", impossible);
         }
         (reason, at, author)
     }

@@ -66,8 +66,8 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
         "" => pages.clock.now(),
         at => text::instant("at", at, &mut faults),
     };
-    if let Err(future) = pages.pipeline.check_time("at", at) {
-        faults.absorb("", future);
+    if let Err(impossible) = pages.pipeline.check_time("at", at) {
+        faults.absorb("", impossible);
     }
     let Some(event) = event.filter(|_| faults.is_empty()) else {
         return Ok(with_form(viewer, &name, said, |deed| deed.again(viewer, &said.word, &faults)));

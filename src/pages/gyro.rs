@@ -61,6 +61,16 @@ impl Facts {
         let bands = course::bands(&course, shown.separation());
         Ok(Self { course, bands, comparison, verdicts, alerts: alerts::open_ones(pages, number).await? })
     }
+
+    /// As the fleet has it: the verdicts on the newest record, and that the methods disagree for as long as an alert says so.
+    pub fn grade(&self) -> Grade {
+        let disagree = self.alerts.iter().any(|alert| alert.rule == Rule::Agreement.name());
+        let of_newest = self.course.figures.last().map(|newest| verdicts::worst(newest, &self.verdicts));
+        let broken = self.verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
+        let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));
+        let of_methods = disagree.then_some(Rule::Agreement);
+        Grade::judged(of_newest.max(of_methods.map(|_| State::Exceeded)), broken.chain(of_methods))
+    }
 }
 
 /// The number of a gyro.
@@ -123,16 +133,12 @@ async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result
 
 fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
-    let (newest, verdicts) = (facts.course.figures.last(), &facts.verdicts);
-    let broken = verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
-    let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));
-    let grade = Grade::judged(newest.map(|figures| verdicts::worst(figures, verdicts)), broken);
     html! {
         h1 {
             (serial) " "
-            (grade.badge(t))
+            (facts.grade().badge(t))
         }
-        @if let Some(figures) = newest {
+        @if let Some(figures) = facts.course.figures.last() {
             p.lead {
                 a href={ "/imus/" (encoded(course::name(tables.imus.name(figures.imu)))) } { (course::seat(figures, tables)) }
                 " · " (t.station) " " (course::name(tables.stations.name(figures.station)))

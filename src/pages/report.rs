@@ -8,10 +8,8 @@ use maud::{Markup, html};
 use super::course::{self, Shown};
 use super::gyro::{Facts, agreement, calibration_table, known};
 use super::layout::{Page, Section, instant, symbol};
-use super::standing::Grade;
 use super::viewer::Viewer;
 use super::{Pages, alerts, chart, figure, imu, verdicts};
-use crate::core::judge::{Rule, State};
 use crate::pipeline::Kind;
 use crate::wire::problem::Problem;
 
@@ -35,7 +33,7 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
     let count = facts.course.figures.len();
     let body = html! {
         article.report {
-            h1 { (t.report_of_gyro) " " (serial) " " (grade(&facts).badge(t)) }
+            h1 { (t.report_of_gyro) " " (serial) " " (facts.grade().badge(t)) }
             (as_of(pages, viewer))
             section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &tables)) }
             section { h2 { (t.verdicts) } (verdicts::all(viewer, &facts.verdicts)) }
@@ -81,7 +79,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
             @if let Some(newest) = &found.parameters { section { h2 { (t.newest_parameters) } (newest) } }
             @for (serial, facts) in &gyros {
                 section.sheet {
-                    h2 { (t.serial) " " (serial) " " (grade(facts).badge(t)) }
+                    h2 { (t.serial) " " (serial) " " (facts.grade().badge(t)) }
                     (verdicts::all(viewer, &facts.verdicts))
                     (chart::strips(&course::plot(viewer, serial, shown, (&facts.course, &facts.bands), &tables)))
                     (agreement(viewer, serial, &facts.comparison))
@@ -97,12 +95,6 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
 
 fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
     html! { p.note { (viewer.text().printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
-}
-
-fn grade(facts: &Facts) -> Grade {
-    let broken = facts.verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
-    let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));
-    Grade::judged(facts.course.figures.last().map(|newest| verdicts::worst(newest, &facts.verdicts)), broken)
 }
 
 fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &crate::pipeline::Tables) -> Markup {

@@ -1,12 +1,14 @@
 //! Which results of a gyro are put side by side, and how far they are apart.
 
+use std::collections::HashMap;
+
 use super::Pipeline;
-use super::alerting::{Naming, Origin};
+use super::alerting::{Naming, Origin, finding_of};
 use super::line::{load_marks, mark_of, sample_of};
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Mark, Measured};
-use crate::core::judge::{Coefficient, Event, Source, SourcedResult, Verdict, agreement};
+use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Verdict, agreement};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
@@ -32,13 +34,34 @@ pub struct Compared {
     pub id: Id,
     /// D_I and D_S.
     pub d: [Measured; 2],
+    /// In the ranges and the verdicts on them.
     pub counts: bool,
 }
 
+/// That the methods disagree on a coefficient of a gyro, as its alert has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Disagreement {
+    pub coefficient: Coefficient,
+    /// The range over its limit.
+    pub load: f64,
+}
+
 impl Pipeline {
+    /// What the methods disagree on, of one gyro or of all, in one query: comparing the results of every gyro would take several for each.
+    pub(super) async fn disagreements(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Disagreement>>, StoreError> {
+        let mut found: HashMap<u32, Vec<Disagreement>> = HashMap::new();
+        for row in self.store.unresolved(Rule::Agreement, gyro).await? {
+            let finding = finding_of(&row)?;
+            let load = finding.value.map_or(0.0, |range| range / finding.limit);
+            found.entry(row.gyro).or_default().push(Disagreement { coefficient: row.coefficient, load });
+        }
+        Ok(found)
+    }
+
     /// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
     /// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
-    /// Nothing from before the last repair.
+    /// Nothing from before the last repair; and of them those count that are not too old beside the newest. Within `span` all do: whoever names
+    /// it has said what is to be compared.
     pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StoreError> {
         let (benches, separations) = match span {
             Some(span) => {
@@ -47,7 +70,9 @@ impl Pipeline {
             None => made_to_be_compared(&self.store, gyro, &Changes::default()).await?,
         };
         let naming = Naming { tables: &self.store.names().read(), new: None };
-        Ok(compare(gyro, &benches, &separations, &self.config.judging, &naming))
+        let judging = &self.config.judging;
+        let within_days = span.is_none().then_some(judging.agreement_days);
+        Ok(compare(gyro, (&benches, &separations), within_days, judging, &naming))
     }
 }
 
@@ -68,7 +93,7 @@ pub(super) async fn agreement_after(
 ) -> Result<Option<Agreement>, StoreError> {
     let (benches, separations) = made_to_be_compared(store, gyro, changes).await?;
     let naming = Naming { tables: &store.names().read(), new: Some(changes) };
-    let compared = compare(gyro, &benches, &separations, judging, &naming);
+    let compared = compare(gyro, (&benches, &separations), Some(judging.agreement_days), judging, &naming);
     let seat = separations.last().map(Origin::from);
     let of_bench = benches.iter().max_by_key(|bench| bench.measured_at).map(|bench| Origin {
         at: bench.measured_at,
@@ -81,10 +106,11 @@ pub(super) async fn agreement_after(
     Ok(newest.map(|origin| Agreement { gyro, origin, verdicts: compared.verdicts }))
 }
 
+/// `within_days`: how much older than the newest a result may be and count.
 fn compare(
     gyro: u32,
-    benches: &[BenchRow],
-    separations: &[Figures],
+    (benches, separations): (&[BenchRow], &[Figures]),
+    within_days: Option<f64>,
     judging: &Judging,
     naming: &Naming<'_>,
 ) -> Comparison {
@@ -98,17 +124,15 @@ fn compare(
     let imu = separations.last().map(|figures| naming.imu(figures.imu)).unwrap_or_default();
     let limits = judging.limits(&imu, &naming.gyro(gyro));
     results.sort_by_key(|result| (result.at, result.id, result.method));
+    if let (Some(days), Some(newest)) = (within_days, results.last().map(|result| result.at)) {
+        results.iter_mut().for_each(|result| result.counts &= newest.days_since(result.at) <= days);
+    }
     let range = [0, 1].map(|column| range(&results, column));
-    let newest = results.iter().map(|result| result.at).max();
-    let recent: Vec<&Compared> = results
-        .iter()
-        .filter(|r| r.counts && newest.is_some_and(|newest| newest.days_since(r.at) <= limits.agreement_days))
-        .collect();
     let drifts = [(Coefficient::DI, &limits.d_i), (Coefficient::DS, &limits.d_s)];
     let verdicts = drifts.into_iter().enumerate().filter_map(|(column, (coefficient, drift))| {
-        let of = |r: &&Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
-        let sourced: Vec<SourcedResult> = recent.iter().map(of).collect();
-        drift.agreement.map(|limit| agreement(coefficient, &sourced, limit, limits.confidence))
+        let of = |r: &Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
+        let sourced: Vec<SourcedResult> = results.iter().filter(|r| r.counts).map(of).collect();
+        drift.agreement.map(|limit| agreement(coefficient, &sourced, within_days, limit, limits.confidence))
     });
     Comparison { range, verdicts: verdicts.collect(), results }
 }

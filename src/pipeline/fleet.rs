@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::Pipeline;
+use super::agreement::Disagreement;
 use super::line::{marks_of, sample_of};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Rule, State, overdue};
@@ -20,12 +21,12 @@ pub struct Standing {
     pub serial: Arc<str>,
     /// Its newest calibration; none for a gyro that only a bench has seen.
     pub newest: Option<Figures>,
-    /// The worst that any rule says of it, requirements on E and G included; indeterminate while no rule can judge its drift, none
-    /// before the first calibration.
+    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included; indeterminate while
+    /// none could judge its drift, none before the first calibration. While an alert of `agreement` fires, exceeded whatever they say.
     pub state: Option<State>,
     /// What it violates.
     pub exceeded: Vec<(Coefficient, Rule)>,
-    /// The largest figure over its limit, of the rules of D_I, D_S and the closure.
+    /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it fires.
     pub load: f64,
     /// Days since its last calibration, where that is longer than its interval.
     pub overdue_days: Option<f64>,
@@ -113,10 +114,12 @@ impl Pipeline {
             .iter()
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
+        let disagreements = self.disagreements(None).await?;
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
             let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
-            self.standing(&tables, number, newest, of_newest.copied().unwrap_or_default())
+            let of_methods = disagreements.get(&number).map_or(&[][..], Vec::as_slice);
+            self.standing(&tables, number, newest, (of_newest.copied().unwrap_or_default(), of_methods))
         };
         Ok(newest.into_iter().filter_map(standing).collect())
     }
@@ -133,7 +136,8 @@ impl Pipeline {
         };
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
-        let Some(standing) = self.standing(&self.store.names().read(), number, newest, verdicts) else {
+        let of_methods = self.disagreements(Some(number)).await?.remove(&number).unwrap_or_default();
+        let Some(standing) = self.standing(&self.store.names().read(), number, newest, (verdicts, &of_methods)) else {
             return Ok(None);
         };
         let said = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
@@ -141,24 +145,29 @@ impl Pipeline {
         Ok(Some((standing, said)))
     }
 
-    /// How a gyro stands with this newest calibration and the verdicts on it.
+    /// How a gyro stands with this newest calibration, the verdicts on it, and what its methods disagree on.
     fn standing(
         &self,
         tables: &Tables,
         number: u32,
         newest: Option<Figures>,
-        verdicts: &[StoredVerdict],
+        (verdicts, disagreements): (&[StoredVerdict], &[Disagreement]),
     ) -> Option<Standing> {
         let serial = tables.gyros.name(number)?.clone();
         let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
         let interval = self.config.judging.limits(imu, &serial).interval_days;
         let late = newest.as_ref().zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
+        let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
+        let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
+        let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
         Some(Standing {
             number,
             serial,
-            state: newest.as_ref().map(|figures| worst(figures, verdicts)),
-            exceeded: exceeded(verdicts),
-            load: verdicts.iter().filter_map(load).fold(0.0, f64::max),
+            state: of_newest.max(of_methods),
+            exceeded: exceeded(verdicts)
+                .chain(disagreements.iter().map(|found| (found.coefficient, Rule::Agreement)))
+                .collect(),
+            load: loads.fold(0.0, f64::max),
             overdue_days: late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value),
             newest,
         })
@@ -219,9 +228,9 @@ fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
     judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
-fn exceeded(verdicts: &[StoredVerdict]) -> Vec<(Coefficient, Rule)> {
+fn exceeded(verdicts: &[StoredVerdict]) -> impl Iterator<Item = (Coefficient, Rule)> {
     let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
-    beyond.map(|verdict| (verdict.coefficient, verdict.rule)).collect()
+    beyond.map(|verdict| (verdict.coefficient, verdict.rule))
 }
 
 /// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no measure.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::{Actor, Pipeline};
+use crate::config::PlausibilityKeys;
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::{Event, FixedLevels, Verdict, requirement};
@@ -16,6 +17,7 @@ use crate::store::{Id, Kind};
 use crate::system::sha256;
 use crate::wire::bench::parse_bench_result;
 use crate::wire::record::parse_record;
+use crate::wire::time;
 
 /// Something to store.
 #[derive(Debug, Clone)]
@@ -203,15 +205,18 @@ impl Pipeline {
         Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
     }
 
-    /// Refuses a time that lies too far ahead of the clock: the sender's clock is wrong, and the item would stay the newest for
-    /// as long.
+    /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock would stay the newest
+    /// for as long, what lies long before all else would become the baseline.
     pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
-        let hours = self.config.plausibility.max_future_hours;
-        if at > self.clock.now().plus_days(hours / 24.0) {
-            let detail = format!("lies more than {hours} hours in the future of the service's clock");
-            return Err(Fault { pointer: pointer.to_owned(), detail }.into());
-        }
-        Ok(())
+        let PlausibilityKeys { max_future_hours: hours, earliest, .. } = &self.config.plausibility;
+        let detail = if at > self.clock.now().plus_days(hours / 24.0) {
+            format!("lies more than {hours} hours in the future of the service's clock")
+        } else if at < *earliest {
+            format!("lies before {}, the earliest time that `plausibility.earliest` accepts", time::format(*earliest))
+        } else {
+            return Ok(());
+        };
+        Err(Fault { pointer: pointer.to_owned(), detail }.into())
     }
 }
 

@@ -206,6 +206,19 @@ impl Store {
         on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
     }
 
+    /// Alerts of one rule that fire, acknowledged or silenced as they may be: of one gyro, or of all.
+    pub async fn unresolved(&self, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
+        let sql = sqlx::AssertSqlSafe(format!(
+            "{COLUMNS} WHERE rule = $1 AND status = $2 AND ($3 IS NULL OR gyro = $3) ORDER BY id"
+        ));
+        on!(self.readers, db => sqlx::query(sql)
+            .bind(rule.name())
+            .bind(Status::Firing.name())
+            .bind(gyro.map(Whole))
+            .fetch_all(db)
+            .await?.iter().map(alert).collect())
+    }
+
     pub async fn alert(&self, id: Id) -> Result<Option<AlertRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1"));
         on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())

@@ -22,8 +22,6 @@ pub struct Limits {
     pub range_days: f64,
     /// and says nothing of fewer than so many.
     pub range_min_records: usize,
-    /// `agreement` compares results no older than so many days before the newest of them.
-    pub agreement_days: f64,
     /// `overdue` fires so many days after the last calibration.
     pub interval_days: Option<f64>,
 }
@@ -103,7 +101,6 @@ impl Limits {
             confidence: 0.95,
             range_days: 30.0,
             range_min_records: 3,
-            agreement_days: 180.0,
             interval_days: None,
         }
     }

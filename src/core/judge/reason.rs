@@ -16,6 +16,12 @@ pub enum Finding {
         have: usize,
         need: usize,
     },
+    /// Not enough results that lie close enough in time to be compared.
+    FewWithin {
+        have: usize,
+        need: usize,
+        days: f64,
+    },
     Step {
         since: UtcMicros,
         before: f64,
@@ -106,7 +112,7 @@ impl Verdict {
 impl Display for Verdict {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         self.write_finding(f)?;
-        if matches!(self.finding, Finding::TooFew { .. }) {
+        if matches!(self.finding, Finding::TooFew { .. } | Finding::FewWithin { .. }) {
             return f.write_str(".");
         }
         write!(f, "; the limit is {:.*} {}.", digits(self.limit), Decimal(self.limit), self.unit())?;
@@ -154,6 +160,14 @@ impl Verdict {
                 let what = if self.rule == Rule::Agreement { "results" } else { "records" };
                 let are = if have == 1 { "is" } else { "are" };
                 write!(f, "{name}: the rule {} needs {need} {what}, {have} {are} there", self.rule.name())
+            }
+            Finding::FewWithin { have, need, days } => {
+                let are = if have == 1 { "is" } else { "are" };
+                write!(
+                    f,
+                    "{name}: the rule {} needs {need} results within {days} days, {have} {are} there",
+                    self.rule.name()
+                )
             }
             Finding::Step { since, before, now, confirms } => {
                 let (step, before, date) = (Decimal(now - before), Decimal(before), since.date());

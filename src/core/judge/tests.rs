@@ -280,11 +280,11 @@ fn table_5_agrees_by_its_range_column() {
             measured: Measured::exact(value),
         };
         let results: Vec<_> = values.into_iter().enumerate().map(result).collect();
-        let v = agreement(Coefficient::DI, &results, 1e-3, 0.95);
+        let v = agreement(Coefficient::DI, &results, None, 1e-3, 0.95);
         assert!((v.value.unwrap() * 1e4 - range).abs() < 1e-6, "{v:?}");
         assert_eq!(v.state == State::Exceeded, range > 10.0);
     }
-    assert_eq!(agreement(Coefficient::DI, &[], 1e-3, 0.95).state, State::Indeterminate);
+    assert_eq!(agreement(Coefficient::DI, &[], None, 1e-3, 0.95).state, State::Indeterminate);
 }
 
 #[test]

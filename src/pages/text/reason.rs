@@ -8,7 +8,7 @@ use crate::core::time::UtcMicros;
 /// One or two sentences.
 pub(in crate::pages) fn in_chinese(verdict: &Verdict) -> String {
     let mut text = finding(verdict);
-    if matches!(verdict.finding, Finding::TooFew { .. }) {
+    if matches!(verdict.finding, Finding::TooFew { .. } | Finding::FewWithin { .. }) {
         return text + "。";
     }
     text += &format!("；限值为{:.*}{}。", digits(verdict.limit), verdict.limit, unit(verdict));
@@ -27,6 +27,7 @@ fn finding(verdict: &Verdict) -> String {
     let value = verdict.value.unwrap_or(0.0);
     match verdict.finding {
         Finding::TooFew { have, need } => format!("{name}：规则需要{need}个记录，现有{have}个"),
+        Finding::FewWithin { have, need, days } => format!("{name}：规则需要{days}天内{need}个结果，现有{have}个"),
         Finding::Step { since, before, now, confirms } => {
             let step = now - before;
             let mut text = format!("{name}自{}以来变化{step:+.p$}，由{before:.p$}变为{now:.p$}", since.date());

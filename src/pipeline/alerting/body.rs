@@ -74,8 +74,7 @@ impl Naming<'_> {
     /// # Errors
     /// [`StoreError::Damaged`] where the stored finding cannot be read.
     pub fn alert(&self, row: &AlertRow, now: UtcMicros) -> Result<AlertBody, StoreError> {
-        let finding = serde_json::from_str(&row.finding)
-            .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))?;
+        let finding = finding_of(row)?;
         let until = row.alert.silenced_until.filter(|until| now < *until);
         Ok(AlertBody {
             id: row.id.to_string(),
@@ -100,6 +99,15 @@ impl Naming<'_> {
             }),
         })
     }
+}
+
+/// The last verdict that an alert has followed.
+///
+/// # Errors
+/// [`StoreError::Damaged`] where it cannot be read.
+pub fn finding_of(row: &AlertRow) -> Result<FindingBody, StoreError> {
+    serde_json::from_str(&row.finding)
+        .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))
 }
 
 fn added(names: &[(u32, String)], number: u32) -> Option<&str> {

@@ -33,10 +33,16 @@ pub struct SourcedResult {
 }
 
 /// The value is max - min over `results`: those that are to agree, which the caller chooses (of one coefficient, since
-/// the last repair, no farther apart in time than the gyro is expected to hold still).
+/// the last repair, no farther apart in time than the gyro is expected to hold still: `within_days`, where it was so many).
 ///
 /// `confirmed` when no single result is to blame: leave out the highest or the lowest, and the rest still disagree.
-pub fn agreement(coefficient: Coefficient, results: &[SourcedResult], limit: f64, confidence: f64) -> Verdict {
+pub fn agreement(
+    coefficient: Coefficient,
+    results: &[SourcedResult],
+    within_days: Option<f64>,
+    limit: f64,
+    confidence: f64,
+) -> Verdict {
     let extremes = Extremes::of(results.iter().map(|result| (result, result.measured.value)));
     let (value, sd, state, probability, confirmed, finding) = if let [_, _, ..] = results
         && let Some((lowest, highest)) = extremes.lowest.zip(extremes.highest)
@@ -48,7 +54,11 @@ pub fn agreement(coefficient: Coefficient, results: &[SourcedResult], limit: f64
         let confirmed = extremes.range_without_one() > limit;
         (Some(range.value), range.sd, outcome.state, outcome.probability, confirmed, finding)
     } else {
-        let finding = Finding::TooFew { have: results.len(), need: 2 };
+        let (have, need) = (results.len(), 2);
+        let finding = match within_days {
+            Some(days) => Finding::FewWithin { have, need, days },
+            None => Finding::TooFew { have, need },
+        };
         (None, None, State::Indeterminate, None, false, finding)
     };
     Verdict { coefficient, rule: Rule::Agreement, state, value, limit, sd, probability, confirmed, finding }

@@ -100,6 +100,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("its offset from UTC must lie between -23:59 and +23:59", "与UTC的时差应在-23:59与+23:59之间"),
     ("is no date and time of the calendar", "不是历法中的日期与时间"),
     ("has a 60th second where no leap second can be", "该时刻不可能有闰秒，却写了第60秒"),
+    (
+        "lies before {}, the earliest time that `plausibility.earliest` accepts",
+        "早于{0}，即`plausibility.earliest`所接受的最早时间",
+    ),
     ("lies more than {} hours in the future of the service's clock", "比服务时钟超前{0}小时以上"),
     // Numbers.
     ("must have {} elements, has {}", "应有{0}个元素，实有{1}个"),

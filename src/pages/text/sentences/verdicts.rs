@@ -49,6 +49,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
     // What each rule saw.
     ("{}: the rule {} needs {} records, {} is there.", "{0}：规则需要{2}个记录，现有{3}个。"),
     ("{}: the rule {} needs {} records, {} are there.", "{0}：规则需要{2}个记录，现有{3}个。"),
+    ("{}: the rule {} needs {} results within {} days, {} is there.", "{0}：规则需要{3}天内{2}个结果，现有{4}个。"),
+    ("{}: the rule {} needs {} results within {} days, {} are there.", "{0}：规则需要{3}天内{2}个结果，现有{4}个。"),
     ("{}: the rule {} needs {} results, {} is there.", "{0}：规则需要{2}个结果，现有{3}个。"),
     ("{}: the rule {} needs {} results, {} are there.", "{0}：规则需要{2}个结果，现有{3}个。"),
     (

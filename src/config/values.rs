@@ -1,0 +1,37 @@
+//! Values that are written as text: read with words that say what is wanted.
+
+use std::net::SocketAddr;
+
+use serde::{Deserialize, Deserializer, de};
+use serde_json::Value;
+
+use crate::core::time::UtcMicros;
+use crate::wire::time;
+
+/// Text, or a number as it is written: an environment variable that holds nothing else (a port, a year) is read as a number.
+fn as_written<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Ok(match Value::deserialize(deserializer)? {
+        Value::String(text) => text,
+        other => other.to_string(),
+    })
+}
+
+/// An IP address and a port. A name is refused: it may lead to several addresses, or elsewhere tomorrow.
+pub(super) fn address<'de, D: Deserializer<'de>>(deserializer: D) -> Result<SocketAddr, D::Error> {
+    let text = as_written(deserializer)?;
+    text.parse().map_err(|_| {
+        de::Error::custom(format!(
+            "must be an IP address and a port, such as 127.0.0.1:8080 (this machine alone), [::1]:8080 or 0.0.0.0:8080, is {text:?}"
+        ))
+    })
+}
+
+/// A date, which begins at midnight UTC, or an RFC 3339 time.
+pub(super) fn instant<'de, D: Deserializer<'de>>(deserializer: D) -> Result<UtcMicros, D::Error> {
+    let text = as_written(deserializer)?;
+    time::parse(&text).or_else(|_| time::parse(&format!("{text}T00:00:00Z"))).map_err(|_| {
+        de::Error::custom(format!(
+            "must be a date or an RFC 3339 time, such as \"1950-01-01\" or \"1950-01-01T00:00:00Z\", is {text:?}"
+        ))
+    })
+}

@@ -304,14 +304,17 @@ async fn a_body_over_the_limit_is_413_however_it_is_declared() {
     let large = "x".repeat((4 << 20) + 1);
     let declared = format!("content-length: {}\r\n\r\n{large}", large.len());
     let chunked = format!("transfer-encoding: chunked\r\n\r\n{:x}\r\n{large}", large.len());
-    for body in [declared, chunked] {
-        let head = "POST /v1/records HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n";
+    let routes = ["/v1/records", "/v1/campaigns", "/v1/bench-results"];
+    for (route, body) in routes.into_iter().flat_map(|route| [(route, &declared), (route, &chunked)]) {
+        let head = format!("POST {route} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n");
         let mut stream = server.open_and_send(&format!("{head}{body}")).await;
-        let mut answer = vec![0; 4096];
-        let read = stream.read(&mut answer).await.unwrap();
-        let answer = String::from_utf8_lossy(&answer[..read]).to_lowercase();
+        let mut answer = Vec::new();
+        while !answer.ends_with(b"}") && stream.read_buf(&mut answer).await.unwrap_or(0) > 0 {}
+        let answer = String::from_utf8_lossy(&answer).to_lowercase();
         assert!(answer.starts_with("http/1.1 413 "), "{answer}");
         assert!(answer.contains("content-type: application/problem+json"), "{answer}");
+        assert!(answer.contains("\"title\":\"too large\""), "{answer}");
+        assert!(answer.contains("may have 4194304 bytes, the limit that server.max_body_bytes sets"), "{answer}");
     }
     assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
 }

@@ -404,6 +404,49 @@ async fn the_same_calibration_with_other_content_is_a_conflict_that_names_the_me
 }
 
 #[tokio::test]
+async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
+    let server = Server::start().await;
+    let first = server.post("/v1/records", "application/json", paper().to_string()).await.json();
+    let before = server.holdings().await;
+    // The gyros in another order are the same record.
+    let mut turned = paper();
+    turned["gyros"].as_array_mut().unwrap().rotate_left(1);
+    let again = server.post("/v1/records", "application/json", turned.to_string()).await;
+    assert_eq!((again.status, &again.json()["id"]), (200, &first["id"]), "{}", again.text());
+    let line = server.post("/v1/import", "application/x-ndjson", turned.to_string()).await;
+    assert_eq!((&line.json()["status"], &line.json()["id"]), (&json!(200), &first["id"]));
+    // The first gyro of this one is the second of what is stored, the last its first.
+    turned["station"] = json!("ST-9");
+    turned["note"] = json!("measured again");
+    turned["gyros"][0]["g_pulse_per_s_g0"][2] = json!(-3.4082);
+    turned["gyros"][2]["serial"] = json!("LFG-0999");
+    let answer = server.post("/v1/records", "application/json", turned.to_string()).await;
+    let (status, detail, mut pointers) = problem(&answer);
+    pointers.sort();
+    assert_eq!(status, 409);
+    assert_eq!(pointers, ["/gyros/0/g_pulse_per_s_g0/2", "/gyros/2/serial", "/note", "/station"]);
+    assert!(pointers.iter().all(|pointer| detail.contains(pointer.as_str())), "{detail}");
+    // A gyro that is stored is missing here; one of another slot is not stored.
+    let mut fewer = paper();
+    fewer["gyros"].as_array_mut().unwrap().remove(0);
+    let (_, _, pointers) = problem(&server.post("/v1/records", "application/json", fewer.to_string()).await);
+    assert_eq!(pointers, ["/gyros"]);
+    // Of many members so many are named, and how many more there are.
+    let mut other = paper();
+    for gyro in other["gyros"].as_array_mut().unwrap() {
+        for name in ["e_pulse_per_arcsec", "g_pulse_per_s_g0"] {
+            let nearly = gyro[name].as_array().unwrap().iter().map(|x| json!(x.as_f64().unwrap() * 1.0001 + 1e-6));
+            gyro[name] = nearly.collect();
+        }
+        gyro["bias_pulse_per_s"] = json!(2.0);
+    }
+    let (_, detail, pointers) = problem(&server.post("/v1/records", "application/json", other.to_string()).await);
+    assert_eq!(pointers.len(), 20, "{pointers:?}");
+    assert!(detail.ends_with(" … and 1 more"), "{detail}");
+    assert_eq!(server.holdings().await, before);
+}
+
+#[tokio::test]
 async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
     let server = Server::start().await;
     let record = |imu: &str| {

@@ -1,10 +1,9 @@
-//! Reading JSON so that a fault names its place, and comparing two documents member by member.
+//! Reading JSON so that a fault names its place.
 
 mod several;
 mod words;
 
 use serde::de::{DeserializeOwned, IgnoredAny};
-use serde_json::Value;
 use serde_path_to_error::{Path, Segment};
 
 use crate::core::fault::{Fault, Faults};
@@ -98,31 +97,10 @@ fn append_member(pointer: &mut String, member: &str) {
     }
 }
 
-/// Pointer to the first member in which two documents differ, none where they say the same.
-pub fn first_difference(a: &Value, b: &Value) -> Option<String> {
-    match (a, b) {
-        (Value::Object(x), Value::Object(y)) => {
-            let keys = x.keys().chain(y.keys().filter(|key| !x.contains_key(*key)));
-            keys.into_iter().find_map(|key| {
-                let below = match (x.get(key), y.get(key)) {
-                    (Some(p), Some(q)) => first_difference(p, q),
-                    _ => Some(String::new()),
-                };
-                below.map(|rest| format!("/{}{rest}", pointer_token(key)))
-            })
-        }
-        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
-            x.iter().zip(y).enumerate().find_map(|(i, (p, q))| first_difference(p, q).map(|rest| format!("/{i}{rest}")))
-        }
-        _ => (a != b).then(String::new),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use serde::Deserialize;
-    use serde_json::json;
 
     #[derive(Debug, Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -173,14 +151,5 @@ mod tests {
         assert!(!is_json(b"{\"x\": NaN}"));
         assert!(!is_json(b"{\"x\": 1"));
         assert!(!is_json(b"{\"x\": \"\xff\"}"));
-    }
-
-    #[test]
-    fn the_first_difference_is_found_at_any_depth_and_in_either_document() {
-        let a = json!({"m": 1, "list": [{"x": 1}, {"x": 2}]});
-        assert_eq!(first_difference(&a, &a), None);
-        assert_eq!(first_difference(&a, &json!({"m": 1, "list": [{"x": 1}, {"x": 3}]})).as_deref(), Some("/list/1/x"));
-        assert_eq!(first_difference(&a, &json!({"m": 1, "list": [{"x": 1}]})).as_deref(), Some("/list"));
-        assert_eq!(first_difference(&json!({}), &json!({"n": null})).as_deref(), Some("/n"));
     }
 }

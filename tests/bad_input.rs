@@ -42,6 +42,10 @@ fn changed(mut document: Value, pointer: &str, value: Value) -> Vec<u8> {
     document.to_string().into_bytes()
 }
 
+fn changed_text(document: Value, pointer: &str, value: Value) -> String {
+    String::from_utf8(changed(document, pointer, value)).unwrap()
+}
+
 fn without(pointer: &str) -> Vec<u8> {
     let mut document = paper();
     let (parent, member) = pointer.rsplit_once('/').unwrap();
@@ -85,7 +89,18 @@ fn records() -> Vec<Row> {
         row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("JSON")),
         row("nothing", Vec::new(), 400, Says("JSON")),
         row("half a document", paper().to_string().into_bytes()[..200].to_vec(), 400, Says("JSON")),
-        row("two documents", [paper().to_string(), paper().to_string()].concat().into_bytes(), 400, Says("JSON")),
+        row(
+            "two documents",
+            [paper().to_string(), paper().to_string()].concat().into_bytes(),
+            400,
+            Says("several JSON documents follow one another"),
+        ),
+        row(
+            "an unknown member before what is no JSON",
+            text("\"imu\"", "\"colour\":1,\"imu\"").into_iter().chain(*b"x").collect(),
+            400,
+            Says("not JSON: trailing characters"),
+        ),
         row(
             "bad UTF-8",
             text("IMU-07", "IMU-07").into_iter().map(|b| if b == b'7' { 0xff } else { b }).collect(),
@@ -243,6 +258,23 @@ async fn a_bad_record_is_refused_at_its_place_and_nothing_is_kept() {
 #[tokio::test]
 async fn a_bad_bench_result_is_refused_at_its_place_and_nothing_is_kept() {
     refuse(&Server::start().await, "/v1/bench-results", bench_results()).await;
+}
+
+#[tokio::test]
+async fn many_documents_where_one_is_taken_are_told_where_they_belong() {
+    let server = Server::start().await;
+    let benches = format!("{}\n{}\n", bench(), changed_text(bench(), "/serial", json!("LFG-0102")));
+    for (route, body) in [
+        ("/v1/records", benches.clone()),
+        ("/v1/campaigns", benches.clone()),
+        ("/v1/bench-results", benches),
+        ("/v1/records", format!("{}\r\n{}", paper(), paper())),
+    ] {
+        let (status, detail, pointers) = problem(&server.post(route, "application/json", body).await);
+        assert_eq!((status, pointers), (400, vec![String::new()]), "{route}: {detail}");
+        assert!(detail.contains("several JSON documents follow one another"), "{route}: {detail}");
+        assert!(detail.contains("/v1/import") && detail.ends_with("at line 2 column 1"), "{route}: {detail}");
+    }
 }
 
 /// Status, content type, detail, and the pointers that are named.

@@ -277,6 +277,43 @@ async fn many_documents_where_one_is_taken_are_told_where_they_belong() {
     }
 }
 
+#[tokio::test]
+async fn a_document_of_another_kind_is_told_where_it_belongs_and_nothing_else() {
+    let server = Server::start().await;
+    let before = server.holdings().await;
+    let campaign = support::data("practice/campaign-00.json");
+    for (document, kind, place) in [
+        (bench().to_string(), "a bench result", "/v1/bench-results"),
+        (json!({"method": "torque_feedback"}).to_string(), "a bench result", "/v1/bench-results"),
+        (paper().to_string(), "a calibration record", "/v1/records"),
+        (campaign, "a campaign of raw dwells", "/v1/campaigns"),
+    ] {
+        for route in ["/v1/records", "/v1/campaigns", "/v1/bench-results"].into_iter().filter(|route| *route != place) {
+            let (status, detail, pointers) = problem(&server.post(route, "application/json", document.clone()).await);
+            assert_eq!((status, pointers), (422, vec![String::new()]), "{kind} to {route}: {detail}");
+            assert_eq!(detail, format!("document: this is {kind}: send it to {place}"), "{route}");
+        }
+    }
+    assert_eq!(server.holdings().await, before);
+}
+
+#[tokio::test]
+async fn a_line_that_lacks_its_time_is_refused_as_what_it_is() {
+    let server = Server::start().await;
+    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let mut lines = [bench(), campaign, paper()];
+    for (document, time) in lines.iter_mut().zip(["measured_at", "measured_at", "calibrated_at"]) {
+        document.as_object_mut().unwrap().remove(time).unwrap();
+    }
+    let body = lines.map(|document| document.to_string()).join("\n");
+    let answers = server.post("/v1/import", "application/x-ndjson", body).await.text();
+    for (answer, place) in answers.lines().zip(["/measured_at", "/measured_at", "/calibrated_at"]) {
+        let error = serde_json::from_str::<Value>(answer).unwrap()["error"].take();
+        let errors = error["errors"].as_array().unwrap();
+        assert!(error["status"] == 422 && errors.len() == 1 && errors[0]["pointer"] == place, "{error}");
+    }
+}
+
 /// Status, content type, detail, and the pointers that are named.
 fn problem(answer: &support::Answer) -> (u16, String, Vec<String>) {
     assert_eq!(answer.content_type, "application/problem+json", "{answer:?}");

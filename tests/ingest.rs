@@ -219,7 +219,7 @@ async fn bad_records_are_refused_with_the_place_and_nothing_is_stored() {
     let mut campaign = tables_3_and_4();
     campaign["dwells"] = json!([]);
     let elsewhere = lab.post("/v1/records", &campaign).await;
-    assert_eq!(elsewhere.refused(422)[..2], ["", "/dwells"]);
+    assert_eq!(elsewhere.refused(422), [""]);
     assert!(elsewhere.text.contains("send it to /v1/campaigns"), "{}", elsewhere.text);
     let back = lab.post("/v1/campaigns", &tables_3_and_4()).await;
     back.refused(422);

@@ -534,13 +534,26 @@ async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
         record("B").to_string(),
         "{}".into(),
         record("A").to_string(),
+        "{\"gyros\": [  ".into(),
     ];
     let answer = server.post("/v1/import", "application/x-ndjson", lines.join("\n") + "\n").await;
     assert_eq!((answer.status, answer.content_type.as_str()), (200, "application/x-ndjson"));
     let answers: Vec<Value> = answer.text().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let seen: Vec<_> = answers.iter().map(|a| (a["line"].as_u64().unwrap(), a["status"].as_u64().unwrap())).collect();
-    assert_eq!(seen, [(1, 201), (2, 400), (3, 201), (4, 422), (5, 201), (6, 422), (7, 200)]);
+    assert_eq!(seen, [(1, 201), (2, 400), (3, 201), (4, 422), (5, 201), (6, 422), (7, 200), (8, 400)]);
     assert_eq!(answers[3]["error"]["errors"][0]["pointer"], "/colour");
+    // The line is said once, by its number in what was sent.
+    for (line, detail) in [(1, "not JSON: expected ident at column 2"), (7, "EOF while parsing a list at column 11")] {
+        let said = answers[line]["error"]["errors"][0]["detail"].as_str().unwrap();
+        assert!(said.ends_with(detail) && !said.contains("line"), "{said}");
+        assert!(answers[line]["error"]["detail"].as_str().unwrap().ends_with(said), "{}", answers[line]);
+    }
+    let of_form = answers[3]["error"]["errors"][0]["detail"].as_str().unwrap();
+    assert!(!of_form.contains("line"), "{of_form}");
+    // As on the page that looks at a file first: there, too, each document stands beside the line on which it begins.
+    let form = format!("text={}\r\n", lines.join("\r\n"));
+    let preview = server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text();
+    assert!(preview.contains("not JSON: expected ident at column 2") && !preview.contains("at line 1"), "{preview}");
     assert_eq!(answers[6]["id"], answers[0]["id"]);
     assert_eq!(server.get("/v1/gyros").await.json()["gyros"].as_array().unwrap().len(), 7);
 }

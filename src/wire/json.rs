@@ -1,5 +1,6 @@
 //! Reading JSON so that a fault names its place.
 
+mod lines;
 mod not_json;
 mod several;
 mod words;
@@ -8,6 +9,8 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
 
 use crate::core::fault::{Fault, Faults};
+
+pub use lines::{from_line, on_a_line};
 
 /// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be found
 /// by reading on past the first, of a long one the first.

@@ -47,6 +47,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("not UTF-8 from byte {} on", "从第{0}字节起不是UTF-8"),
     ("is not UTF-8: {}", "不是UTF-8：{0}"),
     ("{} at line {} column {}", "第{1}行第{2}列：{0}"),
+    ("{} at column {}", "第{1}列：{0}"),
     ("EOF while parsing {}", "内容在此之前就已结束（{0}不完整）"),
     ("a value", "值"),
     ("an object", "对象"),

@@ -42,6 +42,10 @@ fn changed(mut document: Value, pointer: &str, value: Value) -> Vec<u8> {
     document.to_string().into_bytes()
 }
 
+fn changed_text(document: Value, pointer: &str, value: Value) -> String {
+    String::from_utf8(changed(document, pointer, value)).unwrap()
+}
+
 fn without(pointer: &str) -> Vec<u8> {
     let mut document = paper();
     let (parent, member) = pointer.rsplit_once('/').unwrap();
@@ -85,7 +89,18 @@ fn records() -> Vec<Row> {
         row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("JSON")),
         row("nothing", Vec::new(), 400, Says("JSON")),
         row("half a document", paper().to_string().into_bytes()[..200].to_vec(), 400, Says("JSON")),
-        row("two documents", [paper().to_string(), paper().to_string()].concat().into_bytes(), 400, Says("JSON")),
+        row(
+            "two documents",
+            [paper().to_string(), paper().to_string()].concat().into_bytes(),
+            400,
+            Says("several JSON documents follow one another"),
+        ),
+        row(
+            "an unknown member before what is no JSON",
+            text("\"imu\"", "\"colour\":1,\"imu\"").into_iter().chain(*b"x").collect(),
+            400,
+            Says("not JSON: trailing characters"),
+        ),
         row(
             "bad UTF-8",
             text("IMU-07", "IMU-07").into_iter().map(|b| if b == b'7' { 0xff } else { b }).collect(),
@@ -252,6 +267,60 @@ async fn a_bad_bench_result_is_refused_at_its_place_and_nothing_is_kept() {
     refuse(&Server::start().await, "/v1/bench-results", bench_results()).await;
 }
 
+#[tokio::test]
+async fn many_documents_where_one_is_taken_are_told_where_they_belong() {
+    let server = Server::start().await;
+    let benches = format!("{}\n{}\n", bench(), changed_text(bench(), "/serial", json!("LFG-0102")));
+    for (route, body) in [
+        ("/v1/records", benches.clone()),
+        ("/v1/campaigns", benches.clone()),
+        ("/v1/bench-results", benches),
+        ("/v1/records", format!("{}\r\n{}", paper(), paper())),
+    ] {
+        let (status, detail, pointers) = problem(&server.post(route, "application/json", body).await);
+        assert_eq!((status, pointers), (400, vec![String::new()]), "{route}: {detail}");
+        assert!(detail.contains("several JSON documents follow one another"), "{route}: {detail}");
+        assert!(detail.contains("/v1/import") && detail.ends_with("at line 2 column 1"), "{route}: {detail}");
+    }
+}
+
+#[tokio::test]
+async fn a_document_of_another_kind_is_told_where_it_belongs_and_nothing_else() {
+    let server = Server::start().await;
+    let before = server.holdings().await;
+    let campaign = support::data("practice/campaign-00.json");
+    for (document, kind, place) in [
+        (bench().to_string(), "a bench result", "/v1/bench-results"),
+        (json!({"method": "torque_feedback"}).to_string(), "a bench result", "/v1/bench-results"),
+        (paper().to_string(), "a calibration record", "/v1/records"),
+        (campaign, "a campaign of raw dwells", "/v1/campaigns"),
+    ] {
+        for route in ["/v1/records", "/v1/campaigns", "/v1/bench-results"].into_iter().filter(|route| *route != place) {
+            let (status, detail, pointers) = problem(&server.post(route, "application/json", document.clone()).await);
+            assert_eq!((status, pointers), (422, vec![String::new()]), "{kind} to {route}: {detail}");
+            assert_eq!(detail, format!("document: this is {kind}: send it to {place}"), "{route}");
+        }
+    }
+    assert_eq!(server.holdings().await, before);
+}
+
+#[tokio::test]
+async fn a_line_that_lacks_its_time_is_refused_as_what_it_is() {
+    let server = Server::start().await;
+    let campaign: Value = serde_json::from_str(&support::data("practice/campaign-00.json")).unwrap();
+    let mut lines = [bench(), campaign, paper()];
+    for (document, time) in lines.iter_mut().zip(["measured_at", "measured_at", "calibrated_at"]) {
+        document.as_object_mut().unwrap().remove(time).unwrap();
+    }
+    let body = lines.map(|document| document.to_string()).join("\n");
+    let answers = server.post("/v1/import", "application/x-ndjson", body).await.text();
+    for (answer, place) in answers.lines().zip(["/measured_at", "/measured_at", "/calibrated_at"]) {
+        let error = serde_json::from_str::<Value>(answer).unwrap()["error"].take();
+        let errors = error["errors"].as_array().unwrap();
+        assert!(error["status"] == 422 && errors.len() == 1 && errors[0]["pointer"] == place, "{error}");
+    }
+}
+
 /// Status, content type, detail, and the pointers that are named.
 fn problem(answer: &support::Answer) -> (u16, String, Vec<String>) {
     assert_eq!(answer.content_type, "application/problem+json", "{answer:?}");
@@ -332,14 +401,17 @@ async fn a_body_over_the_limit_is_413_however_it_is_declared() {
     let large = "x".repeat((4 << 20) + 1);
     let declared = format!("content-length: {}\r\n\r\n{large}", large.len());
     let chunked = format!("transfer-encoding: chunked\r\n\r\n{:x}\r\n{large}", large.len());
-    for body in [declared, chunked] {
-        let head = "POST /v1/records HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n";
+    let routes = ["/v1/records", "/v1/campaigns", "/v1/bench-results"];
+    for (route, body) in routes.into_iter().flat_map(|route| [(route, &declared), (route, &chunked)]) {
+        let head = format!("POST {route} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\n");
         let mut stream = server.open_and_send(&format!("{head}{body}")).await;
-        let mut answer = vec![0; 4096];
-        let read = stream.read(&mut answer).await.unwrap();
-        let answer = String::from_utf8_lossy(&answer[..read]).to_lowercase();
+        let mut answer = Vec::new();
+        while !answer.ends_with(b"}") && stream.read_buf(&mut answer).await.unwrap_or(0) > 0 {}
+        let answer = String::from_utf8_lossy(&answer).to_lowercase();
         assert!(answer.starts_with("http/1.1 413 "), "{answer}");
         assert!(answer.contains("content-type: application/problem+json"), "{answer}");
+        assert!(answer.contains("\"title\":\"too large\""), "{answer}");
+        assert!(answer.contains("may have 4194304 bytes, the limit that server.max_body_bytes sets"), "{answer}");
     }
     assert_eq!(server.post("/v1/records", "application/json", paper().to_string()).await.status, 201);
 }
@@ -429,6 +501,49 @@ async fn the_same_calibration_with_other_content_is_a_conflict_that_names_the_me
 }
 
 #[tokio::test]
+async fn a_conflict_names_every_member_that_differs_of_the_gyro_in_its_slot() {
+    let server = Server::start().await;
+    let first = server.post("/v1/records", "application/json", paper().to_string()).await.json();
+    let before = server.holdings().await;
+    // The gyros in another order are the same record.
+    let mut turned = paper();
+    turned["gyros"].as_array_mut().unwrap().rotate_left(1);
+    let again = server.post("/v1/records", "application/json", turned.to_string()).await;
+    assert_eq!((again.status, &again.json()["id"]), (200, &first["id"]), "{}", again.text());
+    let line = server.post("/v1/import", "application/x-ndjson", turned.to_string()).await;
+    assert_eq!((&line.json()["status"], &line.json()["id"]), (&json!(200), &first["id"]));
+    // The first gyro of this one is the second of what is stored, the last its first.
+    turned["station"] = json!("ST-9");
+    turned["note"] = json!("measured again");
+    turned["gyros"][0]["g_pulse_per_s_g0"][2] = json!(-3.4082);
+    turned["gyros"][2]["serial"] = json!("LFG-0999");
+    let answer = server.post("/v1/records", "application/json", turned.to_string()).await;
+    let (status, detail, mut pointers) = problem(&answer);
+    pointers.sort();
+    assert_eq!(status, 409);
+    assert_eq!(pointers, ["/gyros/0/g_pulse_per_s_g0/2", "/gyros/2/serial", "/note", "/station"]);
+    assert!(pointers.iter().all(|pointer| detail.contains(pointer.as_str())), "{detail}");
+    // A gyro that is stored is missing here; one of another slot is not stored.
+    let mut fewer = paper();
+    fewer["gyros"].as_array_mut().unwrap().remove(0);
+    let (_, _, pointers) = problem(&server.post("/v1/records", "application/json", fewer.to_string()).await);
+    assert_eq!(pointers, ["/gyros"]);
+    // Of many members so many are named, and how many more there are.
+    let mut other = paper();
+    for gyro in other["gyros"].as_array_mut().unwrap() {
+        for name in ["e_pulse_per_arcsec", "g_pulse_per_s_g0"] {
+            let nearly = gyro[name].as_array().unwrap().iter().map(|x| json!(x.as_f64().unwrap() * 1.0001 + 1e-6));
+            gyro[name] = nearly.collect();
+        }
+        gyro["bias_pulse_per_s"] = json!(2.0);
+    }
+    let (_, detail, pointers) = problem(&server.post("/v1/records", "application/json", other.to_string()).await);
+    assert_eq!(pointers.len(), 20, "{pointers:?}");
+    assert!(detail.ends_with(" … and 1 more"), "{detail}");
+    assert_eq!(server.holdings().await, before);
+}
+
+#[tokio::test]
 async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
     let server = Server::start().await;
     let record = |imu: &str| {
@@ -447,13 +562,26 @@ async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
         record("B").to_string(),
         "{}".into(),
         record("A").to_string(),
+        "{\"gyros\": [  ".into(),
     ];
     let answer = server.post("/v1/import", "application/x-ndjson", lines.join("\n") + "\n").await;
     assert_eq!((answer.status, answer.content_type.as_str()), (200, "application/x-ndjson"));
     let answers: Vec<Value> = answer.text().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let seen: Vec<_> = answers.iter().map(|a| (a["line"].as_u64().unwrap(), a["status"].as_u64().unwrap())).collect();
-    assert_eq!(seen, [(1, 201), (2, 400), (3, 201), (4, 422), (5, 201), (6, 422), (7, 200)]);
+    assert_eq!(seen, [(1, 201), (2, 400), (3, 201), (4, 422), (5, 201), (6, 422), (7, 200), (8, 400)]);
     assert_eq!(answers[3]["error"]["errors"][0]["pointer"], "/colour");
+    // The line is said once, by its number in what was sent.
+    for (line, detail) in [(1, "not JSON: expected ident at column 2"), (7, "EOF while parsing a list at column 11")] {
+        let said = answers[line]["error"]["errors"][0]["detail"].as_str().unwrap();
+        assert!(said.ends_with(detail) && !said.contains("line"), "{said}");
+        assert!(answers[line]["error"]["detail"].as_str().unwrap().ends_with(said), "{}", answers[line]);
+    }
+    let of_form = answers[3]["error"]["errors"][0]["detail"].as_str().unwrap();
+    assert!(!of_form.contains("line"), "{of_form}");
+    // As on the page that looks at a file first: there, too, each document stands beside the line on which it begins.
+    let form = format!("text={}\r\n", lines.join("\r\n"));
+    let preview = server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text();
+    assert!(preview.contains("not JSON: expected ident at column 2") && !preview.contains("at line 1"), "{preview}");
     assert_eq!(answers[6]["id"], answers[0]["id"]);
     assert_eq!(server.get("/v1/gyros").await.json()["gyros"].as_array().unwrap().len(), 7);
 }

@@ -129,6 +129,22 @@ async fn sending_again_is_harmless_in_either_form_and_other_content_is_a_conflic
     let pretty = serde_json::to_string_pretty(&sent).unwrap();
     assert_eq!(lab.post_text("/v1/campaigns", JSON, pretty).await.ok()["id"], id);
     assert_eq!(lab.imports(std::slice::from_ref(&sent)).await[0], json!({"line": 1, "status": 200, "id": id}));
+    // Its gyros in another order, each with its outputs, are the same dwells.
+    let mut turned = sent.clone();
+    turned["gyros"].as_array_mut().unwrap().rotate_left(1);
+    for dwell in turned["dwells"].as_array_mut().unwrap() {
+        for list in ["output_pulse_s", "output_sem_pulse_s"] {
+            if let Some(outputs) = dwell.get_mut(list) {
+                outputs.as_array_mut().unwrap().rotate_left(1);
+            }
+        }
+    }
+    assert_eq!(posts(&lab, &turned).await.ok()["id"], id);
+    turned["dwells"][7]["output_pulse_s"][0] = json!(5.79);
+    turned["station"] = json!("ST-9");
+    let mut differing = posts(&lab, &turned).await.refused(409);
+    differing.sort();
+    assert_eq!(differing, ["/dwells/7/output_pulse_s/0", "/station"]);
     let mut other = sent.clone();
     other["dwells"][7]["output_pulse_s"][1] = json!(5.79);
     assert_eq!(posts(&lab, &other).await.refused(409), ["/dwells/7/output_pulse_s/1"]);

@@ -167,6 +167,16 @@ fn a_document_of_another_kind_is_sent_to_its_own_command() {
     let refused = complaint(&mut gyrowatch(&["calibrate", PAPER]), 1);
     assert!(refused.contains(PAPER) && refused.contains("this is a calibration record"), "{refused}");
     assert!(!refused.contains("unknown field"), "{refused}");
+    let benches = std::fs::read_to_string("tests/data/paper-bench.ndjson").unwrap();
+    for command in ["separate", "calibrate"] {
+        let one = benches.lines().next().unwrap();
+        let refused = complaint(gyrowatch(&[command, "-"]).write_stdin(one), 1);
+        assert!(refused.contains("this is a bench result") && !refused.contains("unknown field"), "{refused}");
+        let refused = complaint(&mut gyrowatch(&[command, "tests/data/paper-bench.ndjson"]), 1);
+        let told =
+            refused.contains("several JSON documents follow one another") && refused.contains("gyrowatch import");
+        assert!(told && !refused.contains("unknown field"), "{refused}");
+    }
     // A record that is not complete is refused as a record.
     let timeless = std::fs::read_to_string(PAPER).unwrap().replacen("calibrated_at", "measured_at", 1);
     let refused = complaint(gyrowatch(&["diagnose", "-"]).write_stdin(timeless), 1);

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 use super::document::{self, Format, table};
 use super::model;
-use super::separate::{Method, drift_and_mounting, figure};
+use super::separate::{BENCH_RESULT, Method, drift_and_mounting, figure};
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::mounting::Slot;
@@ -40,8 +40,12 @@ impl Calibrate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.campaign)?;
         let file = || document::name(&self.campaign);
-        if DocumentKind::is_record(&bytes) {
-            bail!("{}: this is a calibration record: separate it with `gyrowatch separate`", file());
+        match DocumentKind::instead_of(DocumentKind::Campaign, &bytes) {
+            Some(DocumentKind::Record) => {
+                bail!("{}: this is a calibration record: separate it with `gyrowatch separate`", file())
+            }
+            Some(DocumentKind::Bench) => bail!("{}: {BENCH_RESULT}", file()),
+            Some(DocumentKind::Campaign) | None => {}
         }
         let mut campaign = parse(&bytes).with_context(file)?;
         let options = model::chosen(self.model.as_ref())?.options(&campaign);

@@ -18,6 +18,10 @@ use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
 
+/// What whoever would compute something from a bench result is told.
+pub(super) const BENCH_RESULT: &str =
+    "this is a bench result: it holds D_I and D_S already; `gyrowatch import` sends it to a service";
+
 /// Separate D_I and D_S of the gyros of one calibration record
 #[derive(Debug, clap::Args)]
 pub struct Separate {
@@ -54,11 +58,13 @@ impl Separate {
     pub fn run(self) -> anyhow::Result<()> {
         let bytes = document::read(&self.record)?;
         let file = || document::name(&self.record);
-        if DocumentKind::is_campaign(&bytes) {
-            bail!(
+        match DocumentKind::instead_of(DocumentKind::Record, &bytes) {
+            Some(DocumentKind::Campaign) => bail!(
                 "{}: this is a campaign: calibrate it with `gyrowatch calibrate`, which separates its gyros too",
                 file()
-            );
+            ),
+            Some(DocumentKind::Bench) => bail!("{}: {BENCH_RESULT}", file()),
+            Some(DocumentKind::Record) | None => {}
         }
         let config = document::config()?;
         let record = parse_record(&bytes, &config.plausibility.limits()).with_context(file)?;

@@ -17,12 +17,6 @@ impl Faults {
         self.0.push(Fault { pointer: pointer.into(), detail: detail.into() });
     }
 
-    /// The same behind what explains them all.
-    pub fn explained(mut self, detail: impl Into<String>) -> Self {
-        self.0.insert(0, Fault { pointer: String::new(), detail: detail.into() });
-        self
-    }
-
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

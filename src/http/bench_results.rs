@@ -52,7 +52,8 @@ async fn post_bench_result(
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
-    let mut bench = app.pipeline.read_bench_result(&bytes).map_err(|faults| Document::problem(&bytes, faults))?;
+    let read = app.pipeline.read_bench_result(&bytes);
+    let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = idempotency_key(&headers)?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
     let submission = Submission::Bench(Box::new(bench));

@@ -83,10 +83,7 @@ async fn post_campaign(
     let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
-        Form::Json if DocumentKind::is_record(&bytes) => {
-            Document::problem(&bytes, faults.explained("this is a calibration record: send it to /v1/records"))
-        }
-        Form::Json => Document::problem(&bytes, faults),
+        Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
     let is_bench = matches!(fitted, Fitted::Bench(_));
     let (sent, place) = if is_bench {

@@ -6,7 +6,8 @@ use axum::http::{HeaderMap, HeaderName};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
+use crate::wire::document::DocumentKind;
 use crate::wire::json::is_json;
 use crate::wire::problem::Problem;
 
@@ -23,6 +24,18 @@ impl<S: Send + Sync> FromRequest<S> for Document {
 }
 
 impl Document {
+    /// The answer to a document that cannot be read as the kind that is `wanted`: of one that is of another kind, where it belongs, for
+    /// its members are then all at fault.
+    pub fn refused_as(wanted: DocumentKind, bytes: &[u8], faults: Faults) -> Problem {
+        let belongs = match DocumentKind::instead_of(wanted, bytes) {
+            None => return Self::problem(bytes, faults),
+            Some(DocumentKind::Record) => "a calibration record: send it to /v1/records",
+            Some(DocumentKind::Campaign) => "a campaign of raw dwells: send it to /v1/campaigns",
+            Some(DocumentKind::Bench) => "a bench result: send it to /v1/bench-results",
+        };
+        Self::problem(bytes, Fault { pointer: String::new(), detail: format!("this is {belongs}") }.into())
+    }
+
     /// The answer to a document with faults: 400 where it is no JSON at all, 422 where it says what cannot be.
     pub fn problem(bytes: &[u8], faults: Faults) -> Problem {
         if is_json(bytes) {

@@ -20,17 +20,18 @@ pub async fn pass(State(app): State<App>, request: Request, next: Next) -> Respo
         counted.end(doubt.status());
         return doubt;
     }
-    answered(counted, access::admit(&app, request, next)).await
+    let longest_body = app.config.server.max_body_bytes;
+    answered(counted, longest_body, access::admit(&app, request, next)).await
 }
 
 /// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would break off.
-async fn answered(counted: Counted, answer: impl Future<Output = Response>) -> Response {
+async fn answered(counted: Counted, longest_body: usize, answer: impl Future<Output = Response>) -> Response {
     let answer = AssertUnwindSafe(answer).catch_unwind().await.unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
         tracing::error!(panic = said.unwrap_or_default(), "a request could not be handled");
         StatusCode::INTERNAL_SERVER_ERROR.into_response()
     });
-    let response = problem::in_form(answer).await;
+    let response = problem::in_form(answer, longest_body).await;
     counted.end(response.status());
     response
 }
@@ -60,7 +61,7 @@ mod tests {
     #[tokio::test]
     async fn a_panic_is_answered_wherever_it_happens() {
         let counted = Counted::begin(&Request::new(Body::empty()));
-        let response = answered(counted, async { panic!("at the door") }).await;
+        let response = answered(counted, 0, async { panic!("at the door") }).await;
         assert_eq!(response.status(), StatusCode::INTERNAL_SERVER_ERROR);
         assert_eq!(response.headers()[CONTENT_TYPE], problem::PROBLEM_JSON);
     }

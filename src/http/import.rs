@@ -26,7 +26,9 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type};
+use crate::core::fault::Faults;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
+use crate::wire::json::on_a_line;
 use crate::wire::problem::Problem;
 use lines::{Line, Longest, lines};
 
@@ -163,7 +165,7 @@ impl Chunk {
         for Line { number, text, room } in lines {
             taken.push(room);
             let read = text
-                .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| Document::problem(&bytes, faults)))
+                .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| problem_of(&bytes, faults)))
                 .and_then(|read| Ok(caller.may_submit(&read.submission).map(|()| read)?));
             let (problem, origin) = match read {
                 Ok(ReadDocument { submission, origin }) => {
@@ -201,6 +203,11 @@ impl Chunk {
         }
         (text.into(), self.room)
     }
+}
+
+/// A line of the body is the whole of its document.
+fn problem_of(line: &[u8], faults: Faults) -> Problem {
+    Document::problem(line, on_a_line(faults))
 }
 
 async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String), Problem> {

@@ -28,13 +28,18 @@ impl IntoResponse for Problem {
     }
 }
 
+/// `what` is longer than the configuration allows.
+pub fn too_large(what: &str, longest: usize, key: &str) -> Problem {
+    Problem::new(413, "Too large", format!("{what} may have {longest} bytes, the limit that {key} sets"))
+}
+
 pub async fn no_such_path(uri: Uri) -> Problem {
     Problem::new(404, "No such path", format!("nothing is served at {}", uri.path()))
 }
 
 /// Puts refusals that are not ours (of axum's extractors and of the layers) into the common form. Headers such as
-/// `Allow` and `Retry-After` stay.
-pub async fn in_form(response: Response) -> Response {
+/// `Allow` and `Retry-After` stay. `longest_body` is what a body may have at the most, bytes.
+pub async fn in_form(response: Response, longest_body: usize) -> Response {
     let status = response.status();
     let is_error = status.is_client_error() || status.is_server_error();
     let content_type = response.headers().get(CONTENT_TYPE).and_then(|t| t.to_str().ok()).unwrap_or_default();
@@ -48,6 +53,17 @@ pub async fn in_form(response: Response) -> Response {
         Ok(collected) => String::from_utf8_lossy(&collected.to_bytes()).trim().to_owned(),
         Err(_) => String::new(),
     };
+    parts.headers.insert(CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
+    parts.headers.remove(CONTENT_LENGTH);
+    let problem = problem_of(status, text, longest_body);
+    Response::from_parts(parts, Body::from(serde_json::to_vec(&problem).unwrap_or_default()))
+}
+
+/// What a refusal that says no more than `text` means.
+fn problem_of(status: StatusCode, text: String, longest_body: usize) -> Problem {
+    if status == StatusCode::PAYLOAD_TOO_LARGE {
+        return too_large("a body", longest_body, "server.max_body_bytes");
+    }
     let title = status.canonical_reason().unwrap_or("Error");
     // What failed inside is for the log, not for the client.
     let detail = match (text.is_empty() || status == StatusCode::INTERNAL_SERVER_ERROR, status) {
@@ -57,8 +73,5 @@ pub async fn in_form(response: Response) -> Response {
         (true, StatusCode::SERVICE_UNAVAILABLE) => "the answer took too long; try again later".to_owned(),
         (true, _) => title.to_owned(),
     };
-    parts.headers.insert(CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
-    parts.headers.remove(CONTENT_LENGTH);
-    let problem = Problem::new(status.as_u16(), title, detail);
-    Response::from_parts(parts, Body::from(serde_json::to_vec(&problem).unwrap_or_default()))
+    Problem::new(status.as_u16(), title, detail)
 }

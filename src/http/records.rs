@@ -55,14 +55,8 @@ async fn post_record(
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
-    let mut calibration =
-        app.pipeline.read_record(&bytes).map_err(|faults| match DocumentKind::is_campaign(&bytes) {
-            true => Document::problem(
-                &bytes,
-                faults.explained("this is a campaign of raw dwells: send it to /v1/campaigns"),
-            ),
-            false => Document::problem(&bytes, faults),
-        })?;
+    let read = app.pipeline.read_record(&bytes);
+    let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
     calibration.idempotency_key = idempotency_key(&headers)?;
     let body = calibration.body.clone();
     let mut whole = (wanted == Wanted::Whole).then(|| {

@@ -7,9 +7,10 @@ impl From<Refused> for Problem {
     fn from(refused: Refused) -> Self {
         let detail = refused.to_string();
         match refused {
-            Refused::Differs { existing, pointer } => {
-                let place = Place { pointer, detail: "differs from what is stored".into() };
-                Self::new(409, "Already stored with other content", detail).with_existing(existing).with_place(place)
+            Refused::Differs { existing, differences } => {
+                let place = |pointer| Place { pointer, detail: "differs from what is stored".into() };
+                let problem = Self::new(409, "Already stored with other content", detail).with_existing(existing);
+                differences.pointers.into_iter().map(place).fold(problem, Self::with_place)
             }
             Refused::KeyReused { existing } => {
                 Self::new(409, "Idempotency-Key used for other content", detail).with_existing(existing)

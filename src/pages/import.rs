@@ -19,6 +19,7 @@ use super::viewer::Viewer;
 use crate::core::fault::{Fault, Faults};
 use crate::pipeline::{Accepted, Caller, Foreseen, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
+use crate::wire::json::from_line;
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against what is stored, each
 /// with queries of its own: all that are shown, and no more, for a file may hold tens of thousands.
@@ -96,7 +97,10 @@ fn text_of(form: &str) -> String {
 /// What a piece says, if this caller may send it.
 fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocument, Faults> {
     let document = match piece.form {
-        Form::Json => pipeline.read_document(piece.text.as_bytes()),
+        Form::Json => {
+            let read = pipeline.read_document(piece.text.as_bytes());
+            read.map_err(|faults| from_line(piece.line, piece.text, faults))
+        }
         Form::Csv => pipeline.read_campaign_document(piece.text.as_bytes(), Form::Csv),
     }?;
     let refused = |refused: Refused| Fault { pointer: "/station".into(), detail: refused.to_string() };

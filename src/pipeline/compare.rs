@@ -8,7 +8,8 @@ use super::{Accepted, Pipeline, Refused};
 use crate::store::{Id, Kind};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
-use crate::wire::json::{first_difference, parse};
+use crate::wire::differences::Differences;
+use crate::wire::json::parse;
 use crate::wire::record::RecordBody;
 
 /// What was sent: what kind of document, and its text.
@@ -20,10 +21,10 @@ pub enum Sent<'a> {
 
 impl Pipeline {
     /// The id, where an item that was already there says the same as the one sent: however it is written, in whatever
-    /// order of members, unit of time or offset.
+    /// order of members or gyros, unit of time or offset.
     ///
     /// # Errors
-    /// [`Refused::Differs`] with the first member that differs.
+    /// [`Refused::Differs`] with the members that differ.
     pub async fn settle(&self, accepted: &Accepted, sent: Sent<'_>) -> Result<Id, Refused> {
         let (id, same_bytes) = match accepted {
             Accepted::Stored { id, .. } => (*id, true),
@@ -32,30 +33,36 @@ impl Pipeline {
         if same_bytes {
             return Ok(id);
         }
-        let difference = match sent {
+        let differences = match sent {
             Sent::Calibration(kind, body) => match self.store.record(id).await? {
-                Some(stored) if stored.kind == kind => {
-                    first_difference(&value_of(kind, &stored.body), &value_of(kind, body))
-                }
-                _ => Some(String::new()),
+                Some(stored) if stored.kind == kind => calibrations_differ(kind, &stored.body, body),
+                _ => Differences::in_everything(),
             },
             Sent::Bench(body) => match self.store.bench_result(id).await? {
-                Some(stored) => first_difference(&bench_value(&stored.body), &bench_value(body)),
-                None => Some(String::new()),
+                Some(stored) => benches_differ(&stored.body, body),
+                None => Differences::in_everything(),
             },
         };
-        difference.map_or(Ok(id), |pointer| Err(Refused::Differs { existing: id, pointer }))
+        if differences.is_empty() { Ok(id) } else { Err(Refused::Differs { existing: id, differences }) }
     }
 }
 
 /// Whether two calibrations of the same kind say the same, however they are written.
 pub(super) fn says_the_same(kind: Kind, a: &str, b: &str) -> bool {
-    first_difference(&value_of(kind, a), &value_of(kind, b)).is_none()
+    calibrations_differ(kind, a, b).is_empty()
 }
 
 /// Whether two bench results say the same, however they are written.
 pub(super) fn benches_agree(a: &str, b: &str) -> bool {
-    first_difference(&bench_value(a), &bench_value(b)).is_none()
+    benches_differ(a, b).is_empty()
+}
+
+fn calibrations_differ(kind: Kind, stored: &str, sent: &str) -> Differences {
+    Differences::between(value_of(kind, stored), &value_of(kind, sent))
+}
+
+fn benches_differ(stored: &str, sent: &str) -> Differences {
+    Differences::between(bench_value(stored), &bench_value(sent))
 }
 
 /// A calibration's document in its one canonical form.

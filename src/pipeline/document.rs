@@ -47,7 +47,16 @@ impl Pipeline {
     /// # Errors
     /// Every fault, by its pointer.
     pub fn read_document(&self, bytes: &[u8]) -> Result<ReadDocument, Faults> {
-        match DocumentKind::of(bytes) {
+        let kind = DocumentKind::of(bytes);
+        self.read_as(kind, bytes).or_else(|faults| match DocumentKind::instead_of(kind, bytes) {
+            // What it lacks is the time by which its kind is told at a glance.
+            Some(other) => self.read_as(other, bytes),
+            None => Err(faults),
+        })
+    }
+
+    fn read_as(&self, kind: DocumentKind, bytes: &[u8]) -> Result<ReadDocument, Faults> {
+        match kind {
             DocumentKind::Record => {
                 let calibration = self.read_record(bytes)?;
                 let origin = Origin { kind: OriginKind::Record, body: Arc::clone(&calibration.body) };

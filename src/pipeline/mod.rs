@@ -52,6 +52,7 @@ use crate::core::judge::Verdict;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
+use crate::wire::differences::Differences;
 
 pub use access::{
     AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
@@ -139,16 +140,11 @@ pub struct Judged {
     pub verdicts: Vec<Verdict>,
 }
 
-/// Where two documents differ.
-fn place(pointer: &str) -> String {
-    if pointer.is_empty() { "in everything, as a record and a campaign do".to_owned() } else { format!("at {pointer}") }
-}
-
 /// Why a submission was not taken.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Refused {
-    #[error("an item with the same key is stored with other content (id {existing}); they differ {}", place(pointer))]
-    Differs { existing: Id, pointer: String },
+    #[error("an item with the same key is stored with other content (id {existing}); they differ {differences}")]
+    Differs { existing: Id, differences: Differences },
     #[error("the Idempotency-Key was used before for other content (id {existing})")]
     KeyReused { existing: Id },
     #[error("gyro {serial} has another calibration at the same time (id {existing})")]

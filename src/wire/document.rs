@@ -1,4 +1,4 @@
-//! Which kind of document a line of an import holds.
+//! Which kind of document it is that was sent.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -15,25 +15,55 @@ pub enum DocumentKind {
     Campaign,
 }
 
+/// In longer documents nobody looks for the E of a gyro: no record comes near it, and whoever sends nonsense shall not fill the memory.
+const LONGEST_RECORD: usize = 64 * 1024;
+
 /// The members that tell the kinds apart.
 #[derive(Deserialize)]
 struct Marks {
     method: Option<IgnoredAny>,
     measured_at: Option<IgnoredAny>,
+    calibrated_at: Option<IgnoredAny>,
     gyros: Option<IgnoredAny>,
     dwells: Option<IgnoredAny>,
+    d_i_deg_per_h_g0: Option<IgnoredAny>,
+    d_s_deg_per_h_g0: Option<IgnoredAny>,
+}
+
+impl Marks {
+    /// None of what is no object, which serde would take for the members in their order.
+    fn of(bytes: &[u8]) -> Option<Self> {
+        let text = without_mark(bytes);
+        let is_object = text.trim_ascii_start().starts_with(b"{");
+        is_object.then(|| serde_json::from_slice(text).ok()).flatten()
+    }
 }
 
 impl DocumentKind {
+    /// The kind that a document shows itself to be, complete or not, where that is another than `wanted`.
+    pub fn instead_of(wanted: Self, bytes: &[u8]) -> Option<Self> {
+        let shown = if Self::is_campaign(bytes) {
+            Self::Campaign
+        } else if Self::is_bench(bytes) {
+            Self::Bench
+        } else if Self::is_record(bytes) {
+            Self::Record
+        } else {
+            return None;
+        };
+        (shown != wanted).then_some(shown)
+    }
+
+    /// Whether a document shows that it is a bench result, complete or not: it has neither gyros nor dwells, but a method or a drift.
+    fn is_bench(bytes: &[u8]) -> bool {
+        let marks = Marks::of(bytes).filter(|marks| marks.gyros.is_none() && marks.dwells.is_none());
+        marks.is_some_and(|m| m.method.is_some() || m.d_i_deg_per_h_g0.is_some() || m.d_s_deg_per_h_g0.is_some())
+    }
+
     /// Whether a document shows that it is a calibration record, complete or not: by its time, or by the E of a gyro.
     pub fn is_record(bytes: &[u8]) -> bool {
-        if Self::is_campaign(bytes) {
-            return false;
-        }
-        let Ok(document) = serde_json::from_slice::<Value>(without_mark(bytes)) else { return false };
-        let gyros = document.get("gyros").and_then(Value::as_array);
-        let has_e = gyros.is_some_and(|gyros| gyros.iter().any(|gyro| gyro.get("e_pulse_per_arcsec").is_some()));
-        document.get("calibrated_at").is_some() || has_e
+        let Some(marks) = Marks::of(bytes).filter(|marks| marks.dwells.is_none()) else { return false };
+        marks.calibrated_at.is_some() || bytes.len() <= LONGEST_RECORD && has_e(bytes)
     }
 
     /// Whether a document shows that it is a campaign of raw dwells: in JSON by their list, in CSV by a column that only they have.
@@ -41,7 +71,7 @@ impl DocumentKind {
         if is_csv(bytes) {
             return memchr::memmem::find(bytes, b"specific_force_g0_x").is_some();
         }
-        matches!(serde_json::from_slice(without_mark(bytes)), Ok(Marks { dwells: Some(_), .. }))
+        Marks::of(bytes).is_some_and(|marks| marks.dwells.is_some())
     }
 
     /// A document that is none of them is read as a record, and refused as one.
@@ -50,12 +80,19 @@ impl DocumentKind {
         if memchr::memmem::find(bytes, b"\"measured_at\"").is_none() {
             return Self::Record;
         }
-        match serde_json::from_slice(bytes) {
-            Ok(Marks { dwells: Some(_), .. }) => Self::Campaign,
-            Ok(Marks { method: Some(_), measured_at: Some(_), gyros: None, .. }) => Self::Bench,
-            Ok(_) | Err(_) => Self::Record,
+        match Marks::of(bytes) {
+            Some(Marks { dwells: Some(_), .. }) => Self::Campaign,
+            Some(Marks { method: Some(_), measured_at: Some(_), gyros: None, .. }) => Self::Bench,
+            Some(_) | None => Self::Record,
         }
     }
+}
+
+/// Whether one of its gyros has an E.
+fn has_e(bytes: &[u8]) -> bool {
+    let Ok(document) = serde_json::from_slice::<Value>(without_mark(bytes)) else { return false };
+    let gyros = document.get("gyros").and_then(Value::as_array);
+    gyros.is_some_and(|gyros| gyros.iter().any(|gyro| gyro.get("e_pulse_per_arcsec").is_some()))
 }
 
 #[cfg(test)]
@@ -77,6 +114,25 @@ mod tests {
         ] {
             let found = (DocumentKind::is_record(text.as_bytes()), DocumentKind::is_campaign(text.as_bytes()));
             assert_eq!(found, (record, campaign), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_of_another_kind_than_wanted_is_known_complete_or_not() {
+        use DocumentKind::{Bench, Campaign, Record};
+        for (text, shown) in [
+            (r#"{"serial":"A","method":"torque_feedback"}"#, Some(Bench)),
+            (r#"{"d_s_deg_per_h_g0":1.5,"calibrated_at":"…"}"#, Some(Bench)),
+            (r#"{"imu":"A","calibrated_at":"…","method":"x","gyros":[]}"#, Some(Record)),
+            (r#"{"method":"x","dwells":[]}"#, Some(Campaign)),
+            (r#"{"serial":"A"}"#, None),
+            ("[1,2,3,4,5,6]", None),
+            ("{\"method\":1}\n{\"method\":1}", None),
+        ] {
+            for wanted in [Bench, Campaign, Record] {
+                let other = shown.filter(|kind| *kind != wanted);
+                assert_eq!(DocumentKind::instead_of(wanted, text.as_bytes()), other, "{text}");
+            }
         }
     }
 

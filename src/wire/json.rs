@@ -1,13 +1,16 @@
-//! Reading JSON so that a fault names its place, and comparing two documents member by member.
+//! Reading JSON so that a fault names its place.
 
+mod lines;
+mod not_json;
 mod several;
 mod words;
 
 use serde::de::{DeserializeOwned, IgnoredAny};
-use serde_json::Value;
 use serde_path_to_error::{Path, Segment};
 
 use crate::core::fault::{Fault, Faults};
+
+pub use lines::{from_line, on_a_line};
 
 /// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be found
 /// by reading on past the first, of a long one the first.
@@ -24,23 +27,21 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     }
     // Letters are looked at once for the whole document, which takes a fifth less than once a string.
     let read = std::str::from_utf8(bytes).ok().and_then(|text| serde_json::from_str(text).ok());
-    read.map_or_else(|| parse_naming_places(bytes), Ok).map_err(|fault| {
-        let mut faults = several::faults::<T>(bytes, fault);
-        if !is_json(bytes) {
-            let why = std::str::from_utf8(bytes).err();
-            let not_utf8 = why.map(|error| format!("not UTF-8 from byte {} on", error.valid_up_to()));
-            for fault in &mut faults.0 {
-                fault.detail = not_utf8.clone().unwrap_or_else(|| format!("not JSON: {}", fault.detail));
-            }
-        }
-        faults
+    // What is cut short ends where its text does, not on the empty line after it.
+    let text = bytes.trim_ascii_end();
+    read.map_or_else(|| parse_naming_places(text), Ok).map_err(|(fault, place)| match is_json(text) {
+        true => several::faults::<T>(text, fault),
+        false => not_json::why(text, fault, place).into(),
     })
 }
 
-fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Fault> {
+/// The fault comes with the line and column at which reading has stopped.
+fn parse_naming_places<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, (Fault, (usize, usize))> {
+    let stopped = |fault, error: &serde_json::Error| (fault, (error.line(), error.column()));
     let mut reader = serde_json::Deserializer::from_slice(bytes);
-    let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| fault_at(error.path(), error.inner()))?;
-    reader.end().map_err(|error| fault(String::new(), &error))?;
+    let value = serde_path_to_error::deserialize(&mut reader)
+        .map_err(|error| stopped(fault_at(error.path(), error.inner()), error.inner()))?;
+    reader.end().map_err(|error| stopped(fault(String::new(), &error), &error))?;
     Ok(value)
 }
 
@@ -98,31 +99,10 @@ fn append_member(pointer: &mut String, member: &str) {
     }
 }
 
-/// Pointer to the first member in which two documents differ, none where they say the same.
-pub fn first_difference(a: &Value, b: &Value) -> Option<String> {
-    match (a, b) {
-        (Value::Object(x), Value::Object(y)) => {
-            let keys = x.keys().chain(y.keys().filter(|key| !x.contains_key(*key)));
-            keys.into_iter().find_map(|key| {
-                let below = match (x.get(key), y.get(key)) {
-                    (Some(p), Some(q)) => first_difference(p, q),
-                    _ => Some(String::new()),
-                };
-                below.map(|rest| format!("/{}{rest}", pointer_token(key)))
-            })
-        }
-        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
-            x.iter().zip(y).enumerate().find_map(|(i, (p, q))| first_difference(p, q).map(|rest| format!("/{i}{rest}")))
-        }
-        _ => (a != b).then(String::new),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use serde::Deserialize;
-    use serde_json::json;
 
     #[derive(Debug, Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -167,20 +147,30 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_json_is_told_where_it_ceases_to_be_and_nothing_of_what_it_says_before() {
+        for (text, pointer, detail) in [
+            (r#"{"list":[{"x":NaN}]}"#, "/list/0/x", "not JSON: expected value at line 1 column 15"),
+            (r#"{"colour":1,"list":NaN}"#, "", "not JSON: expected value at line 1 column 20"),
+            (r#"{"colour":1} x"#, "", "not JSON: trailing characters at line 1 column 14"),
+            (r#"{"list":[{"x":1e400}]"#, "", "not JSON: EOF while parsing an object at line 1 column 21"),
+            ("{\"list\":[]\n", "", "not JSON: EOF while parsing an object at line 1 column 10"),
+        ] {
+            assert_eq!(refused(text), (pointer.into(), detail.into()), "{text}");
+        }
+        for text in ["{\"list\":[]}\n{\"list\":[]}", "{\"colour\":1}\n{\"list\":"] {
+            let (pointer, detail) = refused(text);
+            assert_eq!(pointer, "");
+            assert!(detail.starts_with("several JSON documents follow one another"), "{detail}");
+            assert!(detail.ends_with("the second begins at line 2 column 1"), "{detail}");
+        }
+    }
+
+    #[test]
     fn json_is_told_from_what_is_not_json() {
         assert!(is_json(b"[1e999]"));
         assert!(is_json(b"\xef\xbb\xbf{}"));
         assert!(!is_json(b"{\"x\": NaN}"));
         assert!(!is_json(b"{\"x\": 1"));
         assert!(!is_json(b"{\"x\": \"\xff\"}"));
-    }
-
-    #[test]
-    fn the_first_difference_is_found_at_any_depth_and_in_either_document() {
-        let a = json!({"m": 1, "list": [{"x": 1}, {"x": 2}]});
-        assert_eq!(first_difference(&a, &a), None);
-        assert_eq!(first_difference(&a, &json!({"m": 1, "list": [{"x": 1}, {"x": 3}]})).as_deref(), Some("/list/1/x"));
-        assert_eq!(first_difference(&a, &json!({"m": 1, "list": [{"x": 1}]})).as_deref(), Some("/list"));
-        assert_eq!(first_difference(&json!({}), &json!({"n": null})).as_deref(), Some("/n"));
     }
 }

@@ -16,6 +16,7 @@ pub mod cursor;
 pub mod diagnoses;
 pub mod diagnoses_csv;
 pub mod diagnosis;
+pub mod differences;
 pub mod document;
 pub mod geometry;
 pub mod history;

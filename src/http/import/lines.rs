@@ -6,6 +6,7 @@ use bytes::{Bytes, BytesMut};
 use futures::{Stream, StreamExt};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
+use crate::http::problem;
 use crate::wire::problem::Problem;
 
 /// Text that may be under way at a time, from reading a line to its answer, KiB begun a line. What is made of a record takes dozens of times
@@ -120,9 +121,11 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
             Some(Ok(bytes)) => {
                 self.read += bytes.len();
                 self.pending.extend_from_slice(&bytes);
-                let detail =
-                    format!("an import may have {} bytes; what came before this line is answered", self.longest.body);
-                (self.read > self.longest.body).then(|| Problem::new(413, "Too large", detail))
+                (self.read > self.longest.body).then(|| {
+                    let mut problem = problem::too_large("an import", self.longest.body, "server.max_import_bytes");
+                    problem.detail.push_str("; what came before this line is answered");
+                    problem
+                })
             }
             Some(Err(error)) => Some(Problem::new(400, "Broken off", format!("the body broke off: {error}"))),
         };
@@ -138,7 +141,7 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
 }
 
 fn too_long(longest: usize) -> Problem {
-    Problem::new(413, "Too large", format!("a line may have {longest} bytes"))
+    problem::too_large("a line", longest, "server.max_import_line_bytes")
 }
 
 #[cfg(test)]

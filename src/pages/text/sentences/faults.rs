@@ -37,11 +37,17 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ),
     ("not UTF-8 text", "不是UTF-8文本"),
     // JSON.
+    (
+        "several JSON documents follow one another, where one is taken (POST /v1/import and `gyrowatch import` take many, one a line): \
+         the second begins",
+        "此处只接受一个JSON文档，却有多个相接（POST /v1/import与`gyrowatch import`可接受多个，每行一个）：第二个由此开始",
+    ),
     ("not JSON: {}", "不是JSON：{0}"),
     ("is not JSON: {}", "不是JSON：{0}"),
     ("not UTF-8 from byte {} on", "从第{0}字节起不是UTF-8"),
     ("is not UTF-8: {}", "不是UTF-8：{0}"),
     ("{} at line {} column {}", "第{1}行第{2}列：{0}"),
+    ("{} at column {}", "第{1}列：{0}"),
     ("EOF while parsing {}", "内容在此之前就已结束（{0}不完整）"),
     ("a value", "值"),
     ("an object", "对象"),

@@ -40,6 +40,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "相同时间与对象已有其他内容（编号{0}），二者完全不同，如一为记录、一为原始试验",
     ),
     (
+        "an item with the same key is stored with other content (id {}); they differ at {} … and {} more",
+        "相同时间与对象已有其他内容（编号{0}），差异在{1}，另有{2}处",
+    ),
+    (
         "an item with the same key is stored with other content (id {}); they differ at {}",
         "相同时间与对象已有其他内容（编号{0}），差异在{1}",
     ),

@@ -127,6 +127,22 @@ async fn a_gyro_whose_methods_disagree_is_not_well_until_the_alert_is_over() {
 }
 
 #[tokio::test]
+async fn methods_that_nobody_asks_about_any_more_make_no_gyro_unwell() {
+    let mut lab = Lab::open().await;
+    lab.posts(&record("IMU-1", "2026-03-01T08:00:00Z", &[("G1", "A", 1.0, 2.0)])).await;
+    let before = states(&lab, "A").await;
+    lab.post("/v1/bench-results", &bench("A", "2026-03-05T08:00:00Z", 1.02, 2.001)).await.created();
+    assert_eq!(states(&lab, "A").await, ["exceeded", "exceeded"]);
+    lab.config.judging.rules = serde_json::from_value(json!({"off": ["agreement"]})).expect("rules");
+    lab.restart().await;
+    assert_eq!(states(&lab, "A").await, before);
+    let firing = async |lab: &Lab| lab.get("/v1/alerts?serial=A&state=firing").await.ok()["alerts"].clone();
+    assert_eq!(firing(&lab).await[0]["rule"], "agreement");
+    lab.post("/v1/bench-results", &bench("A", "2026-03-06T08:00:00Z", 1.03, 2.001)).await.created();
+    assert_eq!(firing(&lab).await, json!([]), "its next item ends the alert");
+}
+
+#[tokio::test]
 async fn a_gyro_that_only_benches_have_seen_is_not_well_where_they_disagree() {
     let lab = Lab::open().await;
     lab.post("/v1/bench-results", &bench("A", "2026-03-05T08:00:00Z", 1.0, 2.0)).await.created();

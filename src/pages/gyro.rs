@@ -13,7 +13,7 @@ use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use super::{Pages, alerts};
 use crate::core::access::Role;
-use crate::core::judge::{Rule, State};
+use crate::core::judge::{Coefficient, Rule, State};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Comparison, Course, Figures, Id, Tables, sample_of};
 use crate::wire::alert::AlertBody;
@@ -64,7 +64,9 @@ impl Facts {
 
     /// As the fleet has it: the verdicts on the newest record, and that the methods disagree for as long as an alert says so.
     pub fn grade(&self) -> Grade {
-        let disagree = self.alerts.iter().any(|alert| alert.rule == Rule::Agreement.name());
+        let asked = |name: &str| Coefficient::from_name(name).and_then(|of| self.course.limits.agreement(of)).is_some();
+        let mut of_agreement = self.alerts.iter().filter(|alert| alert.rule == Rule::Agreement.name());
+        let disagree = of_agreement.any(|alert| asked(&alert.coefficient));
         let of_newest = self.course.figures.last().map(|newest| verdicts::worst(newest, &self.verdicts));
         let broken = self.verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
         let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));

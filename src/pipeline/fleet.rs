@@ -155,9 +155,13 @@ impl Pipeline {
     ) -> Option<Standing> {
         let serial = tables.gyros.name(number)?.clone();
         let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
-        let interval = self.config.judging.limits(imu, &serial).interval_days;
+        let limits = self.config.judging.limits(imu, &serial);
+        let interval = limits.interval_days;
         let late = newest.as_ref().zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
         let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
+        // The alert of a rule that has been switched off since stands until the gyro's next item.
+        let asked = |found: &&Disagreement| limits.agreement(found.coefficient).is_some();
+        let disagreements: Vec<&Disagreement> = disagreements.iter().filter(asked).collect();
         let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
         Some(Standing {

@@ -16,6 +16,7 @@ use crate::core::time::UtcMicros;
 use crate::store::{Id, Kind};
 use crate::system::sha256;
 use crate::wire::bench::parse_bench_result;
+use crate::wire::json::without_mark;
 use crate::wire::record::parse_record;
 use crate::wire::time;
 
@@ -220,8 +221,9 @@ impl Pipeline {
     }
 }
 
-/// The body as it is kept, and its hash.
+/// The body as it is kept, without a byte-order mark, and its hash.
 pub(super) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
+    let bytes = without_mark(bytes);
     let text = std::str::from_utf8(bytes)
         .map_err(|error| Faults::from(Fault { pointer: String::new(), detail: format!("is not UTF-8: {error}") }))?;
     Ok((text.into(), sha256(bytes)))

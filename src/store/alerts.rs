@@ -208,9 +208,9 @@ impl Store {
 
     /// Alerts of one rule that fire, acknowledged or silenced as they may be: of one gyro, or of all.
     pub async fn unresolved(&self, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!(
-            "{COLUMNS} WHERE rule = $1 AND status = $2 AND ($3 IS NULL OR gyro = $3) ORDER BY id"
-        ));
+        // Not in one condition: that of a single gyro is to find its index.
+        let of_gyro = if gyro.is_some() { "gyro = $3" } else { "$3 IS NULL" };
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE rule = $1 AND status = $2 AND {of_gyro} ORDER BY id"));
         on!(self.readers, db => sqlx::query(sql)
             .bind(rule.name())
             .bind(Status::Firing.name())

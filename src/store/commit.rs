@@ -200,7 +200,7 @@ impl Writer {
     }
 }
 
-/// Does `work` on this thread; a runtime of several threads hands the other tasks of this one over to the next.
+/// Does `work` on this thread. Where it is one of those that run a runtime's tasks, its others are handed over to the next.
 pub(super) fn waiting_for_disk<T>(work: impl FnOnce() -> T) -> T {
     match Handle::current().runtime_flavor() {
         RuntimeFlavor::CurrentThread => work(),

@@ -22,6 +22,7 @@ const LONGEST_RECORD: usize = 64 * 1024;
 #[derive(Deserialize)]
 struct Marks {
     method: Option<IgnoredAny>,
+    imu: Option<IgnoredAny>,
     measured_at: Option<IgnoredAny>,
     calibrated_at: Option<IgnoredAny>,
     gyros: Option<IgnoredAny>,
@@ -54,9 +55,11 @@ impl DocumentKind {
         (shown != wanted).then_some(shown)
     }
 
-    /// Whether a document shows that it is a bench result, complete or not: it has neither gyros nor dwells, but a method or a drift.
+    /// Whether a document shows that it is a bench result, complete or not: it has a method or a drift, and nothing that the others have.
     fn is_bench(bytes: &[u8]) -> bool {
-        let marks = Marks::of(bytes).filter(|marks| marks.gyros.is_none() && marks.dwells.is_none());
+        let of_others =
+            |m: &Marks| m.imu.is_some() || m.calibrated_at.is_some() || m.gyros.is_some() || m.dwells.is_some();
+        let marks = Marks::of(bytes).filter(|marks| !of_others(marks));
         marks.is_some_and(|m| m.method.is_some() || m.d_i_deg_per_h_g0.is_some() || m.d_s_deg_per_h_g0.is_some())
     }
 
@@ -122,7 +125,9 @@ mod tests {
         use DocumentKind::{Bench, Campaign, Record};
         for (text, shown) in [
             (r#"{"serial":"A","method":"torque_feedback"}"#, Some(Bench)),
-            (r#"{"d_s_deg_per_h_g0":1.5,"calibrated_at":"…"}"#, Some(Bench)),
+            (r#"{"d_s_deg_per_h_g0":1.5}"#, Some(Bench)),
+            (r#"{"d_s_deg_per_h_g0":1.5,"calibrated_at":"…"}"#, Some(Record)),
+            (r#"{"imu":"A","gyrs":[],"method":"x"}"#, None),
             (r#"{"imu":"A","calibrated_at":"…","method":"x","gyros":[]}"#, Some(Record)),
             (r#"{"method":"x","dwells":[]}"#, Some(Campaign)),
             (r#"{"serial":"A"}"#, None),

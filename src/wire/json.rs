@@ -28,7 +28,7 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     // Letters are looked at once for the whole document, which takes a fifth less than once a string.
     let read = std::str::from_utf8(bytes).ok().and_then(|text| serde_json::from_str(text).ok());
     // What is cut short ends where its text does, not on the empty line after it.
-    let text = bytes.trim_ascii_end();
+    let text = without_blanks_after(bytes);
     read.map_or_else(|| parse_naming_places(text), Ok).map_err(|(fault, place)| match is_json(text) {
         true => several::faults::<T>(text, fault),
         false => not_json::why(text, fault, place).into(),
@@ -51,7 +51,13 @@ pub fn is_json(bytes: &[u8]) -> bool {
     std::str::from_utf8(bytes).is_ok() && serde_json::from_slice::<IgnoredAny>(bytes).is_ok()
 }
 
-pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+/// Without the blanks at the end that JSON knows: what else counts as one is a fault.
+fn without_blanks_after(bytes: &[u8]) -> &[u8] {
+    let last = bytes.iter().rposition(|byte| !b" \t\r\n".contains(byte));
+    &bytes[..last.map_or(0, |last| last + 1)]
+}
+
+pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 

@@ -1,5 +1,6 @@
 //! What a gyro is judged against. Configuration by fleet, IMU, gyro and coefficient is resolved to one of these before.
 
+use super::Coefficient;
 use super::history::Measured;
 use super::rules::{CUSUM_RECORDS, RMS_RECORDS, TREND_RECORDS};
 
@@ -102,6 +103,15 @@ impl Limits {
             range_days: 30.0,
             range_min_records: 3,
             interval_days: None,
+        }
+    }
+
+    /// How far the methods may be apart on `coefficient`, deg/(h g0); none where nobody asks.
+    pub fn agreement(&self, coefficient: Coefficient) -> Option<f64> {
+        match coefficient {
+            Coefficient::DI => self.d_i.agreement,
+            Coefficient::DS => self.d_s.agreement,
+            _ => None,
         }
     }
 

@@ -47,6 +47,8 @@ pub(in crate::pipeline) fn follow_group(
         for verdict in &agreement.verdicts {
             book.follow(agreement.gyro, verdict, &agreement.origin, pen);
         }
+        let judged = |row: &AlertRow| agreement.verdicts.iter().any(|verdict| verdict.coefficient == row.coefficient);
+        book.reset(agreement.gyro, |row| row.rule == Rule::Agreement && !judged(row), pen);
     }
 }
 

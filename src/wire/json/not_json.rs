@@ -8,12 +8,15 @@ use crate::core::fault::Fault;
 /// Reading it as what it should be has stopped at `found`, on this line and column. What a document says before the place where it
 /// ceases to be JSON is not what is wrong with it, and is not told.
 pub(super) fn why(bytes: &[u8], found: Fault, place: (usize, usize)) -> Fault {
+    if let Err(error) = std::str::from_utf8(bytes) {
+        // serde passes over the letters of members that it does not know.
+        let is_of_letters = found.detail.starts_with("invalid unicode code point");
+        let pointer = if is_of_letters { found.pointer } else { String::new() };
+        return Fault { pointer, detail: format!("not UTF-8 from byte {} on", error.valid_up_to()) };
+    }
     let Err(error) = serde_json::from_slice::<IgnoredAny>(bytes) else { return found };
     let stopped_there = (error.line(), error.column()) == place;
     let fault = if stopped_there { found } else { fault(String::new(), &error) };
-    if let Err(error) = std::str::from_utf8(bytes) {
-        return Fault { detail: format!("not UTF-8 from byte {} on", error.valid_up_to()), ..fault };
-    }
     let detail = match second_document(bytes) {
         Some((line, column)) => format!(
             "several JSON documents follow one another, where one is taken (POST /v1/import and `gyrowatch import` take many, one a line): \

@@ -8,8 +8,7 @@ use comfy_table::Table;
 
 use super::document::{self, Format, table};
 use crate::config::Judging;
-use crate::core::judge::{State, Verdict, requirement};
-use crate::core::mounting::Geometry;
+use crate::core::judge::{State, Verdict};
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{NotPublished, Published, Separation, separate, stated_covariance};
 use crate::pages::figure::with_sd;
@@ -81,9 +80,8 @@ impl Separate {
 type Requirements = [Option<Verdict>; 2];
 
 fn required(record: &Record, gyro: &GyroParameters, judging: &Judging) -> Requirements {
-    let skewed = matches!(record.geometry, Geometry::Skewed);
-    let required = judging.requirement(skewed, gyro.slot, record.imu.as_str(), gyro.serial.as_str());
-    requirement(&required, &gyro.e, &gyro.g, gyro.e_sd.as_ref(), gyro.g_sd.as_ref(), judging.confidence)
+    let (whose, sds) = ((gyro.slot, &record.imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
+    judging.of_parameters(&record.geometry, whose, (&gyro.e, &gyro.g), sds)
 }
 
 fn separate_all(record: &Record) -> anyhow::Result<Vec<Separation>> {

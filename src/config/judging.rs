@@ -1,9 +1,12 @@
 //! The `[judging]` section, resolved to the limits of one gyro.
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::core::judge::limits::{DriftLimits, Limits, Requirement};
-use crate::core::mounting::Slot;
+use crate::core::judge::{Verdict, requirement};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::record::Name;
 
 use super::ConfigError;
 use super::requirement::SlotRequirements;
@@ -100,6 +103,19 @@ impl Judging {
             change.requirement.apply(slot, &mut required);
         }
         required
+    }
+
+    /// E and G, with their standard deviations, against what is required of them.
+    pub fn of_parameters(
+        &self,
+        geometry: &Geometry,
+        (slot, imu, serial): (Slot, &Name, &Name),
+        (e, g): (&Vector3<f64>, &Vector3<f64>),
+        (e_sd, g_sd): (Option<&Vector3<f64>>, Option<&Vector3<f64>>),
+    ) -> [Option<Verdict>; 2] {
+        let skewed = matches!(geometry, Geometry::Skewed);
+        let required = self.requirement(skewed, slot, imu.as_str(), serial.as_str());
+        requirement(&required, e, g, e_sd, g_sd, self.confidence)
     }
 
     /// Where no override says otherwise.

@@ -148,8 +148,8 @@ impl Pipeline {
                     let sd = fitted.covariance_eg().map(|c| c.diagonal().map(|v| v.max(0.0).sqrt()));
                     let [e_sd, g_sd] = [0, 3].map(|row| sd.map(|sd| sd.fixed_rows::<3>(row).into_owned()));
                     let whose = (gyro.slot, &campaign.imu, &gyro.serial);
-                    let requirements =
-                        self.requirements(&campaign.geometry, whose, (&e, &g), (e_sd.as_ref(), g_sd.as_ref()));
+                    let (sds, judging) = ((e_sd.as_ref(), g_sd.as_ref()), &self.config.judging);
+                    let requirements = judging.of_parameters(&campaign.geometry, whose, (&e, &g), sds);
                     Some(CalibratedGyro {
                         place,
                         slot: gyro.slot,

@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
-
 use super::{Actor, Pipeline};
 use crate::config::PlausibilityKeys;
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
-use crate::core::judge::{Event, FixedLevels, Verdict, requirement};
-use crate::core::mounting::{Geometry, Slot};
+use crate::core::judge::{Event, FixedLevels, Verdict};
+use crate::core::mounting::Slot;
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
 use crate::core::separate::{CovarianceEg, Separation, separate, stated_covariance};
 use crate::core::time::UtcMicros;
@@ -177,22 +175,9 @@ impl Pipeline {
     ) -> Result<CalibratedGyro, String> {
         let separation =
             separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance).map_err(|error| error.to_string())?;
-        let sds = (gyro.e_sd.as_ref(), gyro.g_sd.as_ref());
-        let requirements = self.requirements(geometry, (gyro.slot, imu, &gyro.serial), (&gyro.e, &gyro.g), sds);
+        let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
+        let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
         Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
-    }
-
-    /// E and G, with their standard deviations, against what is required of them.
-    pub(super) fn requirements(
-        &self,
-        geometry: &Geometry,
-        (slot, imu, serial): (Slot, &Name, &Name),
-        (e, g): (&Vector3<f64>, &Vector3<f64>),
-        (e_sd, g_sd): (Option<&Vector3<f64>>, Option<&Vector3<f64>>),
-    ) -> [Option<Verdict>; 2] {
-        let skewed = matches!(geometry, Geometry::Skewed);
-        let required = self.config.judging.requirement(skewed, slot, imu.as_str(), serial.as_str());
-        requirement(&required, e, g, e_sd, g_sd, self.config.judging.confidence)
     }
 
     /// Reads and checks a bench result.

@@ -117,7 +117,7 @@ pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
 
 /// Whether a document is taken for CSV.
 pub fn is_csv(bytes: &[u8]) -> bool {
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = json::without_mark(bytes);
     !matches!(text.iter().find(|b| !b.is_ascii_whitespace()), Some(b'{' | b'[') | None)
 }
 

@@ -73,7 +73,7 @@ fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Err(fault("", "the file is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in a spreadsheet)".into()));
     }
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = json::without_mark(bytes);
     std::str::from_utf8(bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
         fault("", format!("line {line}: not UTF-8 text"))

@@ -24,6 +24,7 @@ pub mod hook;
 pub mod json;
 pub mod located;
 pub mod model;
+pub mod note;
 pub mod numbers;
 pub mod problem;
 pub mod record;

@@ -1,0 +1,24 @@
+//! Notes on an item that is accepted: what a reader should know before relying on its figures. Kinds and parameters only; words
+//! are made at the edge ([`crate::wire::note`]).
+
+/// One thing worth knowing about an accepted item.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Note {
+    /// Specific force and rate were not checked against the attitude.
+    NoAttitudes,
+    /// The specific force of static dwells was checked against standard gravity.
+    NoSite,
+    /// Effects of temperature cannot be seen.
+    NoTemperatures,
+}
+
+impl Note {
+    /// Its name in answers; never changes once it has been given out.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Note::NoAttitudes => "no_attitudes",
+            Note::NoSite => "no_site",
+            Note::NoTemperatures => "no_temperatures",
+        }
+    }
+}

@@ -29,12 +29,20 @@ fn in_chinese(english: &str) -> String {
         return super::Language::Chinese.text().effect(effect).to_owned();
     }
     let known = ALL.iter().copied().flatten().find_map(|(form, chinese)| Some((fillings(form, english)?, chinese)));
-    let Some((fillings, chinese)) = known else { return english.to_owned() };
+    let Some((fillings, chinese)) = known else { return sentence_by_sentence(english) };
     let mut text = (*chinese).to_owned();
     for (k, filling) in fillings.iter().enumerate() {
         text = text.replace(&format!("{{{k:x}}}"), &in_chinese(filling));
     }
     text
+}
+
+/// A reason is several sentences, each with a form of its own.
+fn sentence_by_sentence(english: &str) -> String {
+    match english.split_once(". ") {
+        Some((first, rest)) => in_chinese(&format!("{first}.")) + &in_chinese(rest),
+        None => english.to_owned(),
+    }
 }
 
 /// What stands in the places of a form, if the text has that form. Each place takes as little as it can.

@@ -245,6 +245,16 @@ impl Status {
         Self::ALL.into_iter().find(|status| status.name() == name)
     }
 
+    /// Where nothing is known but the worst state of what was judged.
+    pub fn of_state(state: Option<State>) -> Self {
+        match state {
+            None => Status::NotEnoughData,
+            Some(State::Within) => Status::InTolerance,
+            Some(State::Indeterminate) => Status::Borderline,
+            Some(State::Exceeded) => Status::OutOfTolerance,
+        }
+    }
+
     /// Of a verdict's parts; `value`, its limit and standard deviation as in [`Verdict`].
     pub fn of(rule: Rule, state: State, value: Option<f64>, limit: f64, sd: Option<f64>, confirmed: bool) -> Self {
         match state {

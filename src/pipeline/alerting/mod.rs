@@ -12,6 +12,6 @@ mod sources;
 
 pub use orders::{AlertChange, AlertOrder, AlertRecord, AlertStep};
 
-pub(super) use body::{Naming, Origin, finding_of};
+pub(super) use body::{Naming, Origin, finding_of, status_of};
 pub(super) use book::{AlertBook, Pen};
 pub(super) use sources::{follow_clock, follow_group};

@@ -43,17 +43,15 @@ impl Measured {
     }
 }
 
-fn median_variance([a, b, c]: [f64; 3]) -> f64 {
-    let largest = a.max(b).max(c);
+fn median_variance(variances: [f64; 3]) -> f64 {
+    let largest = variances.into_iter().fold(0.0, f64::max);
     if largest == 0.0 {
         return 0.0;
     }
-    let [a, b, c] = [a, b, c].map(|variance| variance / largest);
-    let share = |a: f64, b: f64, c: f64| {
-        let spread = ((a + b) * (a + c)).sqrt();
-        if spread > 0.0 { a * (a / spread).min(1.0).asin() } else { 0.0 }
-    };
-    let sum = share(a, b, c) + share(b, a, c) + share(c, a, b) + (a * b + b * c + c * a).sqrt();
+    let [a, b, c] = variances.map(|variance| variance / largest);
+    let root = (a * b + b * c + c * a).sqrt();
+    // asin(a/sqrt((a+b)(a+c))) = atan(a/root), which loses nothing near pi/2.
+    let sum = [a, b, c].into_iter().map(|variance| variance * variance.atan2(root)).sum::<f64>() + root;
     largest * (0.5 * (a + b + c) - sum / std::f64::consts::PI).max(0.0)
 }
 

@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn covariances_are_those_of_the_full_matrix() {
         let noise = Noise { phi: 0.6, walk: 2e-3, of_fleet: true };
-        let t = [-2.0, -1.4, -1.1, -0.2, 0.0];
+        let t: [f64; 5] = [-2.0, -1.4, -1.1, -0.2, 0.0];
         let (u, w) = ([0.3, -0.5, 0.1, 0.6, -0.5], [-0.2, 0.4, 0.3, -0.9, 0.4]);
         let (mut scatter, mut walk) = (0.0, 0.0);
         for i in 0..t.len() {

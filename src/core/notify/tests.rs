@@ -1,5 +1,5 @@
 use super::*;
-use crate::core::judge::{Coefficient, Finding, Rule};
+use crate::core::judge::{Coefficient, Finding, LimitKey, Rule};
 
 const POLICY: Policy = Policy { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2 };
 
@@ -14,6 +14,7 @@ fn verdict(rule: Rule, state: State, value: f64, confirmed: bool) -> Verdict {
         state,
         value: Some(value),
         limit: 0.01,
+        limit_from: LimitKey::BUDGET,
         sd: None,
         probability: None,
         confirmed,

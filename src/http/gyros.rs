@@ -11,8 +11,8 @@ use super::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
-use crate::core::judge::{Event, State as Judgement, Status};
 use crate::core::judge::history::Measured;
+use crate::core::judge::{Event, State as Judgement, Status};
 use crate::pipeline::{Figures, Span, Standing, Tables, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
@@ -47,10 +47,13 @@ struct Filter {
 
 impl Filter {
     fn of(asked: &GyrosQuery) -> Result<Self, Problem> {
-        let unknown = |name: &str, known: &[&str], said: &str| query::bad(&format!("{name} must be one of {}, is {said}", known.join(", ")));
-        let status = asked.status.as_deref().map(|said| {
-            Status::from_name(said).ok_or_else(|| unknown("status", &Status::ALL.map(Status::name), said))
-        });
+        let unknown = |name: &str, known: &[&str], said: &str| {
+            query::bad(&format!("{name} must be one of {}, is {said}", known.join(", ")))
+        };
+        let status = asked
+            .status
+            .as_deref()
+            .map(|said| Status::from_name(said).ok_or_else(|| unknown("status", &Status::ALL.map(Status::name), said)));
         let state = asked.state.as_deref().map(|said| {
             Judgement::from_name(said).ok_or_else(|| unknown("state", &Judgement::ALL.map(Judgement::name), said))
         });
@@ -58,7 +61,8 @@ impl Filter {
     }
 
     fn fits(self, standing: &Standing) -> bool {
-        self.status.is_none_or(|status| standing.is(status)) && self.state.is_none_or(|state| standing.state == Some(state))
+        self.status.is_none_or(|status| standing.is(status))
+            && self.state.is_none_or(|state| standing.state == Some(state))
     }
 }
 
@@ -142,7 +146,12 @@ async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQu
 }
 
 /// As many gyros as fit on a page, and where the next begins.
-async fn page(app: &App, mut after: u32, limit: usize, filter: Filter) -> Result<(Vec<Standing>, Option<String>), Problem> {
+async fn page(
+    app: &App,
+    mut after: u32,
+    limit: usize,
+    filter: Filter,
+) -> Result<(Vec<Standing>, Option<String>), Problem> {
     let mut found: Vec<Standing> = Vec::new();
     loop {
         // One more than is shown tells whether there is another page.

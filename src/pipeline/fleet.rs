@@ -4,9 +4,9 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::{Pipeline, status};
 use super::agreement::Told;
 use super::line::{distinct, marks_of, sample_of};
+use super::{Pipeline, status};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
@@ -194,9 +194,8 @@ impl Pipeline {
         let disagreements: Vec<&Told> = told.iter().filter(asked).collect();
         let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
-        let violations: Vec<Violation> = violations(verdicts, told)
-            .chain(disagreements.iter().map(|told| Violation::of(told)))
-            .collect();
+        let violations: Vec<Violation> =
+            violations(verdicts, told).chain(disagreements.iter().map(|told| Violation::of(told))).collect();
         let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
         let of_verdicts = newest.as_ref().map(|_| status::of_gyro(verdicts));
         Some(Standing {

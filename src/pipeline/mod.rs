@@ -65,7 +65,7 @@ pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep};
 pub use answer::StoredRecord;
 pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
 pub use compare::Sent;
-pub use course::{Baseline, Course};
+pub use course::{Baseline, Course, Tested};
 pub use diagnosing::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
 pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Seats, Standing, Violation};

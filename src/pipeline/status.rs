@@ -73,7 +73,13 @@ mod tests {
     use super::*;
     use crate::core::judge::Rule;
 
-    fn verdict(coefficient: Coefficient, rule: Rule, state: State, value: Option<f64>, confirmed: bool) -> StoredVerdict {
+    fn verdict(
+        coefficient: Coefficient,
+        rule: Rule,
+        state: State,
+        value: Option<f64>,
+        confirmed: bool,
+    ) -> StoredVerdict {
         StoredVerdict { coefficient, rule, state, value, limit: 0.01, sd: None, probability: None, confirmed }
     }
 

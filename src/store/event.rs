@@ -90,7 +90,9 @@ impl Store {
     pub async fn out_of_use(&self) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
         let sql = "SELECT gyro, at, kind FROM event WHERE kind IN ('retired', 'in_storage') ORDER BY gyro, at, id";
         let rows: Vec<(Whole<u32>, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
-        let ended = rows.into_iter().filter_map(|(Whole(gyro), at, kind)| Some((gyro, (UtcMicros(at), Event::from_name(&kind)?))));
+        let ended = rows
+            .into_iter()
+            .filter_map(|(Whole(gyro), at, kind)| Some((gyro, (UtcMicros(at), Event::from_name(&kind)?))));
         Ok(ended.collect())
     }
 

@@ -23,7 +23,7 @@ pub use history::{
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
 pub use older::Older;
-pub use reason::{Finding, digits, sd_digits, turn_arcmin};
+pub use reason::{Finding, digits, sd_digits, turn_arcmin, unit};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
 pub use series::Series;
 

@@ -30,7 +30,9 @@ pub(super) fn written(trend: &Trend<'_>, with_voided: bool) -> Option<Vec<u8>> {
         let head = [trend.serial, trend.coefficient, trend.unit, at.as_str(), &value, &sd, point.method];
         let voided = point.voided.map(|voided| if voided { "true" } else { "false" });
         let tail = [imu, slot, point.station, &record, state];
-        writer.write_record(head.into_iter().chain(tail).chain(voided).chain([point.status.unwrap_or_default()])).ok()?;
+        writer
+            .write_record(head.into_iter().chain(tail).chain(voided).chain([point.status.unwrap_or_default()]))
+            .ok()?;
     }
     writer.into_inner().ok()
 }

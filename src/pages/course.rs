@@ -232,7 +232,7 @@ fn marks(t: &Text, course: &Course, tables: &Tables) -> Vec<Mark> {
     let mark = |event: &EventRow| Mark {
         t: millis(event.at),
         until: event.until.map(millis),
-        label: event_name(t, event),
+        label: label(t, event),
         event: true,
     };
     let mut marks: Vec<Mark> = events.map(mark).collect();
@@ -249,9 +249,14 @@ fn marks(t: &Text, course: &Course, tables: &Tables) -> Vec<Mark> {
 }
 
 /// `environmental test: vibration`.
-pub(super) fn event_name(t: &Text, event: &EventRow) -> String {
+fn label(t: &Text, event: &EventRow) -> String {
     let name = t.event(event.event);
     event.test.as_ref().map_or_else(|| name.to_owned(), |test| format!("{name}{}{test}", t.colon))
+}
+
+/// The same on a page, of which the test's name is not translated.
+pub(super) fn event_name(t: &Text, event: &EventRow) -> Markup {
+    html! { (t.event(event.event)) @if let Some(test) = &event.test { (t.colon) span translate="no" { (test) } } }
 }
 
 /// Events and changes in the order of time, newest first.
@@ -264,8 +269,7 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
         .map(|event| {
             let said = html! {
                 td {
-                    strong { (t.event(event.event)) }
-                    @if let Some(test) = &event.test { (t.colon) span translate="no" { (test) } }
+                    strong { (event_name(t, event)) }
                     @if let Some(until) = event.until { br; span.quiet { (t.until) " " (instant(until)) } }
                 }
                 td translate="no" { (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } } }

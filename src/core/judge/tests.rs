@@ -405,7 +405,7 @@ fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() 
     assert_eq!(v.state, State::Within, "beyond the horizon of 90 days");
     assert_eq!(ramp(45).status(), Status::Borderline, "likely within it, and not certain");
 
-    let later = ramp(49);
+    let later = ramp(50);
     assert_eq!((later.state, later.status()), (State::Exceeded, Status::Drifting), "{later}");
     assert_eq!(later.severity(), Some(Severity::Warning));
     let beyond = ramp(60).reason();

@@ -100,7 +100,7 @@ fn a_step_that_the_next_campaign_confirms_goes_on_firing_and_escalates() {
     let step = |state, value, confirmed| verdict(Rule::Step, state, value, confirmed);
     let mut story = Story::default();
     assert_eq!(story.record(0.0, &step(State::Exceeded, 0.02, false)), Action::Fire);
-    assert_eq!(story.record(14.0, &step(State::Within, 0.001, true)), Action::Escalate);
+    assert_eq!(story.record(14.0, &step(State::Exceeded, 0.021, true)), Action::Escalate);
     assert_eq!(story.status(), Some(Status::Firing));
     assert_eq!(story.record(28.0, &step(State::Within, 0.001, false)), Action::Resolve);
 }

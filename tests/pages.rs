@@ -212,7 +212,16 @@ async fn a_record_is_shown_with_what_was_separated_from_it() {
     let answer = server.post("/v1/records", "application/json", support::data("paper.json")).await.json();
     let shown = page(&server, &format!("/records/{}", answer["id"].as_str().unwrap()), &[]).await;
     // Golden figures of Tables 3 and 4.
-    for there in ["2.957643", "4.618005", "0.075874", "2.958219", "54.737806", "114.177661", "0.8425 … 0.8529", "judging.requirements"] {
+    for there in [
+        "2.957643",
+        "4.618005",
+        "0.075874",
+        "2.958219",
+        "54.737806",
+        "114.177661",
+        "0.8425 … 0.8529",
+        "judging.requirements",
+    ] {
         assert!(shown.contains(there), "{there} is not in {shown}");
     }
     assert_eq!(server.get("/records/nonsense").await.status, 404);
@@ -699,9 +708,13 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
 async fn a_report_has_its_plots_without_a_script() {
     let server = a_small_fleet().await;
     let gyro = page(&server, "/gyros/JUMP%2F1/report", &[]).await;
-    for there in
-        ["<svg role=\"img\"", "class=\"confirmed\"", "above its baseline 3.0000", "judging.budget", "Alerts on this gyro"]
-    {
+    for there in [
+        "<svg role=\"img\"",
+        "class=\"confirmed\"",
+        "above its baseline 3.0000",
+        "judging.budget",
+        "Alerts on this gyro",
+    ] {
         assert!(gyro.contains(there), "{there} is not in {gyro}");
     }
     // One picture each of D_I, D_S and the closure, with a shape for every calibration.
@@ -744,7 +757,17 @@ async fn an_environmental_test_is_seen_with_what_the_gyro_was_before_and_after()
         let table = &shown[place(&shown, "id=\"tests\"")..];
         let table = &table[..place(table, "</section>")];
         // 2.0213 - 2.001, in one campaign: the next one is back where the gyro was.
-        for there in ["random vibration", "2.001000", "2.021300", "+0.020300", "0.0100", "judging.budget", "unconfirmed", "in tolerance", &after] {
+        for there in [
+            "random vibration",
+            "2.001000",
+            "2.021300",
+            "+0.020300",
+            "0.0100",
+            "judging.budget",
+            "unconfirmed",
+            "in tolerance",
+            &after,
+        ] {
             assert!(table.contains(there), "{path}: {there} is not in {table}");
         }
         assert!(!table.contains("not compared"), "{table}");
@@ -762,7 +785,9 @@ async fn an_environmental_test_is_seen_with_what_the_gyro_was_before_and_after()
         let trend = server.get(&format!("/v1/gyros/TESTED/trend?from={from}")).await.json();
         let events = trend["events"].as_array().unwrap();
         assert_eq!(events.len(), count, "{from}: {trend}");
-        assert!(events.iter().all(|event| event["kind"] == "random vibration" && event["to"] == "2025-02-12T00:00:00Z"));
+        assert!(
+            events.iter().all(|event| event["kind"] == "random vibration" && event["to"] == "2025-02-12T00:00:00Z")
+        );
     }
 }
 

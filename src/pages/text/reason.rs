@@ -263,8 +263,10 @@ mod tests {
             // What an alert keeps in English is said in Chinese from the English.
             let spoken = CHINESE.spoken(&english);
             assert_eq!(numbers(&english), numbers(&spoken), "{english}\n{spoken}");
+            // The key of the configuration is the same in every language.
+            let without_key = spoken.replace("judging.budget", "");
             let words: Vec<&str> =
-                spoken.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| word.len() > 2).collect();
+                without_key.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| word.len() > 2).collect();
             assert!(words.is_empty(), "{words:?} in {spoken}");
         }
     }

@@ -93,7 +93,7 @@ mod tests {
         let seen: Vec<_> = found.iter().map(|b| (b.from, b.until, b.level[0])).collect();
         assert_eq!(
             seen,
-            [(day(0), day(35), Some(2.0)), (day(35), day(65), Some(6.0)), (day(65), day(70), None)],
+            [(day(0), day(35), Some(2.0)), (day(35), day(65), Some(5.0)), (day(65), day(70), None)],
             "transport resets nothing; the last baseline has one record of three"
         );
     }

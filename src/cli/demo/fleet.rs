@@ -33,7 +33,7 @@ mod stories {
     /// LFG-0004: D_I rises, and reaches the budget within the year.
     pub const RISING: (usize, f64) = (3, 0.013);
     /// LFG-0014: D_I ages, well within the budget: the statistics alone warn.
-    pub const AGEING: (usize, f64) = (13, 0.003);
+    pub const AGEING: (usize, f64) = (13, 0.0047);
     /// LFG-0008: D_S jumps when its IMU is transported.
     pub const JUMPING: (usize, f64, f64) = (7, 430.0, 0.031);
     /// LFG-0011: D_S falls until it is taken out, repaired, and put into another IMU.

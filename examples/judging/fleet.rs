@@ -94,11 +94,11 @@ impl Fleet {
         while day < self.years * 365.25 {
             let mut figure = |column: usize, level: f64| {
                 let z: f64 = StandardNormal.sample(rng);
-                walks[column] += self.noise.walk * (if before.is_finite() { day - before } else { 0.0 } / 365.25).sqrt() * z;
+                walks[column] +=
+                    self.noise.walk * (if before.is_finite() { day - before } else { 0.0 } / 365.25).sqrt() * z;
                 if before.is_finite() {
                     let phi = self.noise.phi;
-                    scatters[column] =
-                        phi * scatters[column] + (1.0 - phi * phi).sqrt() * self.noise.innovation(rng);
+                    scatters[column] = phi * scatters[column] + (1.0 - phi * phi).sqrt() * self.noise.innovation(rng);
                 }
                 let value = level + walks[column] + self.noise.scatter * scatters[column];
                 Measured { value, sd: self.reported_sd }

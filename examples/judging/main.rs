@@ -72,7 +72,8 @@ fn alarms() {
                 watched += charts::alarms(CHARTS[0].1, &arrivals).1;
             }
             let years = gyros as f64 * fleet.years;
-            let charts = by_chart.map(|count| if watched > 0.0 { format!("{:.2}", count as f64 / watched) } else { "-".into() });
+            let charts =
+                by_chart.map(|count| if watched > 0.0 { format!("{:.2}", count as f64 / watched) } else { "-".into() });
             println!(
                 "| {every} | {name} | {:.3} | {:.3} | {} |",
                 f64::from(by_default as u32) / years,
@@ -163,7 +164,9 @@ fn delays() {
 /// Whether the standard deviation of `trend` and its dates are right: on ramps that are older than the window.
 fn dates() {
     println!("## Forecasts of trend: 3,000 ramps of 0.004 to 0.01 a year, older than the window\n");
-    println!("| noise | constants | trends | rms(error/sd) | 95 % dates cover | of younger ramps, provisional | not provisional |");
+    println!(
+        "| noise | constants | trends | rms(error/sd) | 95 % dates cover | of younger ramps, provisional | not provisional |"
+    );
     println!("|---|---|---|---|---|---|---|");
     for (name, noise) in noises().into_iter().filter(|(_, noise)| !noise.heavy_tails) {
         let still = Fleet { noise, ..Fleet::of(Course::Stable) };
@@ -219,7 +222,9 @@ fn forecast(all: &[Arrival], series: &Series, k: usize, limits: &Limits) -> Opti
     judge(&History::whole(series, k), k, limits, &mut verdicts);
     let of_trend = |verdict: &&Verdict| (verdict.coefficient, verdict.rule) == (Coefficient::DI, Rule::Trend);
     let verdict = verdicts.iter().find(of_trend)?;
-    let Finding::Trend { per_year, deviation, horizon_days, reach, provisional, .. } = verdict.finding else { return None };
+    let Finding::Trend { per_year, deviation, horizon_days, reach, provisional, .. } = verdict.finding else {
+        return None;
+    };
     let baseline = all[..3].iter().map(|arrival| arrival.level).sum::<f64>() / 3.0;
     let at = |day: f64| {
         let next = all.partition_point(|arrival| arrival.day < day).clamp(1, all.len() - 1);

@@ -109,7 +109,8 @@ fn single_rules_can_be_set_and_switched_off_for_the_fleet_and_for_one_coefficien
 
 #[test]
 fn keys_of_the_rule_that_shift_has_replaced_are_read_and_do_nothing() {
-    let text = "[judging.rules]\ncusum_records_per_false_alarm = 1000\ncusum_least_scatter = 0.001\noff = [\"cusum\"]\n";
+    let text =
+        "[judging.rules]\ncusum_records_per_false_alarm = 1000\ncusum_least_scatter = 0.001\noff = [\"cusum\"]\n";
     assert_eq!(judging_of(text).unwrap().limits("", ""), judging_of("").unwrap().limits("", ""));
 }
 
@@ -119,7 +120,11 @@ fn constants_of_the_fleet_are_told_from_the_defaults_by_the_day_of_their_fit() {
     assert_eq!(noise("").unwrap(), Noise::default());
     let fitted = "[judging]\nnoise = { phi = 0.25, walk = 7.5e-4, fitted = \"2026-11-25\" }\n";
     assert_eq!(noise(fitted).unwrap(), Noise { phi: 0.25, walk: 7.5e-4, of_fleet: true });
-    for (text, key) in [("phi = 1.0", "judging.noise.phi"), ("phi = -0.1", "judging.noise.phi"), ("walk = -1e-9", "judging.noise.walk")] {
+    for (text, key) in [
+        ("phi = 1.0", "judging.noise.phi"),
+        ("phi = -0.1", "judging.noise.phi"),
+        ("walk = -1e-9", "judging.noise.walk"),
+    ] {
         let error = noise(&format!("[judging.noise]\n{text}\n")).unwrap_err().to_string();
         assert!(error.contains(key), "{error}");
     }

@@ -126,5 +126,15 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let (reason, at, author) = Said { reason, at, author }.read(app, "must say what was done to the gyro", &mut faults);
     let most = app.config.plausibility.max_drift_deg_per_h_g0;
     let fixed = fixed.map_or([None; 2], |fixed| fixed.checked(most, &mut faults));
-    faults.or(GyroEvent { serial, at, event: Event::Baseline, until: None, test: None, fixed, reason, author, by: Actor::by_caller() })
+    faults.or(GyroEvent {
+        serial,
+        at,
+        event: Event::Baseline,
+        until: None,
+        test: None,
+        fixed,
+        reason,
+        author,
+        by: Actor::by_caller(),
+    })
 }

@@ -17,8 +17,8 @@ use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
 use crate::pipeline::{Actor, EventRow, GyroEvent};
-use crate::wire::problem::Problem;
 use crate::wire::event::read_test;
+use crate::wire::problem::Problem;
 use crate::wire::{json, time};
 
 pub fn routes() -> OpenApiRouter<App> {

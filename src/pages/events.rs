@@ -15,8 +15,8 @@ use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
-use crate::wire::problem::Problem;
 use crate::wire::event::read_test;
+use crate::wire::problem::Problem;
 use crate::wire::text;
 
 #[derive(Debug, Default, Deserialize)]

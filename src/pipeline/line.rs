@@ -203,7 +203,9 @@ impl Line {
     /// Whether new records (`samples`, oldest first), and all after the first of them, can be judged by what is here: everything
     /// that the rules look back to, and baselines to which none of them belongs.
     pub fn reaches_back(&self, samples: &[Sample], need: Need) -> bool {
-        let [from, .., to] = samples else { return samples.first().is_none_or(|one| self.reaches_back(&[*one; 2], need)) };
+        let [from, .., to] = samples else {
+            return samples.first().is_none_or(|one| self.reaches_back(&[*one; 2], need));
+        };
         let ([.., last_of_baseline], [.., last_of_seat]) = (&self.baseline[..], &self.seat_baseline[..]) else {
             return false;
         };

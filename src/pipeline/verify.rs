@@ -8,8 +8,8 @@ use super::Pipeline;
 use super::admit::figures_of;
 use super::answer::Reread;
 use super::line::Line;
-use crate::core::judge::{Older, Rule};
 use crate::core::judge::history::Need;
+use crate::core::judge::{Older, Rule};
 use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 

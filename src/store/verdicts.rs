@@ -31,7 +31,8 @@ pub struct StoredVerdict {
 
 impl From<&Verdict> for StoredVerdict {
     fn from(verdict: &Verdict) -> Self {
-        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, limit_from: _, finding: _ } = *verdict;
+        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, limit_from: _, finding: _ } =
+            *verdict;
         Self { coefficient, rule, state, value, limit, sd, probability, confirmed }
     }
 }

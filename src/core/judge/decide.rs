@@ -79,7 +79,8 @@ impl<T> Pair<T> {
 /// highest figure. None of fewer than two figures.
 pub(crate) fn widest<T: Copy>(figures: &[(T, Measured)], limit: f64) -> Option<(Pair<T>, f64)> {
     let pairs = figures.iter().enumerate().flat_map(|(i, a)| figures[..i].iter().map(move |b| (*b, *a)));
-    let ordered = pairs.map(|(a, b)| if a.1.value <= b.1.value { Pair { low: a, high: b } } else { Pair { low: b, high: a } });
+    let ordered =
+        pairs.map(|(a, b)| if a.1.value <= b.1.value { Pair { low: a, high: b } } else { Pair { low: b, high: a } });
     let before = |a: &Pair<T>, b: &Pair<T>| {
         let (a, b) = (a.rank(limit), b.rank(limit));
         a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -102,8 +103,7 @@ pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f6
         return Outcome { state: plain(range.value, limit), probability: None };
     };
     let inside = normal_cdf(excess / sd) + normal_cdf((-limit - range.value) / sd);
-    let probability =
-        if excess <= 0.0 { inside } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
+    let probability = if excess <= 0.0 { inside } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
     Outcome { state: by_probability(excess > 0.0, probability, confidence), probability: Some(probability) }
 }
 

@@ -337,7 +337,10 @@ mod tests {
             let all: Vec<Measured> = values.iter().map(|value| Measured::exact(*value)).collect();
             Measured::median(&all).map(|median| median.value)
         };
-        assert_eq!([of(&[]), of(&[2.0]), of(&[2.0, 1.0]), of(&[9.0, 1.0, 2.0])], [None, Some(2.0), Some(2.0), Some(2.0)]);
+        assert_eq!(
+            [of(&[]), of(&[2.0]), of(&[2.0, 1.0]), of(&[9.0, 1.0, 2.0])],
+            [None, Some(2.0), Some(2.0), Some(2.0)]
+        );
     }
 
     #[test]

@@ -247,7 +247,12 @@ impl Verdict {
             }
             Finding::BeforeAfter { before, from, until, now } => {
                 self.write_departure(f, now - before.1)?;
-                write!(f, " its last record before the environmental test ({:.p$} on {}). ", Decimal(before.1), before.0.date())?;
+                write!(
+                    f,
+                    " its last record before the environmental test ({:.p$} on {}). ",
+                    Decimal(before.1),
+                    before.0.date()
+                )?;
                 write!(f, "The test took from {} to {}.", from.date(), until.date())
             }
             Finding::Agreement { results, lowest, highest } => {
@@ -276,7 +281,8 @@ impl Verdict {
     }
 
     fn write_trend(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } = self.finding
+        let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } =
+            self.finding
         else {
             return Ok(());
         };
@@ -352,14 +358,20 @@ impl Verdict {
             (Status::TooUncertain, Some(sd), _) => {
                 let p = sd_digits(sd, self.limit);
                 let limit = Decimal(self.limit);
-                write!(f, " Too uncertain to judge: standard deviation {:.p$} against a limit of {limit:.p$}.", Decimal(sd))
+                write!(
+                    f,
+                    " Too uncertain to judge: standard deviation {:.p$} against a limit of {limit:.p$}.",
+                    Decimal(sd)
+                )
             }
             (_, _, Some(probability)) => {
                 f.write_str(" P(out of tolerance) ")?;
                 write_percent(f, probability)?;
                 f.write_str(".")
             }
-            (_, None, None) if !by_clock_or_chart => f.write_str(" No standard deviation is known: compared as it stands."),
+            (_, None, None) if !by_clock_or_chart => {
+                f.write_str(" No standard deviation is known: compared as it stands.")
+            }
             _ => Ok(()),
         }
     }

@@ -50,8 +50,9 @@ impl Series {
 
     /// The cells between events that restart the control rules.
     pub(super) fn undisturbed_cells(&self) -> impl Iterator<Item = &[Cell]> {
-        let restarted =
-            |a: &Cell, b: &Cell| self.marks.iter().any(|mark| cells::ends_cell(mark) && a.first < mark.at && mark.at <= b.first);
+        let restarted = |a: &Cell, b: &Cell| {
+            self.marks.iter().any(|mark| cells::ends_cell(mark) && a.first < mark.at && mark.at <= b.first)
+        };
         self.cells.chunk_by(move |a, b| !restarted(a, b))
     }
 

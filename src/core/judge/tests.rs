@@ -110,7 +110,10 @@ fn uncertainty_alone_exceeds_no_limit() {
     points[4].d[0].sd = Some(0.2);
     let v = verdict(&points, &[], 4, Rule::Step, &Limits::default());
     assert_eq!(v.status(), Status::TooUncertain);
-    assert!(v.reason().ends_with("Too uncertain to judge: standard deviation 0.2000 against a limit of 0.0100."), "{v}");
+    assert!(
+        v.reason().ends_with("Too uncertain to judge: standard deviation 0.2000 against a limit of 0.0100."),
+        "{v}"
+    );
     // A certain figure inside is within.
     assert_eq!(verdict(&points, &[], 3, Rule::Step, &Limits::default()).status(), Status::InTolerance);
 }
@@ -135,7 +138,8 @@ fn one_bad_record_fires_and_the_return_resolves_and_confirms_nothing() {
                     assert_ne!(decision.action, Action::Escalate, "{days} {k}: {v}");
                     assert!(v.severity().is_none() || k == before, "{days} {k}: {v}");
                 }
-                let firing = alerts.values().filter(|alert| alert.status == crate::core::notify::Status::Firing).count();
+                let firing =
+                    alerts.values().filter(|alert| alert.status == crate::core::notify::Status::Firing).count();
                 assert_eq!(firing > 0, k == before, "{days} {k}: {firing} fire");
             }
         }
@@ -297,7 +301,10 @@ fn a_test_is_judged_by_the_last_record_before_and_the_first_after() {
     let passed = of(&[3.0, 3.1, 3.001, 3.5, 3.004]).expect("the first after is judged");
     assert_eq!((passed.state, passed.status()), (State::Within, Status::InTolerance));
     assert!((passed.value.unwrap() - 0.003).abs() < 1e-12);
-    assert!(passed.reason().contains("above its last record before the environmental test (3.0010 on 2026-01-21)."), "{passed}");
+    assert!(
+        passed.reason().contains("above its last record before the environmental test (3.0010 on 2026-01-21)."),
+        "{passed}"
+    );
     assert!(passed.reason().contains("The test took from 2026-01-23 to 2026-02-02."), "{passed}");
     assert_eq!(of(&[3.0, 3.1, 3.001, 3.5, 3.004, 3.02]), None, "it has passed: what comes later is not the test's");
     let failed = of(&[3.0, 3.1, 3.001, 3.5, 3.02]).expect("a verdict");
@@ -344,7 +351,10 @@ fn a_move_begins_a_new_level_of_the_closure_by_itself() {
         let v = closure(k);
         assert_eq!((v.state, v.status()), (State::Indeterminate, Status::NotEnoughData), "{k}: {v}");
         let has = format!("D_O: the gyro was moved to another IMU or slot before {}. ", day(14.0 * 4.0).date());
-        assert!(v.reason().starts_with(&has) && v.reason().ends_with(&format!("needs 4 records and has {}.", k - 3)), "{v}");
+        assert!(
+            v.reason().starts_with(&has) && v.reason().ends_with(&format!("needs 4 records and has {}.", k - 3)),
+            "{v}"
+        );
     }
     let settled = closure(7);
     assert_eq!(settled.state, State::Within);
@@ -424,7 +434,8 @@ fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
         let mut w: Vec<f64> = t.iter().map(|ti| weight(*ti)).collect();
         w[23] -= 1.0;
         let shared = |i: usize, j: usize| (t[i].min(t[j]) - t[0]) * walk * walk;
-        let seen: f64 = (0..24).flat_map(|i| (0..24).map(move |j| (i, j))).map(|(i, j)| w[i] * w[j] * shared(i, j)).sum();
+        let seen: f64 =
+            (0..24).flat_map(|i| (0..24).map(move |j| (i, j))).map(|(i, j)| w[i] * w[j] * shared(i, j)).sum();
         let all = scatter + seen + walk * walk * tau + 9e-8;
         assert!((v.sd.unwrap() / all.sqrt() - 1.0).abs() < 1e-9, "{} {}", v.sd.unwrap(), all.sqrt());
     };
@@ -451,7 +462,8 @@ fn a_step_is_no_trend_and_scatter_is_none_either() {
 
 #[test]
 fn one_wild_record_makes_and_hides_no_trend() {
-    let wild = |at: usize| latest(&series(30, |i| 3.0 + 2e-4 * i as f64 + if i == at { 0.5 } else { 0.0 }), Rule::Trend);
+    let wild =
+        |at: usize| latest(&series(30, |i| 3.0 + 2e-4 * i as f64 + if i == at { 0.5 } else { 0.0 }), Rule::Trend);
     for at in 6..30 {
         let v = wild(at);
         let Finding::Trend { per_year, .. } = v.finding else { panic!("{at}: {v}") };
@@ -486,7 +498,8 @@ fn a_week_of_records_counts_as_one() {
     let Finding::Shift { before, .. } = v.finding else { panic!("{v}") };
     assert_eq!(before, 5, "2026-01-01 is a Thursday, as 1970-01-01 was: whole weeks");
     // The mean of a week, whatever is in it: one of seven days off by 0.014 moves it by 0.002.
-    let off: Vec<(f64, f64)> = (0..56).map(|i| (f64::from(i), if (38..).contains(&i) && i % 7 == 3 { 3.014 } else { 3.0 })).collect();
+    let off: Vec<(f64, f64)> =
+        (0..56).map(|i| (f64::from(i), if (38..).contains(&i) && i % 7 == 3 { 3.014 } else { 3.0 })).collect();
     let v = of(&off);
     assert!((v.value.unwrap() - 0.002).abs() < 1e-12, "{v}");
 }
@@ -657,7 +670,8 @@ fn tables_3_and_4_meet_their_requirements_and_what_does_not_is_named() {
     let e = Vector3::new(0.86, -0.7, 1.0367);
     let [Some(of_e), Some(of_g)] = requirement(required, &e, &g, None, None, 0.95) else { panic!("both are required") };
     assert_eq!((of_e.state, of_g.state), (State::Exceeded, State::Exceeded));
-    let outside = "E_y = -0.700 pulse/arcsec is outside -0.605 to -0.594. Also outside: E_x. Limits from judging.requirements.";
+    let outside =
+        "E_y = -0.700 pulse/arcsec is outside -0.605 to -0.594. Also outside: E_x. Limits from judging.requirements.";
     assert!(of_e.reason().starts_with(outside), "{of_e}");
     assert!(of_g.reason().starts_with("G_z = -13.5 pulse/(s g0) is outside"), "{of_g}");
     assert_eq!(of_g.limit, -13.23, "the bound that it passed");

@@ -2,9 +2,7 @@
 //! the same order.
 
 use super::words::CHINESE;
-use crate::core::judge::{
-    Coefficient, Finding, Rule, Source, State, Status, Verdict, digits, sd_digits, turn_arcmin,
-};
+use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Status, Verdict, digits, sd_digits, turn_arcmin};
 use crate::core::time::UtcMicros;
 
 /// A few short sentences.
@@ -38,10 +36,9 @@ fn finding(verdict: &Verdict) -> String {
         Finding::FewWithin { have, need, days } => {
             format!("{name}：“{rule}”数据不足，需要{days}天内{need}个结果，现有{have}个。")
         }
-        Finding::Moved { since, have, need } => format!(
-            "{name}：陀螺在{}之前换到另一惯组或位置，新水平需要{need}个记录，现有{have}个。",
-            since.date()
-        ),
+        Finding::Moved { since, have, need } => {
+            format!("{name}：陀螺在{}之前换到另一惯组或位置，新水平需要{need}个记录，现有{have}个。", since.date())
+        }
         Finding::Step { level, now } => {
             format!("{name}比此前记录（中位数{level:.p$}）{}{value}。", side(now - level))
         }

@@ -100,7 +100,11 @@ mod tests {
                 .map(|k| {
                     let value = drift * f64::from(k) + if k > 8 { step } else { 0.0 } + 1e-4 * f64::from(k * 7 % 5);
                     let at = UtcMicros(i64::from(k) * 9 * UtcMicros::DAY);
-                    Sample { at, seat: Seat::default(), d: [3.0, -5.0, 0.0].map(|level| Measured { value: level + value, sd }) }
+                    Sample {
+                        at,
+                        seat: Seat::default(),
+                        d: [3.0, -5.0, 0.0].map(|level| Measured { value: level + value, sd }),
+                    }
                 })
                 .collect();
             let samples = Series::from(samples);

@@ -123,9 +123,9 @@ fn spacing(stretches: &[Stretch], lag: usize) -> Option<Spacing> {
 fn fit(spacings: &[Spacing]) -> Option<(Noise, f64)> {
     let of_phi = |phi: f64| {
         // Relative errors: a s^2 + b q^2 against 1.
-        let rows = spacings.iter().map(|of| {
-            ((1.0 - phi.powi(of.lag as i32)) / of.half_square, 0.5 * of.years / of.half_square)
-        });
+        let rows = spacings
+            .iter()
+            .map(|of| ((1.0 - phi.powi(of.lag as i32)) / of.half_square, 0.5 * of.years / of.half_square));
         let (mut aa, mut ab, mut bb, mut a, mut b) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (of_s, of_q) in rows.clone() {
             aa += of_s * of_s;

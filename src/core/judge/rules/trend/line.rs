@@ -275,11 +275,8 @@ impl Forecast {
         let (left, rate) = (budget - self.deviation * self.per_year.signum(), self.per_year.abs());
         let t = StudentsT::new(0.0, 1.0, self.freedom).map_or(normal_quantile(DATES), |t| t.inverse_cdf(DATES));
         // (left - rate tau)^2 = t^2 (v0 + v1 tau + vb tau^2): the band's edges meet the budget.
-        let [a, b, c] = [
-            rate * rate - t * t * self.vb,
-            -2.0 * left * rate - t * t * self.v1,
-            left * left - t * t * self.v0,
-        ];
+        let [a, b, c] =
+            [rate * rate - t * t * self.vb, -2.0 * left * rate - t * t * self.v1, left * left - t * t * self.v0];
         let middle = left / rate;
         let discriminant = b * b - 4.0 * a * c;
         let (first, last) = if discriminant < 0.0 {

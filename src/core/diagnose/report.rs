@@ -109,6 +109,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
         impact: impact::impact(frame, &parts, &fit),
         next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
         residuals: located::residuals(frame, &fit.residuals, &variances),
+        of_campaign: frame.of_campaign.clone(),
         notes: frame
             .notes
             .iter()

@@ -127,8 +127,7 @@ const MUTANTS: [Mutant; 21] = [
         c.dwells[0].attitude.is_some().then(|| {
             each(c, |d| {
                 let c = d.attitude.unwrap();
-                d.attitude =
-                    Some(Rotation::<Nav, Body>::stated_as(Rotation3::from_matrix_unchecked(c.matrix() * NED)));
+                d.attitude = Some(Rotation::<Nav, Body>::stated_as(Rotation3::from_matrix_unchecked(c.matrix() * NED)));
             })
         })
     }),
@@ -191,34 +190,47 @@ const MUTANTS: [Mutant; 21] = [
 #[test]
 fn population() {
     let campaigns = clean(330);
-    let refused: Vec<String> = campaigns
-        .iter()
-        .enumerate()
-        .filter_map(|(i, c)| sent(c).err().map(|e| format!("{i}: {e}")))
-        .collect();
+    let refused: Vec<String> =
+        campaigns.iter().enumerate().filter_map(|(i, c)| sent(c).err().map(|e| format!("{i}: {e}"))).collect();
     println!("clean: {} of {} refused", refused.len(), campaigns.len());
-    for r in refused.iter().take(5) { println!("  {r}"); }
+    for r in refused.iter().take(5) {
+        println!("  {r}");
+    }
     for (name, cause, mutate) in MUTANTS {
         for with in [true, false] {
             let (mut all, mut refused, mut named) = (0, 0, 0);
             let mut words: BTreeMap<String, usize> = BTreeMap::new();
             for (i, c) in campaigns.iter().enumerate() {
-                if c.dwells[0].attitude.is_some() != with { continue; }
+                if c.dwells[0].attitude.is_some() != with {
+                    continue;
+                }
                 let Some(mutant) = mutate(c, c.site.unwrap().latitude.sin()) else { continue };
                 all += 1;
                 match sent(&mutant) {
-                    Ok(()) => { *words.entry(format!("accepted at {}", LATITUDES[i % 11])).or_default() += 1; }
+                    Ok(()) => {
+                        *words.entry(format!("accepted at {}", LATITUDES[i % 11])).or_default() += 1;
+                    }
                     Err(why) => {
                         refused += 1;
-                        if why.contains(cause) { named += 1 } else {
+                        if why.contains(cause) {
+                            named += 1
+                        } else {
                             let why: String = why.chars().take(300).collect();
-                            *words.entry(format!("lat {} rates {} {why}", LATITUDES[i % 11], c.dwells.iter().any(|d| d.phase==Phase::Rate))).or_default() += 1;
+                            *words
+                                .entry(format!(
+                                    "lat {} rates {} {why}",
+                                    LATITUDES[i % 11],
+                                    c.dwells.iter().any(|d| d.phase == Phase::Rate)
+                                ))
+                                .or_default() += 1;
                         }
                     }
                 }
             }
             println!("{name}, attitudes {with}: {refused} of {all} refused, {named} named");
-            for (w, n) in words.iter().take(8) { println!("    {n} x {w}"); }
+            for (w, n) in words.iter().take(8) {
+                println!("    {n} x {w}");
+            }
         }
     }
     let _ = parse_json;

@@ -149,8 +149,10 @@ pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted
     let mut fits: Vec<GyroFit> =
         own.into_iter().enumerate().map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared)).collect();
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
-        notes.extend(fit.hidden.iter().map(|effect| {
-            CampaignNote::EffectLeftOut { slot: Some(gyro.slot), effect: *effect, why: LeftOut::NotTold }
+        notes.extend(fit.hidden.iter().map(|effect| CampaignNote::EffectLeftOut {
+            slot: Some(gyro.slot),
+            effect: *effect,
+            why: LeftOut::NotTold,
         }));
     }
     if !of_all.is_empty() {

@@ -21,9 +21,8 @@ impl Campaign {
             let of_phase = self.dwells.iter().filter(|d| phase.is_none_or(|phase| d.phase == phase));
             median(of_phase.filter_map(|d| Some(own(d)? * d.duration_s.sqrt())))
         };
-        let usual = |d: &Dwell| {
-            per_root_s(Some(d.phase)).or_else(|| per_root_s(None)).unwrap_or(1.0) / d.duration_s.sqrt()
-        };
+        let usual =
+            |d: &Dwell| per_root_s(Some(d.phase)).or_else(|| per_root_s(None)).unwrap_or(1.0) / d.duration_s.sqrt();
         Some(self.dwells.iter().map(|d| own(d).unwrap_or_else(|| usual(d))).collect())
     }
 }

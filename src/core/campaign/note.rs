@@ -8,26 +8,54 @@ use crate::core::mounting::Slot;
 #[derive(Debug, Clone, PartialEq)]
 pub enum CampaignNote {
     /// Some dwells lack an optional column; by index.
-    Missing { column: Column, dwells: Vec<usize>, of: usize },
+    Missing {
+        column: Column,
+        dwells: Vec<usize>,
+        of: usize,
+    },
     /// A dwell's temperature is a fault value of the sensor.
-    TemperatureOutlier { dwell: usize, celsius: f64, median: f64 },
+    TemperatureOutlier {
+        dwell: usize,
+        celsius: f64,
+        median: f64,
+    },
     /// What was commanded contradicts itself, where that hardly matters.
     Commanded(Finding),
     /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
-    RateNotOfAttitude { off: usize, of: usize, dwell: usize, most_arcsec_s: f64 },
+    RateNotOfAttitude {
+        off: usize,
+        of: usize,
+        dwell: usize,
+        most_arcsec_s: f64,
+    },
     NoStandardErrors,
     NoRepeats,
     /// The noise at the fastest rate over that at rest.
-    NoiseGrows { times: f64 },
+    NoiseGrows {
+        times: f64,
+    },
     /// How many times the stated standard errors are too large.
-    ErrorsOverstated { gyros: Vec<(Slot, f64)> },
-    ResidualsExceedNoise { gyros: Vec<Slot> },
+    ErrorsOverstated {
+        gyros: Vec<(Slot, f64)>,
+    },
+    ResidualsExceedNoise {
+        gyros: Vec<Slot>,
+    },
     /// An effect of the model was not fitted.
-    EffectLeftOut { slot: Option<Slot>, effect: Effect, why: LeftOut },
+    EffectLeftOut {
+        slot: Option<Slot>,
+        effect: Effect,
+        why: LeftOut,
+    },
     /// None of the model's effects was fitted.
-    EffectsLeftOut { why: Refusal },
+    EffectsLeftOut {
+        why: Refusal,
+    },
     /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
-    NominalAxis { slot: Slot, scale: f64 },
+    NominalAxis {
+        slot: Slot,
+        scale: f64,
+    },
 }
 
 /// An optional column of a campaign's dwells.

@@ -13,6 +13,7 @@ use super::identify;
 use super::impact;
 use super::located;
 use super::next;
+use super::odds;
 use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
 use super::settle::{FALSE_ALARM, Settled};
@@ -66,7 +67,9 @@ impl Named {
 
 pub(super) fn report(settled: &Settled) -> Diagnosis {
     let (frame, search) = (&settled.frame, settled.search());
-    let (named, crowded) = named(&search, &settled.found);
+    let (mut named, crowded) = named(&search, &settled.found);
+    let mut closes = odds::closing(frame, named.iter().map(|n| n.part.clone()).collect(), UNSEEN).into_iter();
+    named.retain(|_| closes.next().unwrap_or(true));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let fit = fit::fit(frame, &parts);
     let signs = signs(settled, &search, &named, &fit, &crowded);

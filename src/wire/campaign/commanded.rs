@@ -64,8 +64,8 @@ fn pointer(finding: &Finding, dwell: usize) -> String {
             _,
         ) => "specific_force_g0",
         (Some(Cause::AttitudeInverted), _) | (_, Symptom::Attitude) => "attitude",
-        (_, Symptom::Gravity) => "specific_force_g0",
-        (_, Symptom::StaticRate | Symptom::VerticalRate | Symptom::TurningRate) => "rate_arcsec_s",
+        (_, Symptom::Gravity | Symptom::Output) => "specific_force_g0",
+        (_, Symptom::StaticRate | Symptom::VerticalRate | Symptom::TurningRate | Symptom::Heading) => "rate_arcsec_s",
     };
     format!("/dwells/{dwell}/{field}")
 }
@@ -96,6 +96,10 @@ fn measured(finding: &Finding) -> String {
         (Symptom::TurningRate, _) => format!(
             "in {share} the table turns, but rate_arcsec_s is not along specific_force_g0 or is slower than any table ({value:.3} arcsec/s)"
         ),
+        (Symptom::Heading, _) => {
+            format!("rate_arcsec_s is {value:.2} arcsec/s from the Earth's rate at the attitude in {share}")
+        }
+        (Symptom::Output, _) => format!("the outputs are {value:.2} arcsec/s from the model in the root mean square"),
         (Symptom::Gravity, expected) => {
             format!("|specific_force_g0| is {value:.5} g0 in {share}; gravity is {:.5} g0", expected.unwrap_or(1.0))
         }
@@ -149,6 +153,10 @@ fn cause(cause: &Cause) -> String {
         Cause::OtherEarthRate { arcsec_s } => format!(
             "the rates are made with an Earth that turns at {arcsec_s:.3} arcsec/s: use 15.041, that of a sidereal day"
         ),
+        Cause::OtherHeadings => {
+            "the rates of static dwells are made with other headings than the attitudes: send the Earth's rate at each attitude"
+                .to_owned()
+        }
         Cause::ForceUnit { unit } => format!("the specific force is in {unit}: send it in g0 = 9.80665 m/s^2"),
         Cause::ForceNormalised => {
             "the specific force is normalised to 1: multiply it by the site's gravity in g0".to_owned()

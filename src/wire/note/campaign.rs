@@ -16,7 +16,9 @@ pub(super) fn detail(note: &CampaignNote) -> String {
             let (n, which) = (dwells.len(), places(dwells));
             match column {
                 Column::Attitude => {
-                    format!("no attitude in {n} of {of} dwells ({which}): these were not checked against it, and effects of the station cannot be seen")
+                    format!(
+                        "no attitude in {n} of {of} dwells ({which}): these were not checked against it, and effects of the station cannot be seen"
+                    )
                 }
                 Column::Temperature => {
                     format!("no temperature in {n} of {of} dwells ({which}): it is taken from the dwells beside them")
@@ -90,7 +92,8 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
         CampaignNote::NoStandardErrors | CampaignNote::NoRepeats => json!({}),
         CampaignNote::NoiseGrows { times } => json!({"times": times}),
         CampaignNote::ErrorsOverstated { gyros } => {
-            let times: Map<String, Value> = gyros.iter().map(|(s, times)| (s.name().to_owned(), json!(times))).collect();
+            let times: Map<String, Value> =
+                gyros.iter().map(|(s, times)| (s.name().to_owned(), json!(times))).collect();
             json!({"times": times})
         }
         CampaignNote::ResidualsExceedNoise { gyros } => {

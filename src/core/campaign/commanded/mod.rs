@@ -24,6 +24,10 @@ pub enum Symptom {
     VerticalRate,
     /// The rate of rate dwells is too slow for one, or is not along the vertical.
     TurningRate,
+    /// The rate of static dwells is not the Earth's at their attitude, though its length and its vertical part are.
+    Heading,
+    /// The outputs contradict what was commanded.
+    Output,
     /// |f| is not local gravity.
     Gravity,
     /// The attitude contradicts the specific force.
@@ -36,6 +40,8 @@ impl Symptom {
             Self::StaticRate => "static_rate",
             Self::VerticalRate => "vertical_rate",
             Self::TurningRate => "turning_rate",
+            Self::Heading => "heading",
+            Self::Output => "output",
             Self::Gravity => "gravity",
             Self::Attitude => "attitude",
         }
@@ -71,18 +77,37 @@ pub enum Cause {
     AttitudeInverted,
     EarthRateLeftOut,
     /// Rates in `unit` instead of arcsec/s.
-    RateUnit { unit: &'static str, part: Part },
-    AxisReversed { axis: usize, of: Vectors },
-    AxesExchanged { axes: (usize, usize), of: Vectors },
+    RateUnit {
+        unit: &'static str,
+        part: Part,
+    },
+    AxisReversed {
+        axis: usize,
+        of: Vectors,
+    },
+    AxesExchanged {
+        axes: (usize, usize),
+        of: Vectors,
+    },
     /// The rates are those of another latitude than the site's, degrees.
-    OtherLatitude { degrees: f64 },
+    OtherLatitude {
+        degrees: f64,
+    },
     /// |w| is the same everywhere and not the Earth's: 15 arcsec/s is that of a solar day.
-    OtherEarthRate { arcsec_s: f64 },
-    ForceUnit { unit: &'static str },
+    OtherEarthRate {
+        arcsec_s: f64,
+    },
+    /// The rates of static dwells are made with other headings than the attitudes.
+    OtherHeadings,
+    ForceUnit {
+        unit: &'static str,
+    },
     /// Unit vectors where the site's gravity is another.
     ForceNormalised,
     /// |f| over gravity, the same in all dwells.
-    ForceScale { ratio: f64 },
+    ForceScale {
+        ratio: f64,
+    },
 }
 
 impl Cause {
@@ -100,6 +125,7 @@ impl Cause {
             Self::AxesExchanged { .. } => "axes_exchanged",
             Self::OtherLatitude { .. } => "other_latitude",
             Self::OtherEarthRate { .. } => "other_earth_rate",
+            Self::OtherHeadings => "other_headings",
             Self::ForceUnit { .. } => "specific_force_unit",
             Self::ForceNormalised => "specific_force_normalised",
             Self::ForceScale { .. } => "specific_force_scale",

@@ -1,7 +1,7 @@
 //! Which mistake explains what cannot be.
 
-use super::measure::{Measures, RATE_ROOM};
-use super::transform::{Mistake, mistakes};
+use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
+use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
 use super::{Cause, EARTH, Finding, Symptom, median};
 use crate::core::campaign::{Campaign, Dwell, Phase};
@@ -25,6 +25,9 @@ const COMMON_RATE: f64 = 0.03;
 /// Largest share by which specific force may be off in most dwells without its unit being wrong.
 const FORCE_ROOM: f64 = 0.02;
 
+/// How many times fewer squares a mirrored body must leave where nothing but the outputs speaks.
+const CLEARLY: f64 = 100.0;
+
 /// Gravity on the Earth's surface, g0.
 const GRAVITY_ON_EARTH: (f64, f64) = (0.995, 1.003);
 
@@ -32,8 +35,10 @@ const GRAVITY_ON_EARTH: (f64, f64) = (0.995, 1.003);
 pub fn findings(campaign: &Campaign) -> Vec<Finding> {
     let measures = Measures::of(campaign);
     let mut found: Vec<Finding> = rates(campaign, &measures).into_iter().collect();
-    if found.is_empty() {
-        found.extend(common_offset(campaign, &measures));
+    for look in [common_offset, headings, outputs] {
+        if found.is_empty() {
+            found.extend(look(campaign, &measures));
+        }
     }
     found.extend(gravity(campaign, &measures));
     found
@@ -49,14 +54,14 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let symptom = worst.into_iter().filter(|s| count(*s) > 0).max_by_key(|s| count(*s)).unwrap_or(symptom);
     let mut worth = Worth::new(campaign);
     let single = bad.len() as f64 <= SINGLE * symptoms.len() as f64;
-    let of_all_dwells = explained(campaign, measures, |_| true, &mut worth);
+    let of_all_dwells = explained(campaign, measures, mistakes(), |_| true, &mut worth);
     let everywhere = !of_all_dwells.is_empty();
     let causes = if everywhere {
         of_all_dwells
     } else if single {
         let these = |k: usize| bad.contains(&k);
         let silent = bad.iter().all(|&k| measures.dwells[k].rate < NO_RATE);
-        let found = explained(campaign, measures, these, &mut worth);
+        let found = explained(campaign, measures, mistakes(), these, &mut worth);
         if found.is_empty() && silent { vec![Cause::EarthRateLeftOut] } else { found }
     } else {
         of_all(measures)
@@ -88,6 +93,7 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
 fn explained(
     campaign: &Campaign,
     measures: &Measures,
+    families: impl IntoIterator<Item = Vec<Mistake>>,
     concerned: impl Fn(usize) -> bool + Copy,
     worth: &mut Worth,
 ) -> Vec<Cause> {
@@ -95,7 +101,7 @@ fn explained(
     let some = !(0..n).all(concerned);
     let needed = if some { n } else { n - (LEFT_OVER * n as f64) as usize };
     let before = measures.good();
-    for family in mistakes() {
+    for family in families {
         let usable = |m: &&Mistake| !some || m.of_single_dwells();
         let right = family.iter().filter(usable).filter_map(|m| Some((m.cause, m.undone(campaign, concerned)?)));
         let passing = right.filter(|(_, right)| {
@@ -103,7 +109,7 @@ fn explained(
             good >= needed && good > before
         });
         let tried: Vec<(Cause, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
-        let mut causes = worth.best(tried);
+        let mut causes = worth.best(tried, 1.0);
         if causes.iter().any(|cause| matches!(cause, Cause::RateUnit { .. })) {
             causes.retain(|cause| *cause != Cause::EarthRateLeftOut);
         }
@@ -157,12 +163,66 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let dwells = still(campaign, measures, if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate });
     Some(Finding {
         symptom: if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate },
-        causes: vec![if rate_is_other { Cause::OtherEarthRate { arcsec_s: rate } } else { Cause::OtherLatitude { degrees } }],
+        causes: vec![if rate_is_other {
+            Cause::OtherEarthRate { arcsec_s: rate }
+        } else {
+            Cause::OtherLatitude { degrees }
+        }],
         of: dwells.len(),
         dwells,
         single: false,
         expected: Some(if rate_is_other { EARTH } else { expected }),
         matters: Worth::new(campaign).moved_by_rate(shift),
+    })
+}
+
+/// Rates that are the Earth's, but not at the attitude: only the outputs tell which of the two is wrong, and the fit rests on the rates.
+fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let (n, of) = (measures.dwells.len(), measures.still().count());
+    let off = |k: &usize| measures.dwells[*k].off.is_some_and(|off| off > HEADING_ROOM);
+    let dwells: Vec<usize> = (0..n).filter(off).collect();
+    if (dwells.len() as f64) <= SINGLE * of as f64 {
+        return None;
+    }
+    let mut worth = Worth::new(campaign);
+    let families = mistakes().into_iter().chain([other_headings()]);
+    let causes = explained(campaign, measures, families, |_| true, &mut worth);
+    let matters = worth.fits_better_undone() && worth.earth_is_above_noise();
+    let dwells = dwells.into_iter().map(|k| (k, measures.dwells[k].value(Symptom::Heading))).collect();
+    (matters && !causes.is_empty()).then_some(Finding {
+        symptom: Symptom::Heading,
+        causes,
+        dwells,
+        of,
+        single: false,
+        expected: None,
+        matters,
+    })
+}
+
+/// A mirrored body leaves specific force and rate at peace with the Earth and with one another. Where E is fitted its direction tells; where it is
+/// held, and no attitude speaks, the outputs do.
+fn outputs(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let held = campaign.gyros.iter().all(|gyro| gyro.known_e.is_some());
+    if !held || measures.dwells.iter().any(|m| m.tilt.is_some()) {
+        return None;
+    }
+    let mut worth = Worth::new(campaign);
+    let left = worth.left_beyond_noise()?;
+    let n = measures.dwells.len();
+    let undone = single_axes().into_iter().filter_map(|m| Some((m.cause, m.undone(campaign, |_| true)?)));
+    let right = undone.filter(|(_, c)| Measures::of(c).good() == n).map(|(cause, c)| (cause, Tried::of(&c)));
+    let mut causes = worth.best(right.collect(), CLEARLY);
+    causes.truncate(MOST_CAUSES);
+    let of = campaign.dwells.len();
+    (!causes.is_empty()).then(|| Finding {
+        symptom: Symptom::Output,
+        causes,
+        dwells: (0..of).map(|k| (k, left)).collect(),
+        of,
+        single: false,
+        expected: None,
+        matters: worth.earth_is_above_noise(),
     })
 }
 

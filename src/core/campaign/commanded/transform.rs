@@ -32,12 +32,16 @@ enum Undo {
     /// Rates of some dwells times a factor.
     Rate(f64, Part),
     /// The Earth's rate of static dwells back from North-East-Down; whether the table's rate is reversed too.
-    EarthFromNed { turning_too: bool },
+    EarthFromNed {
+        turning_too: bool,
+    },
     /// The attitude back from North-East-Down.
     AttitudeFromNed,
     AttitudeInverted,
     /// The site's latitude with the other sign.
     Latitude,
+    /// Static dwells with the Earth's rate at their attitude.
+    OfAttitude,
     /// The Earth's rate added, to static dwells or to all.
     AddEarth(Part),
 }
@@ -48,6 +52,11 @@ impl Mistake {
         let mut right = campaign.clone();
         match self.undo {
             Undo::Latitude => right.site.as_mut()?.latitude *= -1.0,
+            Undo::OfAttitude => {
+                let still = |d: &mut Dwell| d.phase == Phase::Static;
+                right.dwells.iter_mut().filter_map(|d| still(d).then_some(d)).for_each(|d| d.rate_arcsec_s.fill(0.0));
+                return right.with_earth_rate(Part::Static).ok();
+            }
             Undo::AddEarth(part) => return campaign.with_earth_rate(part).ok(),
             _ => {
                 let vertical = campaign.site.map(|site| site.earth_rate().0.z);
@@ -61,7 +70,7 @@ impl Mistake {
 
     /// Whether it can be in some dwells and not in others.
     pub fn of_single_dwells(&self) -> bool {
-        !matches!(self.undo, Undo::Latitude | Undo::AddEarth(_))
+        !matches!(self.undo, Undo::Latitude | Undo::OfAttitude | Undo::AddEarth(_))
     }
 }
 
@@ -98,7 +107,7 @@ impl Undo {
                 dwell.attitude = dwell.attitude.map(|c| attitude(c.matrix() * swap));
             }
             Self::AttitudeInverted => dwell.attitude = dwell.attitude.map(|c| attitude(c.matrix().transpose())),
-            Self::Latitude | Self::AddEarth(_) => {}
+            Self::Latitude | Self::OfAttitude | Self::AddEarth(_) => {}
         }
     }
 }
@@ -107,7 +116,12 @@ fn attitude(matrix: Matrix3<f64>) -> Rotation<Nav, Body> {
     Rotation::stated_as(Rotation3::from_matrix_unchecked(matrix))
 }
 
-/// All of them, those of whole vectors before those of single axes.
+/// What only the attitude tells: rates that are the Earth's at other headings.
+pub(super) fn other_headings() -> Vec<Mistake> {
+    vec![Mistake { cause: Cause::OtherHeadings, undo: Undo::OfAttitude }]
+}
+
+/// All others: those of whole vectors before those of single axes.
 pub(super) fn mistakes() -> [Vec<Mistake>; 2] {
     let one = Matrix3::identity();
     let of = |cause, undo| Mistake { cause, undo };
@@ -129,7 +143,7 @@ pub(super) fn mistakes() -> [Vec<Mistake>; 2] {
     [whole, single_axes()]
 }
 
-fn single_axes() -> Vec<Mistake> {
+pub(super) fn single_axes() -> Vec<Mistake> {
     let one = Matrix3::<f64>::identity();
     let mut found = Vec::new();
     for of in [Vectors::Force, Vectors::Rate, Vectors::Both] {

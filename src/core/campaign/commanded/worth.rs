@@ -11,6 +11,10 @@ const MAY_MOVE: f64 = 1e-3;
 /// The Earth's rate matters where it is so many times the noise of a dwell.
 const TIMES_NOISE: f64 = 3.0;
 
+/// Residuals are far beyond the noise at so many times it, and from here on in arcsec/s.
+const FAR_BEYOND: f64 = 5.0;
+const LEAST_LEFT: f64 = 0.05;
+
 /// A mistake whose fit leaves more than this many times the squares of the best is not that one.
 const WORSE: f64 = 4.0;
 
@@ -34,11 +38,14 @@ impl Tried {
         Self { gyros, squares: calibration.gyros.iter().map(|g| g.chi2).sum(), plausible }
     }
 
-    /// Of the middle gyro.
-    fn earth_is_above_noise(&self) -> bool {
+    /// Noise of a dwell and what the fit leaves, of the middle gyro.
+    fn middle(&self) -> Option<(f64, f64)> {
         let known: Vec<(f64, f64)> = self.gyros.iter().copied().flatten().collect();
-        let (own, left) = (median(known.iter().map(|n| n.0)), median(known.iter().map(|n| n.1)));
-        own.zip(left).is_some_and(|(own, left)| TIMES_NOISE * own < EARTH && left < EARTH)
+        median(known.iter().map(|n| n.0)).zip(median(known.iter().map(|n| n.1)))
+    }
+
+    fn earth_is_above_noise(&self) -> bool {
+        self.middle().is_some_and(|(own, left)| TIMES_NOISE * own < EARTH && left < EARTH)
     }
 }
 
@@ -48,11 +55,14 @@ fn noise(campaign: &Campaign, calibration: &Calibration, j: usize) -> Option<(f6
     let left = (gyro.residuals.norm_squared() / gyro.dof.max(1) as f64).sqrt() / scale;
     let repeats = gyro.noise.pure_error;
     let scatter = (repeats.dof > 0).then(|| (repeats.chi2 / repeats.dof as f64).sqrt());
+    // What remains if the wrong part of the Earth's rate is a third of the squares of its horizontal part.
+    let horizontal = campaign.site.map_or(EARTH, |site| EARTH * site.latitude.cos());
+    let beside = (left * left - horizontal * horizontal / 3.0).max(0.0).sqrt();
     let stated = campaign.errors_of(j).and_then(|sems| median(sems.into_iter()));
     let own = match (stated, scatter) {
         (Some(sem), _) => sem / scale,
-        (None, Some(scatter)) => scatter / scale,
-        (None, None) => left,
+        (None, Some(scatter)) => (scatter / scale).min(beside),
+        (None, None) => beside,
     };
     Some((own, left))
 }
@@ -74,8 +84,13 @@ impl<'a> Worth<'a> {
         self.as_sent.get_or_insert_with(|| Tried::of(self.campaign))
     }
 
-    /// The causes whose fit is about as good as the best, each once; with an impossible E only where there is no other.
-    pub fn best(&mut self, tried: Vec<(Cause, Tried)>) -> Vec<Cause> {
+    /// The causes whose fit is about as good as the best, each once; with an impossible E only where there is no other. All must leave
+    /// `times` fewer squares than what was sent, where that is more than one.
+    pub fn best(&mut self, mut tried: Vec<(Cause, Tried)>, times: f64) -> Vec<Cause> {
+        if times > 1.0 {
+            let most = self.as_sent().squares / times;
+            tried.retain(|(_, t)| t.squares <= most);
+        }
         let any = tried.iter().any(|(_, t)| t.plausible);
         let eligible = |t: &Tried| t.plausible || !any;
         let least = tried.iter().filter(|(_, t)| eligible(t)).map(|(_, t)| t.squares).fold(f64::INFINITY, f64::min);
@@ -88,6 +103,19 @@ impl<'a> Worth<'a> {
             }
         }
         causes
+    }
+
+    /// Whether the best mistake, undone, fits the outputs clearly better than what was sent.
+    pub fn fits_better_undone(&mut self) -> bool {
+        let Some((least, plausible)) = self.undone.as_ref().map(|t| (t.squares, t.plausible)) else { return false };
+        let sent = self.as_sent();
+        WORSE * least < sent.squares || plausible && !sent.plausible
+    }
+
+    /// What the fit of what was sent leaves in the middle gyro, arcsec/s, where it is far beyond the noise of a dwell.
+    pub fn left_beyond_noise(&mut self) -> Option<f64> {
+        let (own, left) = self.as_sent().middle()?;
+        (left > FAR_BEYOND * own && left > LEAST_LEFT).then_some(left)
     }
 
     /// Whether a dwell says more of the Earth's rate than of its own noise.

@@ -20,6 +20,9 @@ pub(super) fn detail(note: &CampaignNote) -> String {
                         "no attitude in {n} of {of} dwells ({which}): these were not checked against it, and effects of the station cannot be seen"
                     )
                 }
+                Column::Temperature if 2 * n > *of => format!(
+                    "no temperature in {n} of {of} dwells ({which}): with so few, effects of temperature cannot be seen"
+                ),
                 Column::Temperature => {
                     format!("no temperature in {n} of {of} dwells ({which}): it is taken from the dwells beside them")
                 }

@@ -3,7 +3,7 @@
 use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
 use super::transform::{Mistake, mistakes, other_headings, single_axes};
 use super::worth::{Tried, Worth};
-use super::{Cause, EARTH, Finding, Symptom, median};
+use super::{Cause, EARTH, Finding, Part, Symptom, median};
 use crate::core::campaign::{Campaign, Dwell, Phase};
 
 /// A mistake that explains a campaign leaves at most this share of its dwells unexplained.
@@ -110,6 +110,13 @@ fn explained(
         });
         let tried: Vec<(Cause, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
         let mut causes = worth.best(tried, 1.0);
+        if let Some(Cause::RateUnit { unit, .. }) =
+            causes.iter().find(|cause| matches!(cause, Cause::RateUnit { part: Part::All, .. })).copied()
+        {
+            let same =
+                |c: &Cause| matches!(c, Cause::RateUnit { unit: other, part } if *other == unit && *part != Part::All);
+            causes.retain(|cause| !same(cause));
+        }
         if causes.iter().any(|cause| matches!(cause, Cause::RateUnit { .. })) {
             causes.retain(|cause| *cause != Cause::EarthRateLeftOut);
         }

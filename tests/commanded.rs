@@ -106,7 +106,7 @@ const MUTANTS: [Mutant; 21] = [
         Some(each(c, still(|d| d.rate_arcsec_s = Vector3::zeros())))
     }),
     ("deg/s", "in deg/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 3600.0))),
-    ("deg/s at rest", "static dwells are in deg/s", |c, _| Some(each(c, still(|d| d.rate_arcsec_s /= 3600.0)))),
+    ("deg/s at rest", "are in deg/s", |c, _| Some(each(c, still(|d| d.rate_arcsec_s /= 3600.0)))),
     ("deg/s while turning", "rate dwells are in deg/s", |c, _| {
         c.dwells.iter().any(|d| d.phase == Phase::Rate).then(|| {
             each(c, |d| {

@@ -33,6 +33,14 @@ impl Search<'_> {
         }
     }
 
+    /// The choices, those of temperature before the others where it has odds.
+    pub(super) fn first_suspect_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+        if self.odds_of_temperature() > 0.0 {
+            choices.sort_by_key(|choice| !of_temperature(choice.kind));
+        }
+        choices
+    }
+
     /// Evidence without the odds that temperature has among causes.
     pub(super) fn against_noise(&self, kind: Kind, evidence: f64) -> f64 {
         let odds = if of_temperature(kind) { self.odds_of_temperature() } else { 0.0 };

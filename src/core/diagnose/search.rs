@@ -160,7 +160,7 @@ impl Search<'_> {
         let found = self.fewest(self.prune(found));
         let found = self.fewest(self.contract_first(found));
         let count = found.len();
-        let mut found = merged(found);
+        let mut found = self.first_suspect_first(merged(found));
         if found.len() < count {
             for i in 0..found.len() {
                 found[i].evidence = self.earned_beside_others(&found, i);

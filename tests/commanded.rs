@@ -25,7 +25,7 @@ fn clean(count: u64) -> Vec<Campaign> {
         let mut s = Scenario { seed: 40_000 + i, ..Scenario::default() };
         s.site.latitude_deg = LATITUDES[i as usize % LATITUDES.len()];
         s.site.height_m = [0.0, 400.0, 2000.0][i as usize % 3];
-        s.columns.attitude = i % 2 == 0;
+        s.columns.attitude = i.is_multiple_of(2);
         s.columns.standard_errors =
             [StandardErrors::Exact, StandardErrors::Noisy, StandardErrors::Absent][i as usize / 3 % 3];
         let p = &mut s.programme;

@@ -290,3 +290,17 @@ fn a_thermal_log_is_put_down_to_temperature_and_to_nothing_implausible() {
         }
     }
 }
+
+/// An accelerometer that drifts with temperature gives specific force the course of the outputs: coefficients of 1e5 deg/(h g0) fit.
+#[test]
+fn nothing_is_named_that_no_gyro_can_have() {
+    for seed in 0..6 {
+        let mut log = thermal_log(seed, 0.6);
+        without(&mut log, "temperature_c");
+        let answer = diagnosed(&log).unwrap();
+        let of_force = ["g_linear", "g_squared", "cross_compliance", "cubic_g"];
+        assert!(names(&answer).iter().all(|name| !of_force.contains(name)), "{seed}: {:?}", names(&answer));
+        let implausible = |c: &&Value| c["why_not"] == "its size would be beyond what is plausible";
+        assert!(answer["candidates"].as_array().unwrap().iter().filter(implausible).count() > 0, "{seed}: {answer}");
+    }
+}

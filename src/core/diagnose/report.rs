@@ -382,7 +382,7 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
             closure: held_out.map(|h| h.closure),
             interval: held_out.map(|h| h.interval),
             p_value_adjusted: search.p_value(earned),
-            within_noise: earned <= search.needed(0),
+            within_noise: earned <= search.needed(0) && !search.is_ruled_out(&[], score.kind),
             gyros: slots(frame, &choice.members),
             why_not: why_not.of(effect, earned, visible),
         })

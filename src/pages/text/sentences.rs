@@ -5,6 +5,7 @@
 //! `{1}` … (`{a}` after `{9}`) for what the first, the second … held. What was filled in may be a sentence or the name of an effect itself.
 //! What is not known is left as it is.
 
+mod commanded;
 mod diagnosis;
 mod faults;
 mod refusals;
@@ -15,7 +16,8 @@ use crate::core::effects::Effect;
 
 type Sentence = (&'static str, &'static str);
 
-const ALL: [&[Sentence]; 4] = [verdicts::SENTENCES, diagnosis::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
+const ALL: [&[Sentence]; 5] =
+    [verdicts::SENTENCES, diagnosis::SENTENCES, commanded::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
 
 impl Text {
     /// Words of the service in this language.

@@ -177,7 +177,8 @@ fn standard_errors_that_are_far_too_large_are_told() {
         let answer =
             CampaignAnswer::of(&campaign, &evaluate(&campaign, &Plausibility::default()).unwrap(), MethodBody::Rigid);
         let diagnosis = diagnose(&campaign, &Options::default()).unwrap();
-        [answer.notes, diagnosis.notes].map(|notes| {
+        let of_fit = answer.notes.into_iter().map(|note| note.detail).collect::<Vec<_>>();
+        [of_fit, diagnosis.notes].map(|notes| {
             notes.into_iter().filter(|note| note.contains("larger than the dwells scatter")).collect::<Vec<_>>()
         })
     };

@@ -5,6 +5,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 mod support;
 
+use gyrowatch::simulate::scenario::EffectChoice;
+use gyrowatch::simulate::{Scenario, simulate};
+use gyrowatch::wire::campaign::to_json;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -200,4 +203,104 @@ fn several_huge_outliers_are_not_one_bad_dwell_and_no_drift() {
     assert_ne!(answer["verdict"], "no_gap");
     assert_ne!(answer["verdict"], "explained", "{}", answer["effects"]);
     assert_eq!(nulls(&answer, ""), Vec::<String>::new());
+}
+
+/// A campaign with a hidden effect of temperature on the bias of G2, 14 standard deviations strong.
+fn temperature_bias() -> Value {
+    let effect = EffectChoice { gyros: Some(vec!["G2".into()]), ..EffectChoice::detectable("temperature_bias", 14.0) };
+    let scenario = Scenario { seed: 5, effects: vec![effect], ..Scenario::default() };
+    serde_json::from_str(&to_json(&simulate(&scenario).unwrap().campaign)).unwrap()
+}
+
+fn names(answer: &Value) -> Vec<&str> {
+    answer["effects"].as_array().unwrap().iter().map(|e| e["effect"].as_str().unwrap()).collect()
+}
+
+#[rstest]
+#[case(999.0)]
+#[case(-273.15)]
+#[case(0.0)]
+#[case(85.0)]
+#[case(78.0)]
+fn a_thermometers_fault_value_is_named_and_left_out(#[case] fault: f64) {
+    let mut campaign = temperature_bias();
+    dwells(&mut campaign)[40]["temperature_c"] = json!(fault);
+    let answer = diagnosed(&campaign).unwrap();
+    assert_eq!((&answer["verdict"], names(&answer)), (&json!("explained"), vec!["temperature_bias"]));
+    let notes: Vec<&str> = answer["notes"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    let told = |note: &&str| note.contains(&format!("of /dwells/40 is {fault} deg C")) && note.contains("left out");
+    assert!(notes.iter().any(told), "{notes:?}");
+}
+
+#[test]
+fn temperatures_and_standard_errors_are_used_where_they_are() {
+    let mut campaign = temperature_bias();
+    for k in [0, 7, 8, 30, 55, 77] {
+        dwells(&mut campaign)[k].as_object_mut().unwrap().remove("temperature_c");
+        dwells(&mut campaign)[(k + 3) % 78].as_object_mut().unwrap().remove("output_sem_pulse_s");
+    }
+    let answer = diagnosed(&campaign).unwrap();
+    assert_eq!((&answer["verdict"], names(&answer)), (&json!("explained"), vec!["temperature_bias"]));
+}
+
+/// A chamber's log: one orientation, a ramp of temperature, an accelerometer that drifts with it, no attitude and no standard errors.
+fn thermal_log(seed: u64, bend: f64) -> Value {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = |sd: f64| -> f64 {
+        let x: f64 = StandardNormal.sample(&mut rng);
+        sd * x
+    };
+    let mut log = json!({
+        "imu": "CH", "station": "chamber", "measured_at": "2024-06-22T20:13:55Z", "geometry": "orthogonal", "model": ["bias"],
+        "gyros": [
+            {"slot": "G1", "serial": "c1", "known_e_pulse_per_arcsec": [1.0, 0.0, 0.0]},
+            {"slot": "G2", "serial": "c2", "known_e_pulse_per_arcsec": [0.0, 1.0, 0.0]},
+            {"slot": "G3", "serial": "c3", "known_e_pulse_per_arcsec": [0.0, 0.0, 1.0]}
+        ],
+        "dwells": []
+    });
+    for k in 0..30 {
+        let temperature = 1.0 + 2.2 * f64::from(k) + normal(0.4);
+        let (x, y) = (0.011 - 5e-5 * temperature + normal(2e-4), -0.012 - 3e-5 * temperature + normal(2e-4));
+        let course = (temperature - 35.0) * (1.0 + bend * (temperature - 35.0) / 60.0);
+        let output: Vec<f64> = [3.1, -9.0, -6.5].into_iter().map(|slope| slope * course + normal(12.0)).collect();
+        log["dwells"].as_array_mut().unwrap().push(json!({
+            "phase": "static", "start_s": 60 * k, "duration_s": 60, "specific_force_g0": [x, y, (1.0 - x * x - y * y).sqrt()],
+            "rate_arcsec_s": [0, 0, 0], "temperature_c": temperature, "output_pulse_s": output
+        }));
+    }
+    log
+}
+
+#[test]
+fn a_thermal_log_is_put_down_to_temperature_and_to_nothing_implausible() {
+    for seed in 0..6 {
+        let answer = diagnosed(&thermal_log(seed, 0.0)).unwrap();
+        assert_eq!(names(&answer).first(), Some(&"temperature_bias"), "{seed}: {answer}");
+        let bent = diagnosed(&thermal_log(seed, 0.6)).unwrap();
+        let signs = bent["remaining"]["signs"].to_string();
+        match names(&bent).first() {
+            Some(name) => assert!(name.starts_with("temperature"), "{seed}: {:?}", names(&bent)),
+            None => assert!(signs.contains("temperature"), "{seed}: {signs}"),
+        }
+        for answer in [answer, bent] {
+            for effect in answer["effects"].as_array().unwrap() {
+                assert!(effect["held_out"]["closure"].as_f64().unwrap() > 0.0, "{effect}");
+            }
+        }
+    }
+}
+
+/// An accelerometer that drifts with temperature gives specific force the course of the outputs: coefficients of 1e5 deg/(h g0) fit.
+#[test]
+fn nothing_is_named_that_no_gyro_can_have() {
+    for seed in 0..6 {
+        let mut log = thermal_log(seed, 0.6);
+        without(&mut log, "temperature_c");
+        let answer = diagnosed(&log).unwrap();
+        let of_force = ["g_linear", "g_squared", "cross_compliance", "cubic_g"];
+        assert!(names(&answer).iter().all(|name| !of_force.contains(name)), "{seed}: {:?}", names(&answer));
+        let implausible = |c: &&Value| c["why_not"] == "its size would be beyond what is plausible";
+        assert!(answer["candidates"].as_array().unwrap().iter().filter(implausible).count() > 0, "{seed}: {answer}");
+    }
 }

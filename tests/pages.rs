@@ -798,8 +798,8 @@ async fn a_gyro_that_moves_begins_a_new_level_of_d_o_alone() {
         posts(&server, if month < 5 { "IMU-A" } else { "IMU-B" }, month, [1.0, 2.0]).await;
     }
     let shown = page(&server, "/gyros/TESTED", &[]).await;
-    let numbers = &shown[place(&shown, "<script type=\"application/json\">") + 32..];
-    let plot: Value = serde_json::from_str(&numbers[..place(numbers, "</script>")]).unwrap();
+    let (_, numbers) = shown.split_once("<script type=\"application/json\">").unwrap();
+    let plot: Value = serde_json::from_str(numbers.split_once("</script>").unwrap().0).unwrap();
     let bands = |strip: usize| plot["strips"][strip]["bands"].as_array().unwrap().len();
     assert_eq!([bands(0), bands(1), bands(2)], [1, 1, 2], "{plot}");
     assert_eq!(plot["since"], Value::Null, "no event has begun a baseline");
@@ -862,7 +862,6 @@ async fn what_is_wrong_with_a_campaign_is_said_in_the_viewers_language() {
         ("/dwells/1/duration_s", json!(0.0)),
         ("/dwells/1/attitude", json!([-0.5, 0.5, 0.5, 0.6])),
         ("/dwells/1/attitude", json!([1.0, 0.0, 0.0, 0.0])),
-        ("/dwells/1/attitude", Value::Null),
         ("/dwells/1/specific_force_g0", json!([0.0, 0.9, 0.0])),
         ("/dwells/1/rate_arcsec_s", json!([0.0, 3600.0, 0.0])),
         ("/dwells/1/rate_arcsec_s", json!([0.0, 1.0])),
@@ -906,7 +905,7 @@ async fn what_is_wrong_with_a_campaign_is_said_in_the_viewers_language() {
         ("static,200", "rest,200"),
         ("45.1,2.5", "45,1,2.5"),
         ("45.1,2.5", "\"45,1\",2.5"),
-        ("45.1,2.5", ",2.5"),
+        ("45.1,2.5", "45.1,"),
         ("45.1,2.5", "warm,2.5"),
         ("45.1,2.5", "NaN,2.5"),
         ("static,200", "static,100"),
@@ -923,9 +922,77 @@ async fn what_is_wrong_with_a_campaign_is_said_in_the_viewers_language() {
     ];
     documents.extend(cells.into_iter().map(|(from, to)| table.replacen(from, to, 1)));
     documents.extend(["# imu: X\n".to_owned(), "{".to_owned(), "phase,start_s\nstatic,0\n".to_owned()]);
+    documents.extend(contrary_to_the_earth());
     let mut wrong = Vec::new();
     for document in &documents {
         wrong.extend(spoken::english_left(&server, document).await);
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// A campaign with what stations get wrong in what they command.
+fn contrary_to_the_earth() -> Vec<String> {
+    let campaign: Value = serde_json::from_str(include_str!("data/practice/campaign-00.json")).unwrap();
+    let each = |change: &dyn Fn(&mut Value)| {
+        let mut campaign = campaign.clone();
+        campaign["dwells"].as_array_mut().unwrap().iter_mut().for_each(change);
+        campaign
+    };
+    let times = |dwell: &mut Value, field: &str, factors: [f64; 3]| {
+        for (k, factor) in factors.into_iter().enumerate() {
+            dwell[field][k] = (dwell[field][k].as_f64().unwrap() * factor).into();
+        }
+    };
+    let bare = |dwell: &mut Value| {
+        dwell.as_object_mut().unwrap().remove("attitude");
+    };
+    let (force, rate) = ("specific_force_g0", "rate_arcsec_s");
+    let mut documents = vec![
+        each(&|d| times(d, force, [-1.0; 3])),
+        each(&|d| {
+            bare(d);
+            times(d, force, [-1.0; 3]);
+        }),
+        each(&|d| times(d, force, [9.80665; 3])),
+        each(&|d| times(d, force, [1.002; 3])),
+        each(&|d| times(d, force, [1.0, -1.0, 1.0])),
+        each(&|d| times(d, rate, [1.0 / 3600.0; 3])),
+        each(&|d| {
+            if d["phase"] == "static" {
+                times(d, rate, [0.0; 3]);
+            }
+        }),
+        each(&|d| times(d, rate, [15.0 / 15.041; 3])),
+        each(&|d| {
+            bare(d);
+            d[rate].as_array_mut().unwrap().swap(0, 1);
+        }),
+        each(&|d| {
+            bare(d);
+            if d["phase"] == "static" {
+                times(d, rate, [1.1; 3]);
+            }
+        }),
+        each(&|d| {
+            if d["phase"] == "static" {
+                d[force].as_array_mut().unwrap().swap(1, 2);
+                times(d, rate, [0.7, 1.2, 0.9]);
+            }
+        }),
+    ];
+    for site in [json!({"latitude_deg": 31.0, "gravity_g0": 0.9989857550529864}), Value::Null] {
+        let mut other = each(&bare);
+        other["site"] = site;
+        other["rates"] = if other["site"].is_null() { json!("table") } else { Value::Null };
+        other.as_object_mut().unwrap().retain(|_, member| !member.is_null());
+        documents.push(other);
+    }
+    let mut few = campaign.clone();
+    times(&mut few["dwells"][4], force, [-1.0; 3]);
+    bare(&mut few["dwells"][4]);
+    documents.push(few);
+    let mut unknown = campaign;
+    unknown["rates"] = json!("both");
+    documents.push(unknown);
+    documents.iter().map(Value::to_string).collect()
 }

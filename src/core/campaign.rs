@@ -10,8 +10,17 @@ use super::time::UtcMicros;
 use super::units::EARTH_RATE_DEG_H;
 
 mod check;
+mod columns;
+pub mod commanded;
+mod earth_rate;
+mod note;
+mod temperatures;
 
-pub use check::{Limits, check_dwells, oddities, unchecked};
+pub use check::{Limits, check_dwells};
+pub use columns::notes;
+pub(crate) use columns::temperature_outliers;
+pub use earth_rate::NoEarthRate;
+pub use note::{CampaignNote, Column, LeftOut};
 
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

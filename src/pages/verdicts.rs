@@ -6,7 +6,7 @@ use super::layout::symbol;
 use super::standing;
 use super::text::{Language, Text, reason};
 use super::viewer::Viewer;
-use crate::core::judge::{Coefficient, Rule, Status, Verdict, digits, sd_digits, unit};
+use crate::core::judge::{Coefficient, Rule, Status, Verdict, digits, sd_digits};
 use crate::pipeline::Violation;
 use crate::wire::answer::VerdictBody;
 
@@ -91,7 +91,7 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
             strong { (rule.map_or("", |rule| t.rule(rule))) }
             br;
             (said.reason(viewer.language))
-            @if let Some((rule, coefficient)) = rule.zip(coefficient) { (figures(t, said, unit(rule, coefficient))) }
+            @if let Some((rule, coefficient)) = rule.zip(coefficient) { (figures(t, said, rule.unit(coefficient))) }
         }
     }
 }

@@ -82,7 +82,7 @@ impl Pipeline {
     /// Every fault, by its pointer, or its line and column.
     pub fn read_campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
         let (campaign, as_json) = match form {
-            Form::Json => (campaign::parse_json(bytes)?, None),
+            Form::Json => (campaign::parse_json_as_sent(bytes)?, None),
             Form::Csv => {
                 let (body, campaign) = parse_csv_as_sent(bytes)?;
                 (campaign, Some(serde_json::to_vec(&body).expect("strings and finite numbers always serialise")))

@@ -6,15 +6,17 @@ use utoipa::ToSchema;
 
 use super::answer::{MethodBody, SeparationBody, VerdictBody};
 use super::bench::BenchBody;
+use super::note::NoteBody;
 use super::record::SlotBody;
 use super::time;
 use super::triple::Triple;
 use crate::core::calibrate::bench::BenchCalibration;
-use crate::core::calibrate::noise::{Noise, overstated, overstated_note};
+use crate::core::calibrate::noise::Noise;
 use crate::core::calibrate::outcome::Outcome;
-use crate::core::calibrate::{Calibration, GyroCalibration, Parameter, ScaleSource};
-use crate::core::campaign::{Campaign, oddities, unchecked};
+use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
+use crate::core::campaign::{self, Campaign};
 use crate::core::model::{Term, Terms};
+use crate::core::note::Note;
 
 mod parameters;
 
@@ -41,8 +43,8 @@ pub struct CampaignAnswer {
     /// Of a single-gyro bench test: what is stored and compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bench_result: Option<BenchBody>,
-    /// What could not be checked, and how the figures came about, in words.
-    pub notes: Vec<String>,
+    /// What could not be checked, and how the figures came about.
+    pub notes: Vec<NoteBody>,
     pub verdicts: Vec<VerdictBody>,
 }
 
@@ -163,7 +165,7 @@ impl CampaignAnswer {
             not_separated: Vec::new(),
             bench_result: None,
             verdicts: Vec::new(),
-            notes: [oddities(campaign), unchecked(campaign)].concat(),
+            notes: campaign::notes(campaign).iter().map(NoteBody::of).collect(),
         };
         match outcome {
             Outcome::Imu { calibration, separations } => {
@@ -176,7 +178,8 @@ impl CampaignAnswer {
                 }
                 answer.calibration.gyros =
                     calibration.gyros.iter().map(|gyro| GyroFitBody::of(gyro, calibration.has_sem)).collect();
-                answer.notes.extend(notes(calibration));
+                let notes = calibration.all_notes().into_iter().map(Note::Campaign);
+                answer.notes.extend(notes.map(|note| NoteBody::of(&note)));
                 for (gyro, separation) in calibration.gyros.iter().zip(separations) {
                     let (slot, serial) = (gyro.slot.into(), gyro.serial.to_string());
                     match separation {
@@ -237,7 +240,7 @@ impl GyroFitBody {
 
     fn of_bench(campaign: &Campaign, bench: &BenchCalibration) -> Self {
         let gyro = &campaign.gyros[0];
-        let has_sem = campaign.dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
+        let has_sem = campaign.states_errors();
         let k = bench.e.norm();
         Self {
             slot: gyro.slot.into(),
@@ -318,32 +321,4 @@ fn names(terms: Terms) -> Vec<String> {
 
 fn list(v: &DVector<f64>) -> Vec<f64> {
     v.iter().copied().collect()
-}
-
-/// How the figures came about.
-fn notes(calibration: &Calibration) -> Vec<String> {
-    let mut notes = calibration.notes.clone();
-    if !calibration.has_sem {
-        notes.push("no standard errors: all dwells have equal weight and the residuals give the noise".to_owned());
-    }
-    if calibration.growth > 0.1 {
-        let times = (1.0 + calibration.growth).sqrt();
-        notes.push(format!("the residuals at the fastest rate are {times:.1} times those at rest; sigmas follow them"));
-    }
-    if calibration.repeats.is_empty() {
-        notes.push(
-            "no repeated dwells: nothing but the fit itself tells noise from what the model leaves out".to_owned(),
-        );
-    }
-    if calibration.has_sem {
-        let gyros = calibration.gyros.iter().filter_map(|g| Some((g.slot.name(), overstated(g.chi2, g.dof)?)));
-        notes.extend(overstated_note(gyros));
-    }
-    let scattering = calibration.gyros.iter().filter(|g| g.p_value.is_some_and(|p| p < 1e-3)).map(|g| g.slot.name());
-    let scattering: Vec<&str> = scattering.collect();
-    if !scattering.is_empty() {
-        let gyros = scattering.join(", ");
-        notes.push(format!("{gyros}: residuals exceed the noise; the model leaves something out (see diagnose)"));
-    }
-    notes
 }

@@ -4,13 +4,21 @@ use serde::{Deserialize, Serialize};
 
 use super::geometry::GeometryBody;
 use super::numbers::{Numbers, in_range};
-use super::{json, text, time};
+use super::{json, text};
+use crate::core::campaign::commanded::Part;
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind, check_dwells};
-use crate::core::fault::Faults;
+use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
-use crate::core::units::{degrees, radians};
+use crate::core::units::radians;
+
+pub mod commanded;
+mod write;
+
+/// What `rate_arcsec_s` may hold.
+const INERTIAL: &str = "inertial";
+const TABLE: &str = "table";
 
 /// Largest | |q| - 1 | of an attitude: four printed digits still pass.
 const MAX_QUATERNION_EXCESS: f64 = 1e-4;
@@ -85,6 +93,9 @@ pub struct CampaignBody {
     pub site: Option<SiteBody>,
     pub gyros: Vec<CampaignGyroBody>,
     pub dwells: Vec<DwellBody>,
+    /// What `rate_arcsec_s` holds: `inertial` rates (default), or the `table`'s own, to which the service adds the Earth's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rates: Option<String>,
     /// `imu` (default), `torque_feedback` or `turntable_servo`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub test: Option<String>,
@@ -107,12 +118,21 @@ pub fn parse_json(bytes: &[u8]) -> Result<Campaign, Faults> {
     json::parse::<CampaignBody>(bytes)?.to_core()
 }
 
-/// Reads and checks a campaign in JSON or CSV, told apart by the first character: JSON begins with a brace.
+/// As [`parse_json`], of a campaign that comes in: what was commanded must be what the Earth allows.
 ///
 /// # Errors
-/// As [`parse_json`] and [`parse_csv`](super::campaign_csv::parse_csv).
+/// As [`parse_json`] and [`commanded::check`].
+pub fn parse_json_as_sent(bytes: &[u8]) -> Result<Campaign, Faults> {
+    let campaign = parse_json(bytes)?;
+    commanded::check(&campaign).map(|()| campaign)
+}
+
+/// Reads and checks a campaign that comes in, in JSON or CSV, told apart by the first character: JSON begins with a brace.
+///
+/// # Errors
+/// As [`parse_json_as_sent`] and [`parse_csv`](super::campaign_csv::parse_csv).
 pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
-    if is_csv(bytes) { super::campaign_csv::parse_csv(bytes) } else { parse_json(bytes) }
+    if is_csv(bytes) { super::campaign_csv::parse_csv(bytes) } else { parse_json_as_sent(bytes) }
 }
 
 /// Whether a document is taken for CSV.
@@ -167,7 +187,11 @@ impl CampaignBody {
         let limits = Limits::default();
         if faults.is_empty() {
             let campaign = Campaign { site, dwells: dwells.into_iter().flatten().collect(), ..head };
-            return campaign.check(&limits).map(|()| campaign);
+            let campaign = self.inertial(campaign)?;
+            return match campaign.check(&limits) {
+                Ok(()) => Ok(campaign),
+                Err(faults) => Err(commanded::explained(&campaign, faults)),
+            };
         }
         // What could be read is still checked, so that a station hears of everything at once.
         let read = dwells.iter().enumerate().filter_map(|(i, d)| d.as_ref().map(|d| (i, d)));
@@ -181,6 +205,9 @@ impl CampaignBody {
         let station = text::name("/station", &self.station, faults);
         let measured_at = text::instant("/measured_at", &self.measured_at, faults);
         let test = self.test(faults);
+        if let Some(rates) = self.rates.as_deref().filter(|rates| !matches!(*rates, INERTIAL | TABLE)) {
+            faults.push("/rates", format!("must be {INERTIAL} or {TABLE}, is {rates:?}"));
+        }
         let gyros = self.gyros(test != TestKind::Imu, faults);
         let geometry = self.geometry.to_core().unwrap_or_else(|part| {
             faults.absorb("/geometry", part);
@@ -199,6 +226,25 @@ impl CampaignBody {
             temperature_c: text::temperature("/temperature_c", self.temperature_c, faults),
             operator: text::short("/operator", &self.operator, faults),
             note: text::note("/note", &self.note, faults),
+        }
+    }
+
+    /// With inertial rates, whichever were sent.
+    fn inertial(&self, campaign: Campaign) -> Result<Campaign, Faults> {
+        match self.rates.as_deref() {
+            None | Some(INERTIAL) => Ok(campaign),
+            Some(_) => campaign.with_earth_rate(Part::All).map_err(|lacks| {
+                let mut missing = Vec::new();
+                missing.extend(lacks.site.then(|| "site".to_owned()));
+                missing.extend(lacks.attitudes.first().map(|first| {
+                    format!("attitude in {} static dwells, the first /dwells/{first}", lacks.attitudes.len())
+                }));
+                let detail = format!(
+                    "the service adds the Earth's rate where site and attitude are known; missing: {}",
+                    missing.join("; ")
+                );
+                Fault { pointer: "/rates".to_owned(), detail }.into()
+            }),
         }
     }
 
@@ -328,60 +374,6 @@ fn attitude(q: &Numbers, i: usize, faults: &mut Faults) -> Option<Rotation<Nav, 
         return None;
     }
     Some(Rotation::from_attitude(q))
-}
-
-impl From<&Campaign> for CampaignBody {
-    fn from(c: &Campaign) -> Self {
-        Self {
-            imu: c.imu.to_string(),
-            station: c.station.to_string(),
-            measured_at: time::format(c.measured_at),
-            geometry: GeometryBody::of(&c.geometry),
-            site: c.site.as_ref().map(|s| SiteBody {
-                latitude_deg: tidy(degrees(s.latitude)),
-                gravity_g0: s.gravity_g0,
-                magnetic_field_nav: s.magnetic_field_nav.as_ref().map(Numbers::from),
-            }),
-            gyros: c.gyros.iter().map(CampaignGyroBody::from).collect(),
-            dwells: c.dwells.iter().map(DwellBody::from).collect(),
-            test: (c.test != TestKind::Imu).then(|| c.test.name().to_owned()),
-            model: c.model.map(|terms| terms.iter().map(|t| t.name().to_owned()).collect()),
-            temperature_c: c.temperature_c,
-            operator: c.operator.clone(),
-            note: c.note.clone(),
-        }
-    }
-}
-
-impl From<&CampaignGyro> for CampaignGyroBody {
-    fn from(g: &CampaignGyro) -> Self {
-        Self {
-            slot: Some(g.slot.name().to_owned()),
-            serial: g.serial.to_string(),
-            known_e_pulse_per_arcsec: g.known_e.as_ref().map(Numbers::from),
-        }
-    }
-}
-
-impl From<&Dwell> for DwellBody {
-    fn from(d: &Dwell) -> Self {
-        Self {
-            phase: d.phase.name().to_owned(),
-            start_s: d.start_s,
-            duration_s: d.duration_s,
-            attitude: d.attitude.map(|c| c.to_attitude().as_slice().into()),
-            specific_force_g0: (&d.specific_force_g0).into(),
-            rate_arcsec_s: (&d.rate_arcsec_s).into(),
-            temperature_c: d.temperature_c,
-            output_pulse_s: d.output_pulse_s.as_slice().into(),
-            output_sem_pulse_s: d.output_sem_pulse_s.as_deref().map(Numbers::from),
-        }
-    }
-}
-
-/// Takes off the last bit that degrees to radians and back leaves.
-fn tidy(degrees: f64) -> f64 {
-    (degrees * 1e12).round() / 1e12
 }
 
 #[cfg(test)]

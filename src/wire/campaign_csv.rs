@@ -23,7 +23,7 @@ pub use write::to_csv;
 use cells::{Columns, Row};
 use head::Head;
 
-use super::campaign::CampaignBody;
+use super::campaign::{CampaignBody, commanded};
 use super::json;
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
@@ -60,7 +60,7 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
         return Err(faults);
     }
     body.dwells = rows.iter().map(|row| row.dwell(&columns)).collect();
-    match body.to_core() {
+    match body.to_core().and_then(|campaign| commanded::check(&campaign).map(|()| campaign)) {
         Ok(campaign) => Ok((body, campaign)),
         Err(part) => {
             located(part, &head, &columns, &rows, &mut faults);

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::located::WhereBody;
+use super::note::NoteBody;
 use super::split::SplitBody;
 use crate::core::diagnose as core;
 use crate::core::effects::Effect;
@@ -253,7 +254,7 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
             residuals: d.residuals.iter().map(ResidualBody::from).collect(),
-            notes: d.notes.clone(),
+            notes: d.of_campaign.iter().map(|note| NoteBody::of(note).detail).chain(d.notes.iter().cloned()).collect(),
             reference: None,
         }
     }

@@ -8,6 +8,8 @@ use utoipa::ToSchema;
 
 use crate::core::note::Note;
 
+mod campaign;
+
 /// What a reader should know before relying on an accepted item.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct NoteBody {
@@ -22,7 +24,11 @@ pub struct NoteBody {
 
 impl NoteBody {
     pub fn of(note: &Note) -> Self {
-        Self { code: note.code().into(), detail: detail(note), parameters: Map::new() }
+        let parameters = match note {
+            Note::Campaign(note) => campaign::parameters(note),
+            _ => Map::new(),
+        };
+        Self { code: note.code().into(), detail: detail(note), parameters }
     }
 }
 
@@ -31,5 +37,6 @@ fn detail(note: &Note) -> String {
         Note::NoAttitudes => "no attitude column: specific force and rate were not checked against the attitude".into(),
         Note::NoSite => "no site: the specific force of static dwells was checked against standard gravity".into(),
         Note::NoTemperatures => "no temperature column: effects of temperature cannot be seen".into(),
+        Note::Campaign(note) => campaign::detail(note),
     }
 }

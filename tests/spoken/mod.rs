@@ -3,7 +3,7 @@
 use super::support::Server;
 
 /// Words that a document, its units or the mathematics have in every language: names of members and columns, their values.
-const OF_EVERY_LANGUAGE: [&str; 30] = [
+const OF_EVERY_LANGUAGE: [&str; 33] = [
     "inf",
     "station",
     "geometry",
@@ -21,6 +21,9 @@ const OF_EVERY_LANGUAGE: [&str; 30] = [
     "null",
     "static",
     "rate",
+    "rates",
+    "inertial",
+    "table",
     "bias",
     "scale",
     "imu",

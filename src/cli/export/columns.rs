@@ -13,8 +13,10 @@ pub struct Row {
     pub imu: Arc<str>,
     pub station: Arc<str>,
     pub figures: Figures,
-    /// Of D_I, D_S and D_O, and the worst of those that could be judged.
-    pub statuses: [Status; 4],
+    /// Of D_I, D_S and D_O.
+    pub statuses: [Status; 3],
+    /// The worst of those that could be judged.
+    pub status: Status,
     /// It does not count any more.
     pub voided: bool,
 }
@@ -65,7 +67,7 @@ pub const COLUMNS: [Column; 27] = [
     column("D_I_status", Cells::Word(|row| Some(row.statuses[0].name()))),
     column("D_S_status", Cells::Word(|row| Some(row.statuses[1].name()))),
     column("D_O_status", Cells::Word(|row| Some(row.statuses[2].name()))),
-    column("status", Cells::Word(|row| Some(row.statuses[3].name()))),
+    column("status", Cells::Word(|row| Some(row.status.name()))),
 ];
 
 const fn column(name: &'static str, cells: Cells) -> Column {

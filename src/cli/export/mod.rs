@@ -142,10 +142,8 @@ fn named(
             imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("IMU"))?,
             station: tables.stations.name(figures.station).cloned().ok_or_else(|| missing("station"))?,
             figures: *figures,
-            statuses: [0, 1, 2, 3].map(|column| match column {
-                3 => statuses.worst(figures),
-                column => statuses.get(figures, column),
-            }),
+            statuses: [0, 1, 2].map(|column| statuses.get(figures, column)),
+            status: statuses.worst(figures),
             voided,
         })
     });

@@ -30,7 +30,7 @@ impl fmt::Display for Gist<'_> {
             let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
             writeln!(f, "  {serial} {coefficient} {rule} exceeded: {reason}")?;
         }
-        for note in members(self.0, "notes").filter_map(Value::as_str) {
+        for note in members(self.0, "notes").filter_map(|note| note["detail"].as_str()) {
             writeln!(f, "  note: {note}")?;
         }
         Ok(())
@@ -60,7 +60,7 @@ mod tests {
                 {"serial": "LFG-1", "coefficient": "D_I", "rule": "trend", "state": "indeterminate", "reason": "too few"},
                 {"serial": "LFG-1", "coefficient": "D_S", "rule": "trend", "state": "indeterminate", "reason": "too few"},
                 {"serial": "LFG-1", "coefficient": "D_S", "rule": "step", "state": "within", "reason": "close"}],
-            "notes": ["no temperature column"]});
+            "notes": [{"code": "no_temperatures", "detail": "no temperature column"}]});
         let lines = [
             "  G1 LFG-1  D_I +2.957643  D_S -4.618005 deg/(h g0)",
             "  G2 LFG-2  no D_I and D_S: the dwells do not determine G_x",

@@ -116,7 +116,7 @@ pub fn calibrate_bench(campaign: &Campaign) -> Result<BenchCalibration, NotFitte
     let gyro = campaign.gyros.first().ok_or(NotFitted::NotABench)?;
     let triad = campaign.geometry.triad(gyro.slot).ok_or(NotFitted::NoAxes(gyro.slot.name()))?;
     let squares = campaign.terms().contains(Term::GSquared);
-    let problem = Problem { campaign, triad, sd: weights_sd(&campaign.dwells, 0), squares };
+    let problem = Problem { campaign, triad, sd: weights_sd(campaign, 0), squares };
     let scale = problem.scale(method, gyro.known_e)?;
     problem.fit(method, &scale)
 }
@@ -254,7 +254,7 @@ impl Problem<'_> {
     fn finish(&self, method: BenchMethod, scale: &Scale, solved: Solved) -> Result<BenchCalibration, NotFitted> {
         let Solved { e, axes, form, fit, y } = solved;
         let groups = repeats(&self.campaign.dwells);
-        let has_sem = self.campaign.dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
+        let has_sem = self.campaign.states_errors();
         let pure_error = PureError::of(&groups, |k| y[k], |k| self.sd[k]);
         let noise = noise(&[Evidence::of(fit.chi2, fit.dof, pure_error)], has_sem)[0]
             .with_scatter(sem_scatter(&self.campaign.dwells, 0));

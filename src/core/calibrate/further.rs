@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::common::Shared;
 use super::design::Design;
-use crate::core::campaign::Campaign;
+use crate::core::campaign::{Campaign, CampaignNote, LeftOut};
 use crate::core::diagnose::{self, Adopted};
 use crate::core::effects::{Coefficient, Effect, Scope};
 use crate::core::fit::Factor;
@@ -29,7 +29,7 @@ pub(super) struct Regressors {
     /// Of coefficients that all gyros share.
     pub shared: Vec<Shared>,
     /// Why some cannot be formed.
-    pub notes: Vec<String>,
+    pub notes: Vec<CampaignNote>,
 }
 
 pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors {
@@ -39,13 +39,14 @@ pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors
     }
     let (setting, notes) = match diagnose::setting(campaign) {
         Ok(found) => found,
-        Err(why) => return none(vec![format!("the effects of the model are left out: {why}")]),
+        Err(why) => return none(vec![CampaignNote::EffectsLeftOut { why }]),
     };
     let mut all = none(notes);
     for adopted in adopted {
         let entry = adopted.effect.entry();
         if let Some(missing) = (entry.missing)(&setting) {
-            all.notes.push(format!("{} is left out of the fit: {missing}", entry.id));
+            let (effect, why) = (adopted.effect, LeftOut::Lacks(missing));
+            all.notes.push(CampaignNote::EffectLeftOut { slot: None, effect, why });
             continue;
         }
         let coefficients = (entry.coefficients)(adopted.shape);

@@ -91,7 +91,7 @@ pub(super) fn fit_gyro(
         c.dwells.len(),
         c.dwells.iter().map(|d| d.output_pulse_s[j] - known_e.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
     );
-    let sd = weights_sd(&c.dwells, j);
+    let sd = weights_sd(c, j);
     let plain = shared.index(&c.dwells, fitted, &sd);
     let (regressors, hidden) = further::visible(&shared.0[plain].2, regressors);
     let factor = match regressors.as_slice() {

@@ -19,7 +19,7 @@ pub mod repeats;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::campaign::{Campaign, Dwell, Phase};
+use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase};
 use super::diagnose::Adopted;
 use super::effects::{Coefficient, Effect};
 use super::model::{Term, Terms};
@@ -125,7 +125,7 @@ pub struct Calibration {
     pub growth: f64,
     pub gyros: Vec<GyroCalibration>,
     /// Effects of the model that this campaign could not be fitted with, and why.
-    pub notes: Vec<String>,
+    pub notes: Vec<CampaignNote>,
 }
 
 /// Fits `terms` to every gyro of a campaign that passed [`Campaign::check`].
@@ -143,18 +143,16 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
     let Regressors { own, shared: of_all, mut notes } = further::regressors(campaign, adopted);
     let dwells = &campaign.dwells;
-    let has_sem = dwells.iter().all(|d| d.output_sem_pulse_s.is_some());
+    let has_sem = campaign.states_errors();
     let repeats = repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
     let mut fits: Vec<GyroFit> =
         own.into_iter().enumerate().map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared)).collect();
     for (fit, gyro) in fits.iter().zip(&campaign.gyros) {
-        notes.extend(fit.hidden.iter().map(|effect| {
-            format!(
-                "{}: {} is left out of the fit: these dwells cannot tell it from the other terms",
-                gyro.slot.name(),
-                effect.id()
-            )
+        notes.extend(fit.hidden.iter().map(|effect| CampaignNote::EffectLeftOut {
+            slot: Some(gyro.slot),
+            effect: *effect,
+            why: LeftOut::NotTold,
         }));
     }
     if !of_all.is_empty() {
@@ -179,7 +177,7 @@ fn fit_common(
     has_sem: bool,
     repeats: &[Vec<usize>],
     shared: &SharedFactors,
-) -> Vec<String> {
+) -> Vec<CampaignNote> {
     let own: Vec<Own> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
     let common = common::fit(of_all, &own);
     let mut taken = 0.0;
@@ -188,9 +186,7 @@ fn fit_common(
         taken += common.leverage[j].sum();
         fit.take_out(&common, j, (taken.round() - before) as usize, repeats, shared);
     }
-    let told = |effect: &Effect| {
-        format!("{} is left out of the fit: these dwells cannot tell it from the other terms", effect.id())
-    };
+    let told = |effect: &Effect| CampaignNote::EffectLeftOut { slot: None, effect: *effect, why: LeftOut::NotTold };
     common.hidden.iter().map(told).collect()
 }
 
@@ -212,13 +208,30 @@ fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [Gy
 }
 
 /// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
-pub fn weights_sd(dwells: &[Dwell], j: usize) -> Vec<f64> {
-    dwells.iter().map(|d| d.output_sem_pulse_s.as_ref().map_or(1.0, |sem| sem[j])).collect()
+pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
+    campaign.errors_of(j).unwrap_or_else(|| vec![1.0; campaign.dwells.len()])
 }
 
 fn sem_scatter(dwells: &[Dwell], j: usize) -> f64 {
     let still = dwells.iter().filter(|d| d.phase == Phase::Static);
     noise::sem_scatter(still.filter_map(|d| Some((d.output_sem_pulse_s.as_ref()?[j], d.duration_s))))
+}
+
+impl Calibration {
+    /// How the figures came about.
+    pub fn all_notes(&self) -> Vec<CampaignNote> {
+        let mut notes = self.notes.clone();
+        notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
+        notes.extend((self.growth > 0.1).then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
+        notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
+        let overstated = |g: &GyroCalibration| Some((g.slot, noise::overstated(g.chi2, g.dof)?));
+        let gyros: Vec<(Slot, f64)> = self.gyros.iter().filter(|_| self.has_sem).filter_map(overstated).collect();
+        notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
+        let scattering = |g: &&GyroCalibration| g.p_value.is_some_and(|p| p < 1e-3);
+        let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
+        notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
+        notes
+    }
 }
 
 impl GyroCalibration {

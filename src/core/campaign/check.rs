@@ -1,4 +1,4 @@
-//! What a campaign's dwells must satisfy beyond their shape, and which checks a missing column made impossible.
+//! What a campaign's dwells must satisfy beyond their shape.
 //!
 //! Places are JSON pointers with the wire names; a CSV reader maps them to lines and columns.
 
@@ -104,16 +104,11 @@ pub fn check_dwells<'a>(
     limits: &Limits,
     faults: &mut Faults,
 ) {
-    let mut first: Option<(usize, &Dwell)> = None;
     let mut before: Option<(usize, &Dwell)> = None;
     for (i, dwell) in dwells {
         check_time(i, dwell, before, limits, faults);
         check_force(i, dwell, site, limits, faults);
         check_sem(i, dwell, faults);
-        if let Some(first) = first {
-            check_columns(i, dwell, first, faults);
-        }
-        first = first.or(Some((i, dwell)));
         before = Some((i, dwell));
     }
 }
@@ -192,66 +187,4 @@ fn check_sem(i: usize, dwell: &Dwell, faults: &mut Faults) {
             );
         }
     }
-}
-
-/// A column is there in all dwells or in none.
-fn check_columns(i: usize, dwell: &Dwell, (first, reference): (usize, &Dwell), faults: &mut Faults) {
-    let columns = [
-        ("attitude", dwell.attitude.is_some(), reference.attitude.is_some()),
-        ("temperature_c", dwell.temperature_c.is_some(), reference.temperature_c.is_some()),
-        ("output_sem_pulse_s", dwell.output_sem_pulse_s.is_some(), reference.output_sem_pulse_s.is_some()),
-    ];
-    for (column, here, there) in columns {
-        let state = |given| if given { "given" } else { "missing" };
-        if here != there {
-            faults.push(
-                format!("/dwells/{i}/{column}"),
-                format!(
-                    "{} here but {} in /dwells/{first}; a column is in every dwell or in none",
-                    state(here),
-                    state(there)
-                ),
-            );
-        }
-    }
-}
-
-/// By how much the commanded rate of a static dwell may differ from the Earth's, arcsec/s: a heading that is 2 degrees off.
-const EARTH_RATE_OFF: f64 = 0.5;
-
-/// What is odd about what was commanded, in words for the campaign's answer. It is no fault: the model is fitted to what was commanded.
-pub fn oddities(campaign: &Campaign) -> Vec<String> {
-    let Some(site) = &campaign.site else { return Vec::new() };
-    let off = |dwell: &Dwell| {
-        let earth = (dwell.attitude.filter(|_| dwell.phase == Phase::Static)? * site.earth_rate()).0;
-        Some((dwell.rate_arcsec_s - earth).norm()).filter(|off| *off > EARTH_RATE_OFF)
-    };
-    let off: Vec<(usize, f64)> =
-        campaign.dwells.iter().enumerate().filter_map(|(k, dwell)| Some((k, off(dwell)?))).collect();
-    let worst = off.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    let words = worst.map(|(k, most)| {
-        format!(
-            "rate_arcsec_s of {} of {} static dwells is not the Earth's at their attitude and the site's latitude: by {most:.2} \
-             arcsec/s in /dwells/{k}",
-            off.len(),
-            campaign.dwells.iter().filter(|dwell| dwell.phase == Phase::Static).count()
-        )
-    });
-    words.into_iter().collect()
-}
-
-/// The checks that this campaign's missing columns made impossible, in words for its answer.
-pub fn unchecked(campaign: &Campaign) -> Vec<String> {
-    let mut notes = Vec::new();
-    let has = |column: fn(&Dwell) -> bool| campaign.dwells.first().is_some_and(column);
-    if !has(|d| d.attitude.is_some()) {
-        notes.push("no attitude column: specific force and rate were not checked against the attitude".to_owned());
-    }
-    if campaign.site.is_none() {
-        notes.push("no site: the specific force of static dwells was checked against standard gravity".to_owned());
-    }
-    if !has(|d| d.temperature_c.is_some()) {
-        notes.push("no temperature column: effects of temperature cannot be seen".to_owned());
-    }
-    notes
 }

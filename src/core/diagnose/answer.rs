@@ -7,6 +7,7 @@ use crate::core::campaign::Phase;
 use crate::core::effects::{Effect, Shape};
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
+use crate::core::note::Note;
 
 /// How far the catalogue explains the gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,6 +57,8 @@ pub struct Diagnosis {
     pub next_dwells: Vec<NextDwell>,
     /// Residual of each gyro in each dwell before and after adoption.
     pub residuals: Vec<Residual>,
+    /// What is to be known of the campaign itself.
+    pub of_campaign: Vec<Note>,
     /// What could not be done with this campaign, and why.
     pub notes: Vec<String>,
 }

@@ -42,7 +42,8 @@ pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     class.extend(
         judged
             .iter()
-            .filter(|(effect, e, f)| *effect != own && (*e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN))
+            .filter(|(effect, ..)| *effect != own && !search.is_ruled_out(&others, Kind::Effect(*effect)))
+            .filter(|(_, e, f)| *e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN)
             .map(|(effect, ..)| *effect),
     );
     class
@@ -80,9 +81,9 @@ pub(super) fn wider_in_gyros(
         let as_well = |effect: &Effect, e: f64, f: f64| {
             class.contains(effect) || e > evidence - EVIDENCE_MARGIN || f > fit - FIT_MARGIN
         };
+        let possible = |effect: &Effect| *effect != own && !search.is_ruled_out(&others, Kind::Effect(*effect));
         let mut wider = vec![own];
-        wider
-            .extend(judged.iter().filter(|(effect, e, f)| *effect != own && as_well(effect, *e, *f)).map(|(e, ..)| *e));
+        wider.extend(judged.iter().filter(|(x, e, f)| possible(x) && as_well(x, *e, *f)).map(|(effect, ..)| *effect));
         (wider.len() > class.len()).then_some((j, wider))
     };
     (0..members.len()).filter(|&j| members[j]).filter_map(in_gyro).collect()

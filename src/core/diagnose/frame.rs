@@ -6,9 +6,10 @@ use super::basis::{Basis, axpy, dot};
 use super::fit::{self, Part};
 use super::noise::{self, Noise};
 use super::{Adopted, Options, Refusal};
-use crate::core::campaign::{Campaign, CampaignGyro, TestKind};
+use crate::core::campaign::{Campaign, CampaignGyro, CampaignNote, TestKind, temperature_outliers};
 use crate::core::effects::{GyroAxes, Scope, Setting};
 use crate::core::model::{Term, Terms};
+use crate::core::note::Note;
 
 /// One gyro: everything whitened, that is divided by `sd`.
 #[derive(Debug, Clone)]
@@ -34,6 +35,8 @@ pub(super) struct Frame {
     /// Whether E of each gyro is among the fitted columns.
     pub scale_fitted: Vec<bool>,
     pub notes: Vec<String>,
+    /// What was noted of the campaign itself.
+    pub of_campaign: Vec<Note>,
 }
 
 impl GyroFrame {
@@ -58,19 +61,21 @@ impl Frame {
         if terms.is_empty() {
             return Err(Refusal::NoTerms);
         }
-        let (setting, mut notes) = setting(campaign)?;
+        let (setting, of_axes) = setting(campaign)?;
+        let of_campaign = temperature_outliers(campaign).chain(of_axes.into_iter().map(Note::Campaign)).collect();
         let outputs: Vec<Vec<f64>> = (0..campaign.gyros.len()).map(|j| drift_output(campaign, &setting, j)).collect();
         let designs = |adopted: &[Adopted]| -> Vec<Vec<Vec<f64>>> {
             (0..campaign.gyros.len()).map(|j| design(&setting, j, terms, &campaign.gyros[j], adopted)).collect()
         };
         let noise = noise::of(campaign, &setting, &outputs, &designs(&options.adopted));
-        notes.extend(noise.notes.iter().cloned());
+        let notes = noise.notes.clone();
         let scale_fitted = campaign.gyros.iter().map(|gyro| gyro.known_e.is_none()).collect();
         let common = |adopted: &&Adopted| adopted.effect.entry().scope == Scope::Common;
         let (shared, own): (Vec<&Adopted>, Vec<&Adopted>) = options.adopted.iter().partition(common);
         let designs = designs(&own.into_iter().cloned().collect::<Vec<_>>());
         let (gyros, adopted) = (Vec::new(), options.adopted.clone());
-        let frame = Self { setting, terms, adopted, gyros, noise, outputs, designs, scale_fitted, notes }.whitened()?;
+        let frame = Self { setting, terms, adopted, gyros, noise, outputs, designs, scale_fitted, notes, of_campaign };
+        let frame = frame.whitened()?;
         if shared.is_empty() { Ok(frame) } else { frame.without(&shared) }
     }
 
@@ -157,7 +162,7 @@ fn drift_output(campaign: &Campaign, s: &Setting, j: usize) -> Vec<f64> {
 }
 
 /// The columns of a campaign with the axes of its gyros as its own dwells show them, and notes on those axes.
-pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<String>), Refusal> {
+pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<CampaignNote>), Refusal> {
     let mut notes = Vec::new();
     let axes = (0..campaign.gyros.len()).map(|j| axes_of(campaign, j, &mut notes)).collect::<Result<Vec<_>, _>>()?;
     Ok((Setting::of(campaign, axes), notes))
@@ -167,7 +172,7 @@ pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<String>), Ref
 const BELIEVED_MISALIGNMENT: f64 = 0.1;
 
 /// |E|, axes and G of one gyro: from the E that is held, else from a fit of model (6), else nominal.
-fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<String>) -> Result<GyroAxes, Refusal> {
+fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Result<GyroAxes, Refusal> {
     let gyro = &campaign.gyros[j];
     let slot = gyro.slot;
     let nominal = campaign.geometry.triad(slot).ok_or(Refusal::NoAxes(slot.name()))?.mat_gyro_body();
@@ -185,10 +190,7 @@ fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<String>) -> Result<Gyr
     }
     let along = e.dot(&input);
     let size = if along.is_finite() && along > 1e-6 { along } else { 1.0 };
-    notes.push(format!(
-        "{}: the campaign does not determine E; the nominal input axis and {size:.4} pulse/arcsec are used",
-        slot.name()
-    ));
+    notes.push(CampaignNote::NominalAxis { slot, scale: size });
     Ok(GyroAxes::carried(slot, nominal, size * input, g))
 }
 

@@ -24,6 +24,7 @@ mod lower;
 mod next;
 mod noise;
 mod null;
+mod odds;
 mod products;
 mod reference;
 mod remaining;
@@ -54,7 +55,7 @@ use super::model::Terms;
 use super::mounting::Slot;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 6;
+pub const METHOD: u32 = 7;
 
 /// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
 #[derive(Debug, Clone, PartialEq)]

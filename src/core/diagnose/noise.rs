@@ -34,7 +34,7 @@ pub(super) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
     let stated: Option<Vec<Vec<f64>>> = (0..outputs.len())
         .map(|j| {
             let per_pulse = 1.0 / s.gyros[j].scale;
-            campaign.dwells.iter().map(|d| d.output_sem_pulse_s.as_ref().map(|sem| sem[j] * per_pulse)).collect()
+            campaign.errors_of(j).map(|sems| sems.into_iter().map(|sem| sem * per_pulse).collect())
         })
         .collect();
     let (sd, log_scatter, law) = match &stated {

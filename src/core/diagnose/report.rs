@@ -13,6 +13,7 @@ use super::identify;
 use super::impact;
 use super::located;
 use super::next;
+use super::odds;
 use super::remaining::{self, Left, Tested};
 use super::search::{Choice, Search};
 use super::settle::{FALSE_ALARM, Settled};
@@ -66,7 +67,9 @@ impl Named {
 
 pub(super) fn report(settled: &Settled) -> Diagnosis {
     let (frame, search) = (&settled.frame, settled.search());
-    let (named, crowded) = named(&search, &settled.found);
+    let (mut named, crowded) = named(&search, &settled.found);
+    let mut closes = odds::closing(frame, named.iter().map(|n| n.part.clone()).collect(), UNSEEN).into_iter();
+    named.retain(|_| closes.next().unwrap_or(true));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let fit = fit::fit(frame, &parts);
     let signs = signs(settled, &search, &named, &fit, &crowded);
@@ -109,6 +112,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
         impact: impact::impact(frame, &parts, &fit),
         next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
         residuals: located::residuals(frame, &fit.residuals, &variances),
+        of_campaign: frame.of_campaign.clone(),
         notes: frame
             .notes
             .iter()
@@ -378,7 +382,7 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
             closure: held_out.map(|h| h.closure),
             interval: held_out.map(|h| h.interval),
             p_value_adjusted: search.p_value(earned),
-            within_noise: earned <= search.needed(0),
+            within_noise: earned <= search.needed(0) && !search.is_ruled_out(&[], score.kind),
             gyros: slots(frame, &choice.members),
             why_not: why_not.of(effect, earned, visible),
         })

@@ -119,7 +119,13 @@ impl Search<'_> {
                 score.log_evidence += SUSPECT_ODDS;
             }
         }
+        self.weigh(choices, &mut scores);
         scores
+    }
+
+    /// Whether `kind` was ruled out given `choices`.
+    pub fn is_ruled_out(&self, choices: &[Choice], kind: Kind) -> bool {
+        self.evidence(choices, kind) == f64::NEG_INFINITY
     }
 
     pub fn choice(&self, score: &Score) -> Choice {
@@ -154,7 +160,7 @@ impl Search<'_> {
         let found = self.fewest(self.prune(found));
         let found = self.fewest(self.contract_first(found));
         let count = found.len();
-        let mut found = merged(found);
+        let mut found = self.first_suspect_first(merged(found));
         if found.len() < count {
             for i in 0..found.len() {
                 found[i].evidence = self.earned_beside_others(&found, i);
@@ -273,10 +279,12 @@ impl Search<'_> {
     /// shares it with those that explain the same; beside a name, what is tied with much has been told from little.
     pub fn earned(&self, choices: &[Choice], kind: Kind) -> f64 {
         let scores = self.scores(choices);
-        let own = evidence_of(&scores, kind);
+        let own = self.against_noise(kind, evidence_of(&scores, kind));
         let contract = scores.iter().filter(|s| matches!(s.kind, Kind::Effect(_)));
         match kind {
-            Kind::Effect(_) if choices.is_empty() => together(contract.map(|s| s.log_evidence.min(own + TIED))),
+            Kind::Effect(_) if choices.is_empty() => {
+                together(contract.map(|s| self.against_noise(s.kind, s.log_evidence).min(own + TIED)))
+            }
             _ => own,
         }
     }

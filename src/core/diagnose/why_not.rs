@@ -22,6 +22,9 @@ impl WhyNot<'_> {
         if let Some(twin) = self.named.iter().find(|n| n.class.contains(&effect)) {
             return format!("this campaign cannot tell it from {}, which stands for both", twin.part.effect.id());
         }
+        if self.search.is_ruled_out(&[], Kind::Effect(effect)) {
+            return "its size would be beyond what is plausible".to_owned();
+        }
         if alone <= self.search.needed(0) {
             let p = digits(self.search.p_value(alone));
             return format!(
@@ -30,6 +33,9 @@ impl WhyNot<'_> {
         }
         let kind = Kind::Effect(effect);
         let found = &self.settled.found;
+        if found.iter().any(|choice| choice.kind == kind) && effect != Effect::OutlierDwell {
+            return "it closes nothing of dwells that were held out".to_owned();
+        }
         if found.iter().any(|choice| choice.kind == kind) {
             return "several dwells stand out, each by itself: that is not one bad dwell".to_owned();
         }

@@ -12,6 +12,7 @@ pub const HYSTERESIS: Entry = Entry {
         high: 0.1,
         source: "IEEE 517, elastic restraint and hysteresis after re-orientation",
     },
+    plausible: 1e3,
     needs: "an order of dwells in which the orientation before differs for one and the same orientation",
     confused_with: &[Effect::OutlierDwell],
     scope: Scope::Gyro,

@@ -109,6 +109,9 @@ pub struct Entry {
     /// Drift added, deg/h, or change of scale, with the letters of the crate page.
     pub equation: &'static str,
     pub typical: Typical,
+    /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it something else that the
+    /// campaign hardly shows has been blown up.
+    pub plausible: f64,
     /// What a campaign must hold for the effect to show.
     pub needs: &'static str,
     pub confused_with: &'static [Effect],
@@ -180,6 +183,10 @@ impl Effect {
         matches!(self, Self::Warmup | Self::TimeRamp | Self::BiasStep | Self::Periodic)
     }
 
+    pub fn is_of_temperature(self) -> bool {
+        matches!(self, Self::TemperatureBias | Self::TemperatureG | Self::TemperatureScale)
+    }
+
     pub fn from_id(id: &str) -> Option<Self> {
         CATALOGUE.iter().find(|entry| entry.id == id).map(|entry| entry.effect)
     }
@@ -222,6 +229,7 @@ mod tests {
             assert_eq!(Effect::from_id(entry.id), Some(entry.effect));
             assert!(!entry.cause.is_empty() && !entry.equation.is_empty() && !entry.needs.is_empty());
             assert!(!entry.typical.source.is_empty() && entry.typical.low <= entry.typical.high);
+            assert!(entry.plausible >= 10.0 * entry.typical.high, "{}", entry.id);
             assert!(!entry.confused_with.contains(&entry.effect));
         }
     }

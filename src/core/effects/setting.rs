@@ -42,7 +42,7 @@ pub struct Setting {
     /// Middle of each dwell, s.
     pub time: Vec<f64>,
     pub duration: Vec<f64>,
-    /// Temperature minus its mean, K.
+    /// Temperature minus its mean, K; sensors' fault values and gaps filled from the dwells beside them.
     pub temperature: Option<Vec<f64>>,
     /// C(q) of each dwell, where all dwells carry an attitude.
     pub nav_to_body: Option<Vec<Matrix3<f64>>>,
@@ -68,7 +68,7 @@ impl Setting {
         Self {
             time: dwells.iter().map(|d| d.mid_s()).collect(),
             duration: dwells.iter().map(|d| d.duration_s).collect(),
-            temperature: dwells.iter().map(|d| d.temperature_c).collect::<Option<Vec<_>>>().map(centred),
+            temperature: campaign.temperatures().filled.map(centred),
             field_nav: campaign.site.and_then(|s| s.magnetic_field_nav),
             force,
             rate,

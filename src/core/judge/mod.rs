@@ -23,7 +23,7 @@ pub use history::{
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
 pub use older::Older;
-pub use reason::{Finding, digits, sd_digits, turn_arcmin, unit};
+pub use reason::{Finding, digits, sd_digits, turn_arcmin};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
 pub use series::Series;
 
@@ -154,6 +154,17 @@ impl Rule {
         match self {
             Rule::Cusum | Rule::Shift | Rule::Trend => LimitKind::Control,
             _ => LimitKind::Specification,
+        }
+    }
+
+    /// Unit of what it compares with its limit.
+    pub fn unit(self, coefficient: Coefficient) -> &'static str {
+        match (self, coefficient) {
+            (Rule::Overdue, _) => "days",
+            (Rule::Cusum, _) => "standard deviations",
+            (Rule::Requirement, Coefficient::E) => "pulse/arcsec",
+            (Rule::Requirement, _) => "pulse/(s g0)",
+            _ => "deg/(h g0)",
         }
     }
 
@@ -327,6 +338,11 @@ impl Verdict {
             (State::Exceeded, _, _) => Some(Severity::Warning),
             _ => None,
         }
+    }
+
+    /// Unit of the value and the limit.
+    pub fn unit(&self) -> &'static str {
+        self.rule.unit(self.coefficient)
     }
 
     pub fn status(&self) -> Status {

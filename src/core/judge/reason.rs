@@ -161,23 +161,7 @@ pub fn sd_digits(sd: f64, limit: f64) -> usize {
     digits(limit).max(one)
 }
 
-/// Unit of what a rule compares with its limit.
-pub fn unit(rule: Rule, coefficient: Coefficient) -> &'static str {
-    match (rule, coefficient) {
-        (Rule::Overdue, _) => "days",
-        (Rule::Cusum, _) => "standard deviations",
-        (Rule::Requirement, Coefficient::E) => "pulse/arcsec",
-        (Rule::Requirement, _) => "pulse/(s g0)",
-        _ => "deg/(h g0)",
-    }
-}
-
 impl Verdict {
-    /// Unit of the value and the limit.
-    pub fn unit(&self) -> &'static str {
-        unit(self.rule, self.coefficient)
-    }
-
     fn write_finding(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (name, p) = (self.coefficient.name(), digits(self.limit));
         match self.finding {

@@ -5,6 +5,7 @@
 //! `{1}` … (`{a}` after `{9}`) for what the first, the second … held. What was filled in may be a sentence or the name of an effect itself.
 //! What is not known is left as it is.
 
+mod commanded;
 mod diagnosis;
 mod faults;
 mod refusals;
@@ -15,7 +16,8 @@ use crate::core::effects::Effect;
 
 type Sentence = (&'static str, &'static str);
 
-const ALL: [&[Sentence]; 4] = [verdicts::SENTENCES, diagnosis::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
+const ALL: [&[Sentence]; 5] =
+    [verdicts::SENTENCES, diagnosis::SENTENCES, commanded::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
 
 impl Text {
     /// Words of the service in this language.
@@ -25,24 +27,27 @@ impl Text {
 }
 
 fn in_chinese(english: &str) -> String {
-    if let Some(effect) = Effect::from_id(english) {
-        return super::Language::Chinese.text().effect(effect).to_owned();
-    }
-    let known = ALL.iter().copied().flatten().find_map(|(form, chinese)| Some((fillings(form, english)?, chinese)));
-    let Some((fillings, chinese)) = known else { return sentence_by_sentence(english) };
-    let mut text = (*chinese).to_owned();
-    for (k, filling) in fillings.iter().enumerate() {
-        text = text.replace(&format!("{{{k:x}}}"), &in_chinese(filling));
-    }
-    text
+    sentence_by_sentence(english).or_else(|| known(english)).unwrap_or_else(|| english.to_owned())
 }
 
 /// A reason is several sentences, each with a form of its own.
-fn sentence_by_sentence(english: &str) -> String {
-    match english.split_once(". ") {
-        Some((first, rest)) => in_chinese(&format!("{first}.")) + &in_chinese(rest),
-        None => english.to_owned(),
+fn sentence_by_sentence(english: &str) -> Option<String> {
+    let (first, rest) = english.split_once(". ")?;
+    Some(known(&format!("{first}."))? + &sentence_by_sentence(rest).or_else(|| known(rest))?)
+}
+
+/// What has a form as a whole.
+fn known(english: &str) -> Option<String> {
+    if let Some(effect) = Effect::from_id(english) {
+        return Some(super::Language::Chinese.text().effect(effect).to_owned());
     }
+    let fits = |(form, chinese): &(&str, &'static str)| Some((fillings(form, english)?, *chinese));
+    let (fillings, chinese) = ALL.iter().copied().flatten().find_map(fits)?;
+    let mut text = chinese.to_owned();
+    for (k, filling) in fillings.iter().enumerate() {
+        text = text.replace(&format!("{{{k:x}}}"), &in_chinese(filling));
+    }
+    Some(text)
 }
 
 /// What stands in the places of a form, if the text has that form. Each place takes as little as it can.

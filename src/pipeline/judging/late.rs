@@ -251,36 +251,54 @@ mod tests {
 
     const NEED: Need = Need { records: 2, days: 10.0 };
 
+    /// Days apart, so that every record is a cell of its own and 550 days hold fewer than the twelve cells that the control rules look at.
+    fn sparse(count: i64) -> Vec<Sample> {
+        samples(&(0..count).map(|k| 100 * k).collect::<Vec<_>>())
+    }
+
     #[test]
     fn a_late_record_alters_those_that_look_back_to_it() {
-        let all = samples(&[0, 100, 200, 300, 305, 311, 400, 500, 600]);
+        let all = sparse(30);
         assert_eq!(BASELINE_RECORDS, 3);
         let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
-        assert_eq!(late(300), [3, 4, 5], "two records on");
-        assert_eq!(late(400), [6, 7, 8]);
-        assert_eq!(late(600), [8]);
-        assert_eq!(late(200), [2, 3, 4, 5, 6, 7, 8], "it is one of the baseline's");
-        let dense = samples(&[0, 100, 200, 300, 301, 302, 303, 309, 311]);
-        let late = |at| affected(&dense, &[], &[Altered::Inserted { at: day(at) }], NEED);
-        assert_eq!(late(300), [3, 4, 5, 6, 7], "ten days on");
+        assert_eq!(late(500), (5..17).collect::<Vec<_>>(), "eleven cells on");
+        assert_eq!(late(2900), [29]);
+        assert_eq!(late(200), (2..30).collect::<Vec<_>>(), "it is one of the baseline's");
+        assert_eq!(late(550), [5], "it repeats the one before");
+        let daily = samples(&(0..700).collect::<Vec<_>>());
+        let late = affected(&daily, &[], &[Altered::Inserted { at: day(20) }], NEED);
+        assert_eq!(late, (20..571).collect::<Vec<_>>(), "550 days on");
+    }
+
+    #[test]
+    fn a_record_of_another_seat_alters_all_that_follow_in_theirs() {
+        let mut all = sparse(30);
+        all[7].seat.imu = 3;
+        let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        assert_eq!(late(700), (7..30).collect::<Vec<_>>(), "it parts two stays");
+        assert_eq!(late(900), (9..30).collect::<Vec<_>>(), "one of the first since the gyro is back");
+        assert_eq!(late(1100), (11..23).collect::<Vec<_>>());
     }
 
     #[test]
     fn a_record_that_is_taken_out_alters_those_that_looked_back_to_it() {
-        let left = samples(&[0, 100, 200, 305, 311, 400, 500, 600]);
+        let mut left = sparse(30);
+        left.remove(5);
         let gone = |at, baseline| affected(&left, &[], &[Altered::Removed { at: day(at), baseline }], NEED);
-        assert_eq!(gone(300, false), [3, 4]);
-        assert_eq!(gone(700, false), [] as [usize; 0]);
-        assert_eq!(gone(250, true), [3, 4, 5, 6, 7]);
+        assert_eq!(gone(500, false), (5..16).collect::<Vec<_>>());
+        assert_eq!(gone(9000, false), [] as [usize; 0]);
+        assert_eq!(gone(250, true), (3..29).collect::<Vec<_>>());
     }
 
     #[test]
     fn a_new_baseline_alters_all_up_to_the_next_one() {
-        let all = samples(&[0, 100, 200, 300, 400, 500]);
+        let all = sparse(40);
         let mark = |at, event| Mark::of(day(at), event);
-        let marks = [mark(150, Event::Baseline), mark(450, Event::Repair)];
-        assert_eq!(affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED), [2, 3, 4]);
+        let marks = [mark(150, Event::Baseline), mark(2450, Event::Repair)];
+        let set = affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED);
+        assert_eq!(set, (2..25).collect::<Vec<_>>());
         let note = [mark(150, Event::Note)];
-        assert_eq!(affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED), [2, 3]);
+        let noted = affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED);
+        assert_eq!(noted, (2..13).collect::<Vec<_>>());
     }
 }

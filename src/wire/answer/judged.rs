@@ -87,8 +87,10 @@ mod tests {
     use crate::core::judge::{
         Coefficient, Finding, History, LimitKey, Limits, Measured, Rule, Sample, Seat, Series, State, judge,
     };
+    use crate::core::note::Note;
     use crate::core::time::UtcMicros;
     use crate::wire::calibration::{CalibrationBody, CampaignAnswer};
+    use crate::wire::note::NoteBody;
 
     /// Of histories that lie still, drift and step, without and with standard deviations, from one record on.
     fn judged() -> Vec<Verdict> {
@@ -175,7 +177,7 @@ mod tests {
             separations: vec![],
             not_separated: vec![],
             bench_result: None,
-            notes: vec!["a note".into()],
+            notes: vec![NoteBody::of(&Note::NoSite)],
             verdicts: vec![],
         }
     }

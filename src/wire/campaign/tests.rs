@@ -106,15 +106,7 @@ fn every_fault_is_named_by_its_pointer() {
 
 #[test]
 fn what_is_missing_is_named() {
-    for pointer in [
-        "/imu",
-        "/dwells/2/output_pulse_s",
-        "/gyros/0/slot",
-        "/site/gravity_g0",
-        "/dwells/2/temperature_c",
-        "/dwells/2/attitude",
-        "/dwells/2/output_sem_pulse_s",
-    ] {
+    for pointer in ["/imu", "/dwells/2/output_pulse_s", "/gyros/0/slot", "/site/gravity_g0"] {
         assert_eq!(places(&without(pointer)), [pointer]);
     }
 }
@@ -165,17 +157,78 @@ fn a_missing_column_is_fine_and_its_check_is_said_to_be_skipped() {
         }
     }
     let campaign = parse_json(document.to_string().as_bytes()).expect("all three are optional");
-    let notes = crate::core::campaign::unchecked(&campaign);
-    assert!(notes.iter().any(|n| n.contains("no attitude column")), "{notes:?}");
+    assert_eq!(notes(&campaign), ["no_attitudes", "no_temperatures"]);
+}
+
+fn notes(campaign: &Campaign) -> Vec<&'static str> {
+    crate::core::campaign::notes(campaign).iter().map(crate::core::note::Note::code).collect()
+}
+
+#[test]
+fn a_column_may_be_missing_in_some_dwells() {
+    for (column, code) in [
+        ("attitude", "attitudes_missing"),
+        ("temperature_c", "temperatures_missing"),
+        ("output_sem_pulse_s", "standard_errors_missing"),
+    ] {
+        let document = without(&format!("/dwells/1/{column}"));
+        let campaign = parse_json(document.to_string().as_bytes()).expect("it may be missing");
+        assert_eq!(notes(&campaign), [code]);
+        let note = crate::wire::note::NoteBody::of(&crate::core::campaign::notes(&campaign)[0]);
+        assert_eq!(note.parameters["pointers"], json!([format!("/dwells/1/{column}")]));
+        assert!(note.detail.contains("1 of 3 dwells (/dwells/1)"), "{}", note.detail);
+        let csv = crate::wire::campaign_csv::to_csv(&campaign);
+        assert_eq!(crate::wire::campaign_csv::parse_csv(csv.as_bytes()).expect("empty cells"), campaign, "{csv}");
+    }
+}
+
+#[test]
+fn a_dwell_without_standard_errors_gets_those_of_its_phase_at_its_duration() {
+    let mut document = without("/dwells/1/output_sem_pulse_s");
+    document["dwells"][1]["duration_s"] = json!(45.0);
+    document["dwells"][2]["output_sem_pulse_s"] = json!([0.5, 0.7]);
+    let campaign = parse_json(document.to_string().as_bytes()).expect("sound");
+    // A quarter of the 180 s of the other static dwell: twice its errors.
+    for (j, expected) in [[0.1, 0.2, 0.5], [0.2, 0.4, 0.7]].into_iter().enumerate() {
+        let errors = campaign.errors_of(j).expect("stated");
+        assert!(errors.iter().zip(expected).all(|(e, x)| (e - x).abs() < 1e-12), "{errors:?}");
+    }
+}
+
+#[test]
+fn the_service_adds_the_earths_rate_to_rates_of_the_table() {
+    let mut document = document();
+    document["site"]["latitude_deg"] = json!(30.0);
+    document["rates"] = json!("table");
+    for k in [0, 1] {
+        document["dwells"][k]["rate_arcsec_s"] = json!([0.0, 0.0, 0.0]);
+    }
+    let campaign = parse_json(document.to_string().as_bytes()).expect("sound");
+    // 15.041067 arcsec/s: half of it up, 0.8660254 of it north; the second dwell is turned over about east.
+    let expected = [[0.0, 13.025_946, 7.520_534], [0.0, -13.025_946, -7.520_534], [0.0, 0.0, 7_207.520_534]];
+    for (dwell, expected) in campaign.dwells.iter().zip(expected) {
+        let off = (dwell.rate_arcsec_s - nalgebra::Vector3::from(expected)).norm();
+        assert!(off < 1e-5, "{:?} {expected:?}", dwell.rate_arcsec_s);
+    }
+    document["dwells"][1].as_object_mut().expect("an object").remove("attitude");
+    let fault = |document: &Value| parse_json(document.to_string().as_bytes()).unwrap_err().0.remove(0);
+    assert_eq!(fault(&document).pointer, "/rates");
+    assert!(fault(&document).detail.ends_with("missing: attitude in 1 static dwells, the first /dwells/1"));
+    document.as_object_mut().expect("an object").remove("site");
+    assert!(fault(&document).detail.contains("missing: site; attitude"), "{}", fault(&document).detail);
+    assert_eq!(places(&with("/rates", json!("relative"))), ["/rates"]);
 }
 
 #[test]
 fn a_rate_that_is_not_the_earths_at_attitude_and_site_is_told_of() {
-    let oddities = |document: &Value| {
-        crate::core::campaign::oddities(&parse_json(document.to_string().as_bytes()).expect("no fault"))
+    let oddities = |document: &Value| -> Vec<String> {
+        let campaign = parse_json(document.to_string().as_bytes()).expect("no fault");
+        let notes = crate::core::campaign::notes(&campaign);
+        let of_rate = notes.iter().filter(|note| note.code() == "rate_not_of_attitude");
+        of_rate.map(|note| crate::wire::note::NoteBody::of(note).detail).collect()
     };
     assert_eq!(oddities(&document()), [""; 0]);
-    assert_eq!(oddities(&with("/dwells/1/rate_arcsec_s", json!([0.0, -15.041, 0.4]))), [""; 0]);
+    assert_eq!(oddities(&with("/dwells/1/rate_arcsec_s", json!([0.4, -15.041, 0.0]))), [""; 0]);
     let turned = with("/dwells/1/rate_arcsec_s", json!([0.0, 15.041_067, 0.0]));
     let words = "rate_arcsec_s of 1 of 2 static dwells is not the Earth's at their attitude and the site's latitude: by 30.08 arcsec/s \
                  in /dwells/1";

@@ -28,6 +28,7 @@ pub(super) const KEYS: &[(&str, &str, Kind)] = &[
     ("station", "/station", Kind::Text),
     ("measured_at", "/measured_at", Kind::Text),
     ("geometry", "/geometry", Kind::Text),
+    ("rates", "/rates", Kind::Text),
     ("test", "/test", Kind::Text),
     ("operator", "/operator", Kind::Text),
     ("note", "/note", Kind::Text),

@@ -1,5 +1,6 @@
 //! Writing a campaign as CSV.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use crate::core::campaign::Campaign;
@@ -15,13 +16,18 @@ pub fn to_csv(campaign: &Campaign) -> String {
         let value = value.as_str().filter(|s| is_plain(s)).map_or_else(|| value.to_string(), str::to_owned);
         writeln!(text, "# {key}: {value}").expect("a string takes everything");
     }
-    if let Some(first) = body.dwells.first() {
-        let names: Vec<String> = columns(first).into_iter().map(|(name, _)| name).collect();
-        text.push_str(&names.join(","));
-        text.push('\n');
-    }
+    // Whichever dwell states most has all the columns; the others leave cells empty.
+    let mut names: Vec<String> = Vec::new();
     for dwell in &body.dwells {
-        let cells: Vec<String> = columns(dwell).into_iter().map(|(_, cell)| cell).collect();
+        let own = columns(dwell).into_iter().map(|(name, _)| name);
+        let new: Vec<String> = own.filter(|name| !names.contains(name)).collect();
+        names.extend(new);
+    }
+    text.push_str(&names.join(","));
+    text.push('\n');
+    for dwell in &body.dwells {
+        let mut own: HashMap<String, String> = columns(dwell).into_iter().collect();
+        let cells: Vec<String> = names.iter().map(|name| own.remove(name).unwrap_or_default()).collect();
         text.push_str(&cells.join(","));
         text.push('\n');
     }

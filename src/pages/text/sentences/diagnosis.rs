@@ -32,6 +32,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
     // Why a candidate was not taken.
     ("the design does not show it", "本次试验设计看不到该效应"),
     ("this campaign cannot tell it from {}, which stands for both", "本次试验无法将其与“{0}”区分，以后者代表两者"),
+    ("its size would be beyond what is plausible", "其大小超出合理范围"),
+    ("it closes nothing of dwells that were held out", "对留出的测点没有任何改善"),
     (
         "noise alone shows as much somewhere in {} of campaigns; a name asks for less than {}",
         "仅凭噪声，约有{0}的试验会在某处出现同样大小的迹象；指名要求小于{1}",

@@ -183,12 +183,6 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "与比力矛盾：由它得到的垂线偏离specific_force_g0 {0}°（v_body = C(q) v_nav，导航系为东北天）",
     ),
     ("a standard error must be positive (at least {} pulse/s), is {}", "标准误差应为正（至少{0} pulse/s），实为{1}"),
-    (
-        "{} here but {} in {}; a column is in every dwell or in none",
-        "此处{0}，而{2}中{1}；一列或在所有位置段中都有，或都没有",
-    ),
-    ("given", "已给出"),
-    ("missing", "缺失"),
     // A single gyro's bench test.
     ("not a single-gyro bench test", "不是单表测试"),
     ("is no bench test", "不是单表测试"),

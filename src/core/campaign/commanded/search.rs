@@ -1,0 +1,266 @@
+//! Which mistake explains what cannot be.
+
+use super::measure::{HEADING_ROOM, Measures, RATE_ROOM};
+use super::transform::{Mistake, mistakes, other_headings, single_axes};
+use super::worth::{Tried, Worth};
+use super::{Cause, EARTH, Finding, Part, Symptom, median};
+use crate::core::campaign::{Campaign, Dwell, Phase};
+
+/// A mistake that explains a campaign leaves at most this share of its dwells unexplained.
+const LEFT_OVER: f64 = 0.05;
+
+/// Up to this share, bad dwells are single ones, and the campaign is not wrong as a whole.
+const SINGLE: f64 = 0.2;
+
+/// Causes that are named beside one another.
+const MOST_CAUSES: usize = 3;
+
+/// A static dwell whose rate is below this has none, arcsec/s: the Earth's was left out.
+const NO_RATE: f64 = 0.5;
+
+/// Common deviations of |w| and w.f/|f| that are looked into, arcsec/s: above what two printed decimals and a tenth of a degree of
+/// latitude come to.
+const COMMON_RATE: f64 = 0.03;
+
+/// Largest share by which specific force may be off in most dwells without its unit being wrong.
+const FORCE_ROOM: f64 = 0.02;
+
+/// How many times fewer squares a mirrored body must leave where nothing but the outputs speaks.
+const CLEARLY: f64 = 100.0;
+
+/// Gravity on the Earth's surface, g0.
+const GRAVITY_ON_EARTH: (f64, f64) = (0.995, 1.003);
+
+/// Everything that was commanded as the Earth does not allow it.
+pub fn findings(campaign: &Campaign) -> Vec<Finding> {
+    let measures = Measures::of(campaign);
+    let mut found: Vec<Finding> = rates(campaign, &measures).into_iter().collect();
+    for look in [common_offset, headings, outputs] {
+        if found.is_empty() {
+            found.extend(look(campaign, &measures));
+        }
+    }
+    found.extend(gravity(campaign, &measures));
+    found
+}
+
+/// What is wrong with rates, directions and attitudes.
+fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let symptoms = measures.symptoms();
+    let bad: Vec<usize> = (0..symptoms.len()).filter(|&k| symptoms[k].is_some()).collect();
+    let symptom = *bad.iter().find_map(|&k| symptoms[k].as_ref())?;
+    let worst = [Symptom::Attitude, Symptom::StaticRate, Symptom::VerticalRate, Symptom::TurningRate];
+    let count = |s: Symptom| symptoms.iter().filter(|x| **x == Some(s)).count();
+    let symptom = worst.into_iter().filter(|s| count(*s) > 0).max_by_key(|s| count(*s)).unwrap_or(symptom);
+    let mut worth = Worth::new(campaign);
+    let single = bad.len() as f64 <= SINGLE * symptoms.len() as f64;
+    let of_all_dwells = explained(campaign, measures, mistakes(), |_| true, &mut worth);
+    let everywhere = !of_all_dwells.is_empty();
+    let causes = if everywhere {
+        of_all_dwells
+    } else if single {
+        let these = |k: usize| bad.contains(&k);
+        let silent = bad.iter().all(|&k| measures.dwells[k].rate < NO_RATE);
+        let found = explained(campaign, measures, mistakes(), these, &mut worth);
+        if found.is_empty() && silent { vec![Cause::EarthRateLeftOut] } else { found }
+    } else {
+        of_all(measures)
+    };
+    let single = single && !everywhere;
+    let shown = |k: &usize| single || symptoms[*k] == Some(symptom);
+    let dwells: Vec<(usize, f64)> =
+        bad.into_iter().filter(shown).map(|k| (k, measures.dwells[k].value(symptom))).collect();
+    let phase = if symptom == Symptom::TurningRate { Phase::Rate } else { Phase::Static };
+    let kind = |d: &&Dwell| symptom == Symptom::Attitude || single || d.phase == phase;
+    let of = campaign.dwells.iter().filter(kind).count();
+    Some(Finding {
+        symptom,
+        causes,
+        single,
+        expected: match symptom {
+            Symptom::StaticRate => Some(EARTH),
+            Symptom::VerticalRate => measures.vertical,
+            _ => None,
+        },
+        of,
+        dwells,
+        matters: symptom == Symptom::Attitude || worth.earth_is_above_noise(),
+    })
+}
+
+/// The mistakes that, undone in the dwells that `concerned` picks, leave dwells as they should be. Of several, those whose fit is not much worse
+/// than the best.
+fn explained(
+    campaign: &Campaign,
+    measures: &Measures,
+    families: impl IntoIterator<Item = Vec<Mistake>>,
+    concerned: impl Fn(usize) -> bool + Copy,
+    worth: &mut Worth,
+) -> Vec<Cause> {
+    let n = measures.dwells.len();
+    let some = !(0..n).all(concerned);
+    let needed = if some { n } else { n - (LEFT_OVER * n as f64) as usize };
+    let before = measures.good();
+    for family in families {
+        let usable = |m: &&Mistake| !some || m.of_single_dwells();
+        let right = family.iter().filter(usable).filter_map(|m| Some((m.cause, m.undone(campaign, concerned)?)));
+        let passing = right.filter(|(_, right)| {
+            let good = Measures::of(right).good();
+            good >= needed && good > before
+        });
+        let tried: Vec<(Cause, Tried)> = passing.map(|(cause, right)| (cause, Tried::of(&right))).collect();
+        let mut causes = worth.best(tried, 1.0);
+        if let Some(Cause::RateUnit { unit, .. }) =
+            causes.iter().find(|cause| matches!(cause, Cause::RateUnit { part: Part::All, .. })).copied()
+        {
+            let same =
+                |c: &Cause| matches!(c, Cause::RateUnit { unit: other, part } if *other == unit && *part != Part::All);
+            causes.retain(|cause| !same(cause));
+        }
+        if causes.iter().any(|cause| matches!(cause, Cause::RateUnit { .. })) {
+            causes.retain(|cause| *cause != Cause::EarthRateLeftOut);
+        }
+        if !causes.is_empty() {
+            causes.truncate(MOST_CAUSES);
+            return causes;
+        }
+    }
+    Vec::new()
+}
+
+/// What the medians over all static dwells say where no mistake explains each of them.
+fn of_all(measures: &Measures) -> Vec<Cause> {
+    let most = |test: &dyn Fn(f64, f64) -> bool| {
+        let (count, all) =
+            measures.still().fold((0, 0), |(c, n), m| (c + usize::from(test(m.rate, m.vertical)), n + 1));
+        all > 0 && count as f64 >= (1.0 - LEFT_OVER) * f64::from(all)
+    };
+    let Some(rate) = median(measures.still().map(|m| m.rate)) else { return Vec::new() };
+    let vertical = median(measures.still().map(|m| m.vertical)).unwrap_or(0.0);
+    if most(&|rate, _| rate < NO_RATE) {
+        vec![Cause::EarthRateLeftOut]
+    } else if most(&|r, v| (r - EARTH).abs() <= RATE_ROOM && (v - vertical).abs() <= RATE_ROOM) {
+        vec![Cause::OtherLatitude { degrees: (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees() }]
+    } else if most(&|r, _| (r - rate).abs() <= RATE_ROOM) {
+        vec![Cause::OtherEarthRate { arcsec_s: rate }]
+    } else {
+        Vec::new()
+    }
+}
+
+/// The static dwells, each with what it measures.
+fn still(campaign: &Campaign, measures: &Measures, symptom: Symptom) -> Vec<(usize, f64)> {
+    let still = campaign.dwells.iter().zip(&measures.dwells).enumerate().filter(|(_, (d, _))| d.phase == Phase::Static);
+    still.map(|(k, (_, m))| (k, m.value(symptom))).collect()
+}
+
+/// A small deviation that all static dwells share: another value of the Earth's rate, the latitude of another place.
+fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let site = campaign.site?;
+    let (sin, expected) = (site.latitude.sin(), measures.vertical?);
+    let rate = median(measures.still().map(|m| m.rate))?;
+    let vertical = median(measures.still().map(|m| m.vertical))?;
+    let rate_is_other = (rate - EARTH).abs() > COMMON_RATE;
+    let shift = vertical - expected;
+    if !rate_is_other && shift.abs() <= COMMON_RATE {
+        return None;
+    }
+    let shift = if rate_is_other { shift.abs().max((rate - EARTH).abs() * sin.abs()) } else { shift.abs() };
+    let degrees = (vertical / rate).clamp(-1.0, 1.0).asin().to_degrees();
+    let dwells = still(campaign, measures, if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate });
+    Some(Finding {
+        symptom: if rate_is_other { Symptom::StaticRate } else { Symptom::VerticalRate },
+        causes: vec![if rate_is_other {
+            Cause::OtherEarthRate { arcsec_s: rate }
+        } else {
+            Cause::OtherLatitude { degrees }
+        }],
+        of: dwells.len(),
+        dwells,
+        single: false,
+        expected: Some(if rate_is_other { EARTH } else { expected }),
+        matters: Worth::new(campaign).moved_by_rate(shift),
+    })
+}
+
+/// Rates that are the Earth's, but not at the attitude: only the outputs tell which of the two is wrong, and the fit rests on the rates.
+fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let (n, of) = (measures.dwells.len(), measures.still().count());
+    let off = |k: &usize| measures.dwells[*k].off.is_some_and(|off| off > HEADING_ROOM);
+    let dwells: Vec<usize> = (0..n).filter(off).collect();
+    if (dwells.len() as f64) <= SINGLE * of as f64 {
+        return None;
+    }
+    let mut worth = Worth::new(campaign);
+    let families = mistakes().into_iter().chain([other_headings()]);
+    let causes = explained(campaign, measures, families, |_| true, &mut worth);
+    let matters = worth.fits_better_undone() && worth.earth_is_above_noise();
+    let dwells = dwells.into_iter().map(|k| (k, measures.dwells[k].value(Symptom::Heading))).collect();
+    (matters && !causes.is_empty()).then_some(Finding {
+        symptom: Symptom::Heading,
+        causes,
+        dwells,
+        of,
+        single: false,
+        expected: None,
+        matters,
+    })
+}
+
+/// A mirrored body leaves specific force and rate at peace with the Earth and with one another. Where E is fitted its direction tells; where it is
+/// held, and no attitude speaks, the outputs do.
+fn outputs(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let held = campaign.gyros.iter().all(|gyro| gyro.known_e.is_some());
+    if !held || measures.dwells.iter().any(|m| m.tilt.is_some()) {
+        return None;
+    }
+    let mut worth = Worth::new(campaign);
+    let left = worth.left_beyond_noise()?;
+    let n = measures.dwells.len();
+    let undone = single_axes().into_iter().filter_map(|m| Some((m.cause, m.undone(campaign, |_| true)?)));
+    let right = undone.filter(|(_, c)| Measures::of(c).good() == n).map(|(cause, c)| (cause, Tried::of(&c)));
+    let mut causes = worth.best(right.collect(), CLEARLY);
+    causes.truncate(MOST_CAUSES);
+    let of = campaign.dwells.len();
+    (!causes.is_empty()).then(|| Finding {
+        symptom: Symptom::Output,
+        causes,
+        dwells: (0..of).map(|k| (k, left)).collect(),
+        of,
+        single: false,
+        expected: None,
+        matters: worth.earth_is_above_noise(),
+    })
+}
+
+/// Whether specific force has the length that gravity has.
+fn gravity(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
+    let expected = campaign.site.map(|site| site.gravity_g0);
+    let gravity = expected.unwrap_or(1.0);
+    let dwells = still(campaign, measures, Symptom::Gravity);
+    let ratios = || measures.still().map(|m| m.force / gravity);
+    let ratio = median(ratios())?;
+    let finding = |cause, matters| {
+        let of = dwells.len();
+        let (symptom, causes, dwells) = (Symptom::Gravity, Vec::from_iter(cause), dwells.clone());
+        Some(Finding { symptom, causes, dwells, of, single: false, expected: Some(gravity), matters })
+    };
+    if (ratio - 1.0).abs() > FORCE_ROOM {
+        let units = [("m/s^2", 9.806_65), ("mg", 1e3), ("cm/s^2", 980.665), ("ft/s^2", 32.174)];
+        let unit = units.into_iter().find(|(_, size)| (ratio / size - 1.0).abs() < FORCE_ROOM);
+        return finding(unit.map(|(unit, _)| Cause::ForceUnit { unit }), true);
+    }
+    let spread = median(ratios().map(|r| (r - ratio).abs())).unwrap_or(0.0);
+    let error = 1.2533 * 1.4826 * spread / (dwells.len() as f64).sqrt();
+    let common = (ratio - 1.0).abs() > 3.0 * error;
+    let impossible = expected.is_none() && !(GRAVITY_ON_EARTH.0..=GRAVITY_ON_EARTH.1).contains(&ratio);
+    let worth_telling = expected.is_some() && (ratio - 1.0).abs() > 1e-4;
+    if !common || !(impossible || worth_telling) {
+        return None;
+    }
+    let matters = Worth::new(campaign).moved_by_force(ratio);
+    let normalised = expected.is_some() && (ratio * gravity - 1.0).abs() < 1e-5 + 3.0 * error;
+    let cause = if normalised { Cause::ForceNormalised } else { Cause::ForceScale { ratio } };
+    // A measured specific force is rarely right to a per mille; where it moves nothing, nothing is said of less.
+    if matters || (ratio - 1.0).abs() > 1e-3 { finding(Some(cause), matters) } else { None }
+}

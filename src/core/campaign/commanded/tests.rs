@@ -1,0 +1,156 @@
+//! Commanded vectors of a few dwells, exact by eye. `tests/commanded.rs` has whole populations.
+
+use nalgebra::Vector3;
+
+use super::*;
+use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Phase, Site, TestKind};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::record::Name;
+use crate::core::time::UtcMicros;
+
+const OMEGA: f64 = 15.041_067;
+
+/// Six faces in two headings at latitude 30 (sin 1/2) without attitudes, orthogonal gyros of 2 pulse/arcsec that drift with 3 deg/(h g0) along I.
+fn faces() -> Campaign {
+    let (up, north) = (0.5 * OMEGA, 0.866_025_404 * OMEGA);
+    let name = |text: &str| Name::parse(text).expect("a name");
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let mut dwells = Vec::new();
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            for heading in [1, 2] {
+                let f = sign * axes[axis] * 0.998;
+                let w = sign * up * axes[axis] + north * axes[(axis + heading) % 3];
+                let noise = |j: usize| 1e-4 * ((dwells.len() * 7 + j * 3) as f64).sin();
+                let output = (0..3).map(|j| 2.0 * (w[j] + 3.0 * f[j]) + noise(j)).collect();
+                dwells.push(Dwell {
+                    phase: Phase::Static,
+                    start_s: 240.0 * dwells.len() as f64,
+                    duration_s: 180.0,
+                    attitude: None,
+                    specific_force_g0: f,
+                    rate_arcsec_s: w,
+                    temperature_c: None,
+                    output_pulse_s: output,
+                    output_sem_pulse_s: Some(vec![1e-4; 3]),
+                });
+            }
+        }
+    }
+    let gyro = |slot: Slot| CampaignGyro { slot, serial: name(slot.name()), known_e: Some(2.0 * axes[slot.index()]) };
+    Campaign {
+        imu: name("IMU"),
+        station: name("ST"),
+        measured_at: UtcMicros(0),
+        geometry: Geometry::Orthogonal,
+        site: Some(Site { latitude: 30_f64.to_radians(), gravity_g0: 0.998, magnetic_field_nav: None }),
+        gyros: Slot::ALL.map(gyro).to_vec(),
+        dwells,
+        test: TestKind::Imu,
+        model: None,
+        temperature_c: None,
+        operator: None,
+        note: None,
+    }
+}
+
+fn with(change: impl Fn(usize, &mut Dwell)) -> Vec<Finding> {
+    let mut campaign = faces();
+    campaign.dwells.iter_mut().enumerate().for_each(|(k, dwell)| change(k, dwell));
+    findings(&campaign)
+}
+
+fn only(mut found: Vec<Finding>) -> Finding {
+    assert_eq!(found.len(), 1, "{found:?}");
+    found.remove(0)
+}
+
+#[test]
+fn what_the_earth_allows_is_no_finding() {
+    assert_eq!(with(|_, _| {}), []);
+    let rounded = |x: f64| (x * 100.0).round() / 100.0;
+    assert_eq!(with(|_, d| d.rate_arcsec_s = d.rate_arcsec_s.map(rounded)), [], "two printed decimals");
+}
+
+#[test]
+fn a_reversed_force_and_a_reversed_latitude_are_one_to_vectors_without_attitudes() {
+    let finding = only(with(|_, d| d.specific_force_g0 *= -1.0));
+    assert_eq!(finding.causes, [Cause::ForceReversed, Cause::LatitudeReversed]);
+    assert_eq!((finding.symptom, finding.dwells.len(), finding.of), (Symptom::VerticalRate, 12, 12));
+    assert!(
+        (finding.measured() + 7.520_53).abs() < 1e-4 && finding.expected.is_some_and(|e| (e - 7.520_53).abs() < 1e-4)
+    );
+    assert!(finding.matters && !finding.single);
+}
+
+#[test]
+fn single_dwells_are_named_and_the_others_believed() {
+    let finding = only(with(|k, d| {
+        if k == 4 {
+            d.specific_force_g0 *= -1.0;
+        }
+    }));
+    assert_eq!(finding.dwells.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [4]);
+    assert!(finding.single && finding.matters && finding.causes.contains(&Cause::ForceReversed), "{finding:?}");
+    let finding = only(with(|k, d| {
+        if k == 7 {
+            d.rate_arcsec_s.fill(0.0);
+        }
+    }));
+    assert_eq!((finding.causes, finding.dwells), (vec![Cause::EarthRateLeftOut], vec![(7, 0.0)]));
+}
+
+#[test]
+fn a_common_scale_of_the_force_is_seen_where_it_moves_drift_by_a_tenth_of_the_budget() {
+    // 1/0.998 of 3 deg/(h g0) is 0.006 of it; 1.0002 is 0.0006.
+    let finding = only(with(|_, d| d.specific_force_g0 /= 0.998));
+    assert_eq!((finding.symptom, finding.causes), (Symptom::Gravity, vec![Cause::ForceNormalised]));
+    assert!(finding.matters);
+    assert_eq!(with(|_, d| d.specific_force_g0 *= 1.0002), []);
+    let finding = only(with(|_, d| d.specific_force_g0 *= 1.001));
+    assert!(matches!(finding.causes[..], [Cause::ForceScale { ratio }] if (ratio - 1.001).abs() < 1e-9));
+    assert!(finding.matters);
+}
+
+#[test]
+fn what_the_noise_hides_does_not_matter() {
+    let noisy = |k: usize, d: &mut Dwell| {
+        let scatter = |j: usize| 60.0 * ((k * 13 + j * 5) as f64 * 1.7).sin();
+        d.output_pulse_s = (0..3).map(|j| 2.0 * scatter(j)).collect();
+        d.output_sem_pulse_s = Some(vec![40.0; 3]);
+        d.rate_arcsec_s.fill(0.0);
+    };
+    let finding = only(with(noisy));
+    assert_eq!(finding.causes, [Cause::EarthRateLeftOut]);
+    assert!(!finding.matters);
+    let small_errors = |k: usize, d: &mut Dwell| {
+        noisy(k, d);
+        d.output_sem_pulse_s = Some(vec![1e-3; 3]);
+    };
+    assert!(!only(with(small_errors)).matters, "what is stated is not what the outputs show");
+}
+
+#[test]
+fn units_are_told_by_the_earths_own_rate() {
+    for (unit, size) in [("deg/s", 3600.0), ("rad/s", 206_264.806), ("arcmin/s", 60.0)] {
+        let finding = only(with(|_, d| d.rate_arcsec_s /= size));
+        assert!(matches!(finding.causes[..], [Cause::RateUnit { unit: told, .. }] if told == unit), "{finding:?}");
+    }
+    let finding = only(with(|_, d| d.specific_force_g0 *= 9.80665));
+    assert_eq!(finding.causes, [Cause::ForceUnit { unit: "m/s^2" }]);
+}
+
+#[test]
+fn one_axis_is_told_by_the_dwells_that_it_spoils() {
+    let finding = only(with(|_, d| d.specific_force_g0.y *= -1.0));
+    assert_eq!(finding.causes, [Cause::AxisReversed { axis: 1, of: Vectors::Force }]);
+    assert_eq!(finding.dwells.len(), 4, "a third of them has it up or down");
+    let finding = only(with(|_, d| d.rate_arcsec_s.swap_rows(0, 2)));
+    assert_eq!(finding.causes, [Cause::AxesExchanged { axes: (0, 2), of: Vectors::Rate }]);
+    let finding = only(with(|_, d| {
+        d.rate_arcsec_s.swap_rows(0, 1);
+        d.specific_force_g0.swap_rows(0, 1);
+    }));
+    assert_eq!((finding.symptom, finding.matters), (Symptom::Output, true), "only the outputs tell: {finding:?}");
+    assert!(finding.causes.contains(&Cause::AxesExchanged { axes: (0, 1), of: Vectors::Both }), "{finding:?}");
+}

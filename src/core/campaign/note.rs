@@ -1,0 +1,98 @@
+//! What is worth knowing about a campaign's dwells and their fit.
+
+use super::commanded::Finding;
+use crate::core::diagnose::Refusal;
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum CampaignNote {
+    /// Some dwells lack an optional column; by index.
+    Missing {
+        column: Column,
+        dwells: Vec<usize>,
+        of: usize,
+    },
+    /// A dwell's temperature is a fault value of the sensor.
+    TemperatureOutlier {
+        dwell: usize,
+        celsius: f64,
+        median: f64,
+    },
+    /// What was commanded contradicts itself, where that hardly matters.
+    Commanded(Finding),
+    /// Static dwells whose rate is not the Earth's at their attitude: how many of how many, and the worst of them.
+    RateNotOfAttitude {
+        off: usize,
+        of: usize,
+        dwell: usize,
+        most_arcsec_s: f64,
+    },
+    NoStandardErrors,
+    NoRepeats,
+    /// The noise at the fastest rate over that at rest.
+    NoiseGrows {
+        times: f64,
+    },
+    /// How many times the stated standard errors are too large.
+    ErrorsOverstated {
+        gyros: Vec<(Slot, f64)>,
+    },
+    ResidualsExceedNoise {
+        gyros: Vec<Slot>,
+    },
+    /// An effect of the model was not fitted.
+    EffectLeftOut {
+        slot: Option<Slot>,
+        effect: Effect,
+        why: LeftOut,
+    },
+    /// None of the model's effects was fitted.
+    EffectsLeftOut {
+        why: Refusal,
+    },
+    /// The campaign does not determine E, whose size along the nominal axis is taken, pulse/arcsec.
+    NominalAxis {
+        slot: Slot,
+        scale: f64,
+    },
+}
+
+/// An optional column of a campaign's dwells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Column {
+    Attitude,
+    Temperature,
+    StandardErrors,
+}
+
+/// Why an effect of the model was not fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOut {
+    /// What the campaign lacks, as the catalogue says it.
+    Lacks(&'static str),
+    /// It and the other terms are one to these dwells.
+    NotTold,
+}
+
+impl CampaignNote {
+    /// Its name in answers; never changes once it has been given out.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Missing { column: Column::Attitude, .. } => "attitudes_missing",
+            Self::Missing { column: Column::Temperature, .. } => "temperatures_missing",
+            Self::Missing { column: Column::StandardErrors, .. } => "standard_errors_missing",
+            Self::TemperatureOutlier { .. } => "temperature_outlier",
+            Self::Commanded(finding) => finding.symptom.code(),
+            Self::RateNotOfAttitude { .. } => "rate_not_of_attitude",
+            Self::NoStandardErrors => "no_standard_errors",
+            Self::NoRepeats => "no_repeats",
+            Self::NoiseGrows { .. } => "noise_grows_with_rate",
+            Self::ErrorsOverstated { .. } => "standard_errors_overstated",
+            Self::ResidualsExceedNoise { .. } => "residuals_exceed_noise",
+            Self::EffectLeftOut { .. } => "effect_left_out",
+            Self::EffectsLeftOut { .. } => "effects_left_out",
+            Self::NominalAxis { .. } => "nominal_axis",
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What is known of causes before the outputs speak: how large each may be, and that temperature is the first suspect where it moved; and what is
+//! asked of a name once they have spoken.
+
+use super::bank::Kind;
+use super::evidence::Score;
+use super::fit::{self, Part};
+use super::floor;
+use super::frame::Frame;
+use super::heldout;
+use super::search::{Choice, Search};
+use crate::core::effects::suspects::SUSPECTS;
+
+/// ln of evidence from which on an effect is asked whether its size is plausible.
+const LEAST_ASKED: f64 = 1.0;
+
+/// Change of temperature within a campaign that is usual, K; what each further kelvin adds to the ln of prior odds; and the most of it.
+const USUAL_K: f64 = 10.0;
+const ODDS_PER_K: f64 = 0.5;
+const MOST_ODDS: f64 = 25.0;
+
+impl Search<'_> {
+    /// Rules out what is implausibly large, and gives temperature its odds.
+    pub(super) fn weigh(&self, choices: &[Choice], scores: &mut [Score]) {
+        let odds = self.odds_of_temperature();
+        for score in scores {
+            // Odds among causes, not against noise.
+            if score.log_evidence > self.threshold.alone && of_temperature(score.kind) {
+                score.log_evidence += odds;
+            }
+            if score.log_evidence > LEAST_ASKED && self.is_implausible(choices, score) {
+                score.log_evidence = f64::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// The choices, those of temperature before the others where it has odds.
+    pub(super) fn first_suspect_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+        if self.odds_of_temperature() > 0.0 {
+            choices.sort_by_key(|choice| !of_temperature(choice.kind));
+        }
+        choices
+    }
+
+    /// Evidence without the odds that temperature has among causes.
+    pub(super) fn against_noise(&self, kind: Kind, evidence: f64) -> f64 {
+        let odds = if of_temperature(kind) { self.odds_of_temperature() } else { 0.0 };
+        if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
+    }
+
+    /// ln of prior odds of temperature against other causes: where it changed by more than usual, it is the first suspect.
+    fn odds_of_temperature(&self) -> f64 {
+        let Some(temperature) = &self.frame.setting.temperature else { return 0.0 };
+        let extremes = temperature.iter().fold((0.0_f64, 0.0_f64), |(low, high), t| (low.min(*t), high.max(*t)));
+        (ODDS_PER_K * (extremes.1 - extremes.0 - USUAL_K)).clamp(0.0, MOST_ODDS)
+    }
+
+    /// Whether what the outputs ask of an effect is more than any gyro has, beyond its own uncertainty.
+    fn is_implausible(&self, choices: &[Choice], score: &Score) -> bool {
+        let Some(part) = self.part(&self.choice(score)) else { return false };
+        let most = part.effect.entry().plausible;
+        let mut parts: Vec<Part> = choices.iter().filter_map(|choice| self.part(choice)).collect();
+        parts.push(part);
+        let fit = fit::fit(self.frame, &parts);
+        let own = fit.fitted.iter().filter(|f| f.part == parts.len() - 1);
+        own.into_iter().any(|f| f.value.abs() - 2.0 * f.sd > most)
+    }
+}
+
+fn of_temperature(kind: Kind) -> bool {
+    match kind {
+        Kind::Effect(effect) => effect.is_of_temperature(),
+        Kind::Suspect(i) => SUSPECTS[i].id.contains("temperature"),
+    }
+}
+
+/// Which parts, in their order, shrink the gap on dwells that were held out; `unseen` is the power that tests would miss. One dwell set
+/// aside is not asked: it says nothing of others.
+pub(super) fn closing(frame: &Frame, parts: Vec<Part>, unseen: f64) -> Vec<bool> {
+    let variances = fit::fit(frame, &parts).variances;
+    let floor = floor::report(frame, &variances, true).deg_per_h;
+    let closes = |p: usize| {
+        let earlier: Vec<&Part> = parts[..p].iter().collect();
+        let held_out = heldout::errors(frame, &earlier, &[&parts[p]], &variances).held_out(floor, 1.0, unseen);
+        parts[p].dwell().is_some() || held_out.closure > 0.0
+    };
+    (0..parts.len()).map(closes).collect()
+}

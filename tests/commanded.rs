@@ -1,0 +1,301 @@
+//! What is commanded is held against the Earth: simulated campaigns over latitudes and programmes, each mistake that a station makes
+//! put into each of them.
+//!
+//! `cargo test --test commanded -- --nocapture` prints how many of which kind are refused.
+
+use std::collections::BTreeMap;
+
+use gyrowatch::core::calibrate::outcome::evaluate;
+use gyrowatch::core::campaign::commanded::{Cause, findings};
+use gyrowatch::core::campaign::{Campaign, Dwell, Phase};
+use gyrowatch::core::frames::{Body, Nav, Rotation};
+use gyrowatch::core::record::Plausibility;
+use gyrowatch::core::units::EARTH_RATE_DEG_H;
+use gyrowatch::simulate::scenario::{Scenario, StandardErrors, StatedE};
+use gyrowatch::simulate::{programme::Order, programme::Positions, simulate};
+use gyrowatch::wire::campaign::{parse, parse_json, to_json};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+const CAMPAIGNS: u64 = 330;
+const LATITUDES: [f64; 11] = [-78.0, -51.0, -34.25, -12.0, -2.0, 0.0, 2.0, 23.0, 34.25, 52.0, 70.0];
+
+/// Campaigns without a mistake: every latitude with programmes, columns and gyros of its own.
+fn clean(count: u64) -> Vec<Campaign> {
+    let one = |i: u64| {
+        let mut s = Scenario { seed: 40_000 + i, ..Scenario::default() };
+        s.site.latitude_deg = LATITUDES[i as usize % LATITUDES.len()];
+        s.site.height_m = [0.0, 400.0, 2000.0][i as usize % 3];
+        s.columns.attitude = i.is_multiple_of(2);
+        s.columns.standard_errors =
+            [StandardErrors::Exact, StandardErrors::Noisy, StandardErrors::Absent][i as usize / 3 % 3];
+        let p = &mut s.programme;
+        p.positions = [Positions::TwentyFour, Positions::WithEdges, Positions::TwentyFour, Positions::WithTilts]
+            [i as usize / 5 % 4];
+        p.order = [Order::Random, Order::Fixed, Order::Mixed][i as usize / 2 % 3];
+        if i % 4 == 3 {
+            p.rates_arcsec_s = Vec::new();
+            s.gyros.iter_mut().for_each(|gyro| gyro.states_e = StatedE::True);
+        } else if i % 4 == 2 {
+            p.rates_arcsec_s = vec![60.0, 360.0, 1000.0, 7200.0, 36000.0];
+        }
+        simulate(&s).unwrap().campaign
+    };
+    (0..count).map(one).collect()
+}
+
+/// The campaign as it comes in, read and fitted.
+fn sent(campaign: &Campaign) -> Result<(), String> {
+    let read = parse(to_json(campaign).as_bytes());
+    let fitted = read.and_then(|campaign| evaluate(&campaign, &Plausibility::default()));
+    fitted.map(|_| ()).map_err(|faults| faults.to_string())
+}
+
+fn each(campaign: &Campaign, change: impl Fn(&mut Dwell)) -> Campaign {
+    let mut changed = campaign.clone();
+    changed.dwells.iter_mut().for_each(change);
+    changed
+}
+
+fn axes(matrix: Matrix3<f64>, force: bool, rate: bool) -> impl Fn(&mut Dwell) {
+    move |d| {
+        if force {
+            d.specific_force_g0 = matrix * d.specific_force_g0;
+        }
+        if rate {
+            d.rate_arcsec_s = matrix * d.rate_arcsec_s;
+        }
+    }
+}
+
+fn still(change: impl Fn(&mut Dwell)) -> impl Fn(&mut Dwell) {
+    move |d| {
+        if d.phase == Phase::Static {
+            change(d);
+        }
+    }
+}
+
+fn up(d: &Dwell) -> Vector3<f64> {
+    d.specific_force_g0.normalize()
+}
+
+/// The Earth's rate in a dwell, along and across the vertical.
+fn earth(d: &Dwell, sin: f64) -> (Vector3<f64>, Vector3<f64>) {
+    let along = EARTH_RATE_DEG_H * sin * up(d);
+    if d.phase == Phase::Static { (along, d.rate_arcsec_s - along) } else { (along, Vector3::zeros()) }
+}
+
+const REVERSED_X: Matrix3<f64> = Matrix3::new(-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+const REVERSED_Z: Matrix3<f64> = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0);
+const EXCHANGED_XY: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+
+/// One mistake, words of the cause that the refusal must hold, and the mistake put into a campaign at a latitude of this sine; none where
+/// there is nothing to get wrong.
+type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
+
+const MUTANTS: [Mutant; 21] = [
+    ("force reversed", "specific force is reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
+    ("Earth rate left out", "Earth's rate is left out", |c, sin| {
+        Some(each(c, |d| {
+            let (along, across) = earth(d, sin);
+            d.rate_arcsec_s -= along + across;
+        }))
+    }),
+    ("Earth rate left out at rest", "Earth's rate is left out", |c, _| {
+        Some(each(c, still(|d| d.rate_arcsec_s = Vector3::zeros())))
+    }),
+    ("deg/s", "in deg/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 3600.0))),
+    ("deg/s at rest", "are in deg/s", |c, _| Some(each(c, still(|d| d.rate_arcsec_s /= 3600.0)))),
+    ("deg/s while turning", "rate dwells are in deg/s", |c, _| {
+        c.dwells.iter().any(|d| d.phase == Phase::Rate).then(|| {
+            each(c, |d| {
+                if d.phase == Phase::Rate {
+                    d.rate_arcsec_s /= 3600.0;
+                }
+            })
+        })
+    }),
+    ("rad/s", "in rad/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 206_264.806_247_096_36))),
+    ("NED rates at rest", "North-East-Down", |c, sin| {
+        (sin != 0.0).then(|| {
+            each(c, |d| {
+                let (along, across) = earth(d, sin);
+                d.rate_arcsec_s += match d.phase {
+                    // (E, N, U) = (0, c, s) written as (N, E, D) = (c, 0, -s): north is a quarter turn back from where it was.
+                    Phase::Static => across.cross(&up(d)) - across - 2.0 * along,
+                    Phase::Rate => -2.0 * along,
+                };
+            })
+        })
+    }),
+    ("NED attitudes", "North-East-Down", |c, _| {
+        c.dwells[0].attitude.is_some().then(|| {
+            each(c, |d| {
+                let c = d.attitude.unwrap();
+                d.attitude = Some(Rotation::<Nav, Body>::stated_as(Rotation3::from_matrix_unchecked(c.matrix() * NED)));
+            })
+        })
+    }),
+    ("attitudes inverted", "attitude is inverted", |c, _| {
+        c.dwells[0].attitude.is_some().then(|| {
+            each(c, |d| {
+                let c = d.attitude.unwrap();
+                d.attitude =
+                    Some(Rotation::<Nav, Body>::stated_as(Rotation3::from_matrix_unchecked(c.matrix().transpose())));
+            })
+        })
+    }),
+    ("latitude of the site flipped", "latitude has the wrong sign", |c, sin| {
+        let mut c = c.clone();
+        c.site.as_mut().unwrap().latitude *= -1.0;
+        (sin != 0.0).then_some(c)
+    }),
+    ("rates with the latitude flipped", "latitude has the wrong sign", |c, sin| {
+        (sin != 0.0).then(|| each(c, |d| d.rate_arcsec_s -= 2.0 * earth(d, sin).0))
+    }),
+    ("rates of another latitude", "rates are those of latitude", |c, sin| {
+        let cos = (1.0 - sin * sin).sqrt();
+        let other = sin.asin() + 0.01;
+        (sin.abs() < 0.9).then(|| {
+            each(c, |d| {
+                let (along, across) = earth(d, sin);
+                let now = EARTH_RATE_DEG_H * other.sin() * up(d) + across * (other.cos() / cos);
+                d.rate_arcsec_s += now - along - across;
+            })
+        })
+    }),
+    ("solar day", "15.000 arcsec/s", |c, sin| {
+        (sin.abs() > 0.1).then(|| {
+            each(c, |d| {
+                let (along, across) = earth(d, sin);
+                d.rate_arcsec_s -= (along + across) * (1.0 - 15.0 / EARTH_RATE_DEG_H);
+            })
+        })
+    }),
+    ("force normalised", "normalised to 1", |c, _| {
+        let off = (c.site.unwrap().gravity_g0 - 1.0).abs();
+        (off > 5e-4).then(|| each(c, |d| d.specific_force_g0 = up(d)))
+    }),
+    ("force in m/s^2", "in m/s^2", |c, _| Some(each(c, |d| d.specific_force_g0 *= 9.80665))),
+    ("x of the force reversed", "x axis of specific_force_g0 is reversed", |c, _| {
+        Some(each(c, axes(REVERSED_X, true, false)))
+    }),
+    ("z of the rate reversed", "z axis of rate_arcsec_s is reversed", |c, _| {
+        Some(each(c, axes(REVERSED_Z, false, true)))
+    }),
+    ("x and y of the force exchanged", "x and y axes of specific_force_g0 are exchanged", |c, _| {
+        Some(each(c, axes(EXCHANGED_XY, true, false)))
+    }),
+    ("x and y of the rate exchanged", "x and y axes of rate_arcsec_s are exchanged", |c, _| {
+        Some(each(c, axes(EXCHANGED_XY, false, true)))
+    }),
+    ("x and y of both exchanged", "x and y axes", |c, _| Some(each(c, axes(EXCHANGED_XY, true, true)))),
+];
+
+/// Campaigns, and those of them that were refused, and refused with the right cause.
+#[derive(Debug, Default, Clone, Copy)]
+struct Count {
+    all: usize,
+    refused: usize,
+    named: usize,
+}
+
+#[test]
+fn no_clean_campaign_is_refused_or_noted() {
+    let campaigns = clean(CAMPAIGNS);
+    let odd = |c: &Campaign| findings(&parse_json(to_json(c).as_bytes()).unwrap());
+    for (i, campaign) in campaigns.iter().enumerate() {
+        sent(campaign).unwrap_or_else(|why| panic!("{i}: {why}"));
+        assert_eq!(odd(campaign), [], "{i}");
+    }
+    println!("clean: 0 of {} refused", campaigns.len());
+}
+
+/// With attitudes every mistake shows. Without them some cannot: on the equator the Earth's rate has no vertical part, and a force reversed as a
+/// whole or in one axis is that of other gyros.
+#[test]
+fn every_mistake_that_shows_is_refused_by_its_name() {
+    let campaigns = clean(CAMPAIGNS);
+    for (name, cause, mutate) in MUTANTS {
+        for with in [true, false] {
+            let mut count = [Count::default(); 2];
+            let mut missed: BTreeMap<String, usize> = BTreeMap::new();
+            for (i, campaign) in campaigns.iter().enumerate() {
+                let latitude = LATITUDES[i % LATITUDES.len()];
+                let Some(mutant) = mutate(campaign, campaign.site.unwrap().latitude.sin()) else { continue };
+                if campaign.dwells[0].attitude.is_some() != with {
+                    continue;
+                }
+                let count = &mut count[usize::from(latitude == 0.0)];
+                let answer = sent(&mutant);
+                count.all += 1;
+                count.refused += usize::from(answer.is_err());
+                match answer {
+                    Err(why) if why.contains(cause) => count.named += 1,
+                    Err(why) => *missed.entry(why.chars().take(200).collect()).or_default() += 1,
+                    Ok(()) => *missed.entry(format!("accepted at latitude {latitude}")).or_default() += 1,
+                }
+            }
+            let [elsewhere, equator] = count;
+            println!(
+                "{name}, attitudes {with}: refused {} of {} (on the equator {} of {}), cause named {} ({})",
+                elsewhere.refused, elsewhere.all, equator.refused, equator.all, elsewhere.named, equator.named
+            );
+            let missed: Vec<_> = missed.iter().take(4).collect();
+            assert_eq!(elsewhere.refused, elsewhere.all, "{name}, attitudes {with}: {missed:?}");
+            // A body mirrored as a whole is refused by the direction of its E; only where E is held do the outputs have to tell.
+            let by_its_e = name.contains("of both") && !with;
+            assert!(elsewhere.named == elsewhere.all || by_its_e, "{name}, attitudes {with}: {missed:?}");
+            if with {
+                assert_eq!(equator.refused, equator.all, "{name} on the equator: {missed:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_few_bad_dwells_are_named_by_place() {
+    for (i, campaign) in clean(22).iter().enumerate().filter(|(i, _)| LATITUDES[i % LATITUDES.len()] != 0.0) {
+        let still: Vec<usize> =
+            (0..campaign.dwells.len()).filter(|&k| campaign.dwells[k].phase == Phase::Static).collect();
+        let bad = [still[3], still[11], still[17]];
+        let mut spoiled = campaign.clone();
+        for k in bad {
+            spoiled.dwells[k].specific_force_g0 *= -1.0;
+        }
+        let why = sent(&spoiled).unwrap_err();
+        for k in bad {
+            assert!(why.contains(&format!("/dwells/{k}/")), "{i}: {why}");
+        }
+        assert_eq!(why.matches("/dwells/").count(), 3, "{i}: {why}");
+    }
+}
+
+/// The table's own rates, as its controller has them, come to what was commanded.
+#[test]
+fn the_earths_rate_that_the_service_adds_is_that_of_the_simulator() {
+    for campaign in clean(40).iter().filter(|c| c.dwells[0].attitude.is_some()) {
+        let sin = campaign.site.unwrap().latitude.sin();
+        let table = each(campaign, |d| {
+            let (along, across) = earth(d, sin);
+            d.rate_arcsec_s -= along + across;
+        });
+        let mut document: serde_json::Value = serde_json::from_str(&to_json(&table)).unwrap();
+        document["rates"] = "table".into();
+        let read = parse(document.to_string().as_bytes()).unwrap();
+        for (read, commanded) in read.dwells.iter().zip(&campaign.dwells) {
+            assert!((read.rate_arcsec_s - commanded.rate_arcsec_s).norm() < 1e-8, "{read:?} {commanded:?}");
+        }
+    }
+}
+
+#[test]
+fn measured_mems_sets_that_state_no_rates_get_a_note() {
+    for name in ["xsens-mti", "mimu-imu1-run4"] {
+        let path = format!("{}/tests/data/measured/{name}.json", env!("CARGO_MANIFEST_DIR"));
+        let campaign = parse(&std::fs::read(path).unwrap()).unwrap();
+        let found = findings(&campaign);
+        assert!(matches!(&found[..], [one] if one.causes == [Cause::EarthRateLeftOut] && !one.matters), "{found:?}");
+    }
+}

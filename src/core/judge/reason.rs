@@ -5,7 +5,7 @@ use std::fmt::{self, Display, Formatter, Write as _};
 use super::decimal::Decimal;
 use super::history::Measured;
 use super::rules::{MOST_FIGURES, Source};
-use super::{Coefficient, Rule, State, Status, Verdict};
+use super::{Rule, State, Status, Verdict};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 

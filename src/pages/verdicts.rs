@@ -112,3 +112,40 @@ fn figures(t: &Text, said: &Said, unit: &str) -> Markup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_of_an_earlier_version_shows_its_stored_figures() {
+        let body = VerdictBody {
+            serial: "A".into(),
+            coefficient: "D_I".into(),
+            rule: "cusum".into(),
+            state: "exceeded".into(),
+            status: "drifting".into(),
+            value: Some(40.3),
+            limit: 5.14,
+            limit_from: None,
+            sd: None,
+            probability: None,
+            confirmed: false,
+            reason: "As it was decided when the record was judged; the limits or the history have changed since."
+                .into(),
+        };
+        let said = Said { body, seen: None };
+        let shown =
+            |language: Language| figures(language.text(), &said, Rule::Cusum.unit(Coefficient::DI)).into_string();
+        assert!(shown(Language::English).contains("40.30 standard deviations, limit 5.14."));
+        assert!(shown(Language::Chinese).contains("40.30 倍标准差, 限值 5.14。"));
+        assert!(!said.reason(Language::Chinese).is_ascii());
+        // What judging again finds says its figures in its reason.
+        let waiting = Said {
+            body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..said.body.clone() },
+            seen: None,
+        };
+        let shown = figures(Language::English.text(), &waiting, "deg/(h g0)").into_string();
+        assert!(shown.contains("Limit 5.14 deg/(h g0) (<code>judging.budget</code>)"), "{shown}");
+    }
+}

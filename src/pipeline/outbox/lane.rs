@@ -231,11 +231,10 @@ impl Lane {
     async fn resend(&mut self, to: &Addressee) -> Result<(), StoreError> {
         self.resend_at = Instant::now() + self.desk.pipeline.config.hooks.resend_every();
         let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
-        let mut firing: Vec<AlertBody> = Vec::new();
-        for body in self.desk.pipeline.store.firing_as_told().await? {
-            firing.push(serde_json::from_str(&body).map_err(damaged)?);
+        let mut firing: Vec<(String, AlertBody)> = Vec::new();
+        for (severity, body) in self.desk.pipeline.store.heard_firing(self.hook).await? {
+            firing.push((severity, serde_json::from_str(&body).map_err(damaged)?));
         }
-        firing.retain(|alert| to.filter.wants(alert));
         if firing.is_empty() {
             return Ok(());
         }

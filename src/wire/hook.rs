@@ -317,4 +317,22 @@ mod tests {
         assert_eq!(read(r#"{"secret": null}"#).secret, Some(None));
         assert_eq!(read(r#"{"secret": "x"}"#).secret, Some(Some("x".into())));
     }
+
+    #[test]
+    fn an_answer_says_what_it_is_to_say_or_in_which_member_it_does_not() {
+        let expect: ExpectBody =
+            serde_json::from_value(serde_json::json!({ "json": { "errcode": 0, "ok": true } })).unwrap();
+        let differs = |answer: &str| expect.differs(answer.as_bytes());
+        assert_eq!(differs(r#"{"errcode": 0, "ok": true, "errmsg": "ok"}"#), None);
+        assert_eq!(differs(r#"{"ok": true, "errcode": 0.0}"#), None, "the same number");
+        assert_eq!(differs(r#"{"errcode": 40001, "ok": true}"#).unwrap(), "errcode is 40001, not 0");
+        assert_eq!(differs(r#"{"errcode": "0", "ok": true}"#).unwrap(), "errcode is \"0\", not 0");
+        assert_eq!(differs(r#"{"errcode": 0}"#).unwrap(), "ok is missing");
+        for answer in ["", "ok", "[0]", "{\"errcode\": 0, \"ok\": tr"] {
+            assert_eq!(differs(answer).unwrap(), "the answer is no JSON object", "{answer}");
+        }
+        let mut faults = Faults::default();
+        ExpectBody { json: serde_json::Map::new() }.check("/expect", &mut faults);
+        assert_eq!(faults.0[0].pointer, "/expect/json");
+    }
 }

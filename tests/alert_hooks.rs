@@ -171,7 +171,7 @@ async fn all_that_a_record_changes_of_all_its_gyros_is_one_message() {
     let one_by_one = json!({ "kind": "cloudevents", "url": format!("http://{}/one", target.address), "batch": false });
     hooks.push(sets_up(&server, one_by_one).await);
     let post = async |at: i64, a: [f64; 2], b: f64| {
-        let gyros = [("G1", "A", a[0], a[1]), ("G2", "B", b, 2.0), ("G3", "C", 1.0, 2.0)];
+        let gyros = [("G1", "A", a[0], a[1]), ("G2", "B", b, 2.0)];
         assert_eq!(server.post_json("/v1/records", &record("IMU-1", &day(at), &gyros)).await.status, 201);
     };
     for at in [0, 40, 80] {

@@ -160,3 +160,20 @@ async fn a_hook_that_is_back_from_410_hears_what_fires_instead_of_what_waited() 
     let all = told(&lab, &id, &target).await;
     assert_eq!(all[refused..], [both("B", "alert.fired")], "that A fires never came, so its end does not either");
 }
+
+#[tokio::test]
+async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_during_it_too() {
+    let lab = Lab::open().await;
+    let (early, late) = (Receiver::start().await, Receiver::start().await);
+    let first = hook(&lab, &early, json!({})).await;
+    steps(&lab, "A").await;
+    assert_eq!(told(&lab, &first, &early).await, [both("A", "alert.fired")]);
+    let order = json!({"matchers": {"serial": "A"}, "until": "2026-11-30T00:00:00Z", "by": "Li", "reason": "known"});
+    let silence = lab.post("/v1/silences", &order).await.created()["id"].as_str().unwrap().to_owned();
+    let second = hook(&lab, &late, json!({})).await;
+    steps(&lab, "B").await;
+    assert_eq!(told(&lab, &second, &late).await, [both("B", "alert.fired")], "A is silenced");
+    lab.post(&format!("/v1/silences/{silence}/end"), &json!({"by": "Li", "reason": "over"})).await.ok();
+    assert_eq!(told(&lab, &second, &late).await[1..], [both("A", "alert.fired")]);
+    assert_eq!(told(&lab, &first, &early).await.len(), 2, "it knows already");
+}

@@ -90,8 +90,11 @@ async fn post_import(
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
     tokio::spawn(async move {
         let late = telling.late_or(Late::Digest);
-        import(&app, caller, late, body, Answers { sender, room }).await;
+        let answers = Answers { sender, room };
+        import(&app, caller, late, body, &answers).await;
+        // Whoever has read the last answer finds the digest queued.
         telling.end(&app, late).await;
+        drop(answers);
     });
     let stream = futures::stream::unfold(receiver, |mut receiver| async {
         let (text, _room): (Bytes, OwnedSemaphorePermit) = receiver.recv().await?;
@@ -121,7 +124,7 @@ impl Answers {
     }
 }
 
-async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataStream>, answers: Answers) {
+async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataStream>, answers: &Answers) {
     let server = &app.config.server;
     let lines = lines(body, Longest { line: server.max_import_line_bytes, body: server.max_import_bytes });
     let pipeline = app.pipeline.clone();

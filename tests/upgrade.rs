@@ -152,7 +152,7 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
     let mut hooks = Vec::new();
     for path in ["told", "deaf"] {
         let url = format!("http://{}/{path}", target.address);
-        let filter = if path == "deaf" { json!({ "gyros": ["B"] }) } else { json!({ "rules": ["step"] }) };
+        let filter = if path == "deaf" { json!({ "gyros": ["B"] }) } else { json!({ "rules": ["baseline"] }) };
         let hook = json!({ "kind": "standard-webhooks", "url": url, "filter": filter, "batch": false });
         hooks.push(server.post_json("/v1/hooks", &hook).await.json());
     }
@@ -172,7 +172,7 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
     let dir = tempfile::tempdir().unwrap();
     write_as_of(11, &dir.path().join("gyrowatch.db"), &server.dir().join("gyrowatch.db")).await;
     let upgraded = Server::start_under(&[], dir, &never_late);
-    let alerts = upgraded.get("/v1/alerts?rule=step").await.json()["alerts"].clone();
+    let alerts = upgraded.get("/v1/alerts?rule=baseline").await.json()["alerts"].clone();
     assert_eq!(alerts[0]["since"], alerts[0]["fired_at"], "the best that is known");
     assert_eq!(upgraded.get(&path).await.json()["batch"], false);
     let deliveries = upgraded.get(&format!("{path}/deliveries")).await.json()["deliveries"].clone();

@@ -15,6 +15,7 @@ mod copy;
 mod correction;
 mod db;
 mod delivery;
+mod delivery_line;
 mod diagnosis;
 mod diagnosis_job;
 mod error;

@@ -179,7 +179,7 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
     assert_eq!(bench.store.hooks().await.unwrap(), [hook(Id(21))]);
 
     let in_force = async |bench: &Bench, at| bench.store.silences(Some(UtcMicros(at)), 9).await.unwrap();
-    assert_eq!(in_force(&bench, 90).await, [silence.clone()]);
+    assert_eq!(in_force(&bench, 90).await, std::slice::from_ref(&silence));
     assert_eq!(in_force(&bench, 91).await, [], "its time is over");
     let ended = SilenceRow { ended: remark("bob"), ..silence };
     bench.writer.commit(&Changes { silences: vec![ended.clone()], ..Changes::default() }).await.unwrap();

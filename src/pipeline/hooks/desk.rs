@@ -117,6 +117,7 @@ impl HookDesk<'_> {
                 let hook = self.hook(*id).await?;
                 changes.hooks.push(HookRow { deleted_at: Some(self.now), changed_at: self.now, ..hook });
                 changes.outbox.dropped.push((*id, self.now));
+                changes.outbox.forgotten.push(*id);
                 *id
             }
             Order::Test(hook) => self.test(*hook, &mut changes).await?,

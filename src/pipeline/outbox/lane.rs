@@ -31,7 +31,7 @@ const BREATH: Duration = Duration::from_secs(1);
 
 /// What has happened to a delivery under way.
 enum Event {
-    Attempted(Arc<Addressee>, DueDelivery, Attempt),
+    Attempted(Arc<Addressee>, Box<DueDelivery>, Attempt),
     WrittenDown(Id),
     /// What waits has been made due.
     Hastened,
@@ -199,7 +199,7 @@ impl Lane {
         let (desk, to) = (Arc::clone(&self.desk), Arc::clone(to));
         self.under_way.push(Box::pin(async move {
             let attempt = desk.attempt(&to, &due).await;
-            Event::Attempted(to, due, attempt)
+            Event::Attempted(to, Box::new(due), attempt)
         }));
     }
 

@@ -25,7 +25,7 @@ use crate::wire::{json, text};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(get_silences, post_silence))
+        .routes(routes!(get_silences, post_matching_silence))
         .routes(routes!(get_silence))
         .routes(routes!(post_end_silence))
 }
@@ -69,7 +69,7 @@ async fn get_silences(
     (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
     (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
     let id = app.pipeline.order_silence(order).await?;
     let silence = shown(&app, id).await?;

@@ -18,7 +18,7 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 34] = [
+const ENGINEERS: [&str; 41] = [
     "POST /v1/diagnoses",
     "DELETE /v1/diagnoses/{id}",
     "POST /diagnoses",
@@ -49,6 +49,13 @@ const ENGINEERS: [&str; 34] = [
     "GET /v1/hooks/{id}/deliveries",
     "POST /v1/alerts/{id}/acknowledge",
     "POST /v1/alerts/{id}/silence",
+    "POST /v1/alerts/{id}/unacknowledge",
+    "POST /v1/silences",
+    "POST /v1/silences/{id}/end",
+    "GET /silences/new",
+    "POST /silences/new",
+    "GET /silences/{id}/end",
+    "POST /silences/{id}/end",
     "POST /v1/deliveries/{id}/redeliver",
     "POST /v1/gyros/{serial}/baseline",
     "POST /v1/gyros/{serial}/events",

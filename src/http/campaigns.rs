@@ -20,6 +20,8 @@ use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
 use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use super::query::{Parameters, bad};
+use super::telling::Telling;
+use crate::core::notify::Late;
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
 };
@@ -57,6 +59,8 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
     request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
     params(
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
+        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
         (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>,
@@ -74,6 +78,7 @@ async fn post_campaign(
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
     wanted: Wanted,
+    telling: Telling,
     body: Dwells,
 ) -> Result<Response, Problem> {
     let Dwells(bytes, form) = body;
@@ -94,7 +99,8 @@ async fn post_campaign(
     let submission = Submission::from(fitted.with_key(key));
     caller.may_submit(&submission)?;
     let answer_of = |id: Id| CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
-    let worded = app.pipeline.submit_worded(submission, |accepted| {
+    let late = telling.late_or(Late::Quiet);
+    let worded = app.pipeline.submit_late(submission, late, |accepted| {
         let Accepted::Stored { id, judged } = accepted else { return None };
         let answer = match wanted {
             Wanted::Whole => JustJudged { answer: &answer_of(*id), judged }.into_response(),
@@ -104,6 +110,7 @@ async fn post_campaign(
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
     });
     let (accepted, created) = worded.await?;
+    telling.end(&app, late).await;
     if let Some(created) = created {
         return Ok(created);
     }

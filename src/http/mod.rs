@@ -32,6 +32,8 @@ mod records;
 mod refusal;
 mod said;
 pub mod server;
+mod silences;
+mod telling;
 pub mod tls;
 mod tokens;
 mod trend;
@@ -99,6 +101,7 @@ fn answered_soon() -> OpenApiRouter<App> {
         .merge(hooks::routes())
         .merge(events::routes())
         .merge(alerts::routes())
+        .merge(silences::routes())
         .merge(tokens::routes())
         .merge(audit::routes())
 }

@@ -16,6 +16,8 @@ use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use super::prefer::{AsWanted, MinimalAnswer, Wanted};
+use super::telling::Telling;
+use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
@@ -35,6 +37,8 @@ pub fn routes() -> OpenApiRouter<App> {
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
     params(
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
+        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
         (status = 201, description = "stored and judged", body = AsWanted<RecordAnswer>,
@@ -52,6 +56,7 @@ async fn post_record(
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
     wanted: Wanted,
+    telling: Telling,
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
@@ -65,7 +70,8 @@ async fn post_record(
     });
     let submission = Submission::Calibration(Box::new(calibration));
     caller.may_submit(&submission)?;
-    let worded = app.pipeline.submit_worded(submission, |accepted| {
+    let late = telling.late_or(Late::Quiet);
+    let worded = app.pipeline.submit_late(submission, late, |accepted| {
         let Accepted::Stored { id, judged } = accepted else { return None };
         let answer = match &mut whole {
             Some(answer) => {
@@ -78,6 +84,7 @@ async fn post_record(
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
     });
     let (accepted, created) = worded.await?;
+    telling.end(&app, late).await;
     if let Some(created) = created {
         return Ok(created);
     }

@@ -17,6 +17,7 @@ use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::{Fault, Faults};
+use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Foreseen, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
@@ -171,7 +172,10 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
             Err(faults) => outcomes.push((line, Outcome::Faulty(faults))),
         }
     }
-    let replies = pipeline.enqueue(submissions).await.await;
+    let replies = pipeline.enqueue(submissions, Late::Digest).await.await;
+    if let Err(error) = pipeline.end_import().await {
+        tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
+    }
     for ((line, origin, place), reply) in sound.into_iter().zip(replies) {
         let outcome = match settle(pipeline, reply, &origin).await {
             Ok((id, is_new)) => Outcome::Stored { id, is_new, place },

@@ -28,6 +28,7 @@ mod report;
 mod residuals;
 mod separation;
 mod sign_in;
+mod silences;
 mod spark;
 mod standing;
 mod stations;
@@ -64,6 +65,8 @@ pub fn router(pages: Pages) -> Router {
         .route("/imus/{imu}/report", get(report::imu))
         .route("/alerts", get(alerts::page))
         .route("/alerts/{id}/{deed}", get(alerts::ask).post(alerts::act))
+        .route("/silences/new", get(silences::ask_new).post(silences::begin))
+        .route("/silences/{id}/end", get(silences::ask_end).post(silences::end))
         .route("/hooks", get(hooks::page))
         .route("/hooks/new", get(hooks::ask_add).post(hooks::add))
         .route("/hooks/{id}", get(hooks::one))

@@ -27,6 +27,7 @@ use super::keys::{self, KeyRow};
 use super::model::{self, ModelRow};
 use super::postgres::{Missed, ServerWriter};
 use super::record::{self, RecordRow};
+use super::silence::{self, SilenceRow};
 use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
 
@@ -48,6 +49,7 @@ pub struct Changes {
     pub keys: Vec<KeyRow>,
     pub alerts: Vec<AlertRow>,
     pub alert_steps: Vec<StepRow>,
+    pub silences: Vec<SilenceRow>,
     pub hooks: Vec<HookRow>,
     pub models: Vec<ModelRow>,
     /// Campaigns of `records` that were fitted with an adopted model, and which.
@@ -81,6 +83,7 @@ impl Changes {
             && self.rejudged.history.is_empty()
             && self.alerts.is_empty()
             && self.alert_steps.is_empty()
+            && self.silences.is_empty()
             && self.hooks.is_empty()
             && self.models.is_empty()
             && self.diagnoses.is_empty()
@@ -253,6 +256,7 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);
     keys::insert(&changes.keys, &mut batch);
+    silence::upsert(&changes.silences, &mut batch);
     alerts::upsert(&changes.alerts, &mut batch);
     alerts::insert_steps(&changes.alert_steps, &mut batch);
     hook::upsert(&changes.hooks, &mut batch);

@@ -29,6 +29,7 @@ pub mod note;
 pub mod numbers;
 pub mod problem;
 pub mod record;
+pub mod silence;
 pub mod split;
 pub mod text;
 pub mod time;

@@ -97,8 +97,8 @@ catalogue! {
     next: "Next", "下一页";
     gyros: "gyros", "陀螺数";
     gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
-    alert_one: "1 alert", "1 项警报";
-    alerts_count: "alerts", "项警报";
+    alert_one: "1 alert", "1 项告警";
+    alerts_count: "alerts", "项告警";
     last_seen: "Last heard of", "最近上报";
     band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Exceeded: a budget or requirement is broken; warning: only a statistical limit is.", "折线：最近各次标定；灰带：基线上下的允许范围。超限：超出允许范围或指标；预警：仅超出统计控制限。";
 
@@ -337,10 +337,10 @@ catalogue! {
     was_there: "was stored before with the same content:", "此前已存储，内容相同：";
 
     // Alerts.
-    alerts: "Alerts", "警报";
-    alerts_open: "Alerts on this gyro", "该陀螺的警报";
-    alerts_note: "Newest first; what one record of a gyro shows stands together. An alert lasts: when it fires again it is the same alert.", "最新在前，同一陀螺同一记录的警报列在一起。警报是持续的：再次触发仍为同一警报。";
-    no_alerts: "No alert fits.", "没有符合条件的警报。";
+    alerts: "Alerts", "告警";
+    alerts_open: "Alerts on this gyro", "该陀螺的告警";
+    alerts_note: "Newest first; what one record of a gyro shows stands together. An alert lasts: when it fires again it is the same alert.", "最新在前，同一陀螺同一记录的告警列在一起。告警是持续的：再次触发仍为同一告警。";
+    no_alerts: "No alert fits.", "没有符合条件的告警。";
     alert_all: "all", "全部";
     alert_firing: "firing", "触发中";
     alert_acknowledged: "acknowledged", "已确认";
@@ -350,16 +350,28 @@ catalogue! {
     severity_critical: "critical", "严重";
     rule_word: "Rule", "规则";
     any: "any", "不限";
-    fired: "Fired", "触发时间";
+    since: "Since", "起始时间";
+    fired: "Found", "发现时间";
     said_by: "by", "由";
     until: "until", "至";
     acknowledge: "Acknowledge", "确认";
-    acknowledge_title: "Acknowledge an alert", "确认警报";
+    acknowledge_title: "Acknowledge an alert", "确认告警";
     acknowledge_what: "Somebody knows: hooks hear no more repeats of this alert until it resolves or grows more severe. Both are still told.", "表示已有人知悉：在恢复或升级之前，不再向通知目标重复发送；恢复与升级仍会通知。";
+    unacknowledge: "Take the acknowledgement back", "撤销确认";
+    unacknowledge_title: "Take an acknowledgement back", "撤销告警的确认";
+    unacknowledge_what: "Hooks hear repeats of this alert again.", "恢复向通知目标重复发送该告警。";
     silence: "Silence", "静默";
-    silence_title: "Silence an alert", "静默警报";
+    silence_title: "Silence an alert", "静默告警";
     silence_what: "Nobody is told of this alert before the silence ends. What has changed by then is told at its end.", "静默结束前不通知任何人；期间的变化在结束时通知。";
     silence_days: "For how many days", "静默天数";
+    silences: "Silences", "静默规则";
+    silence_of: "Alerts with", "适用的告警";
+    silence_many: "Silence alerts by gyro, IMU, station or rule", "按陀螺、惯性组合、测试站或规则静默告警";
+    silence_many_what: "Nobody is told of the alerts that match, of those that fire and of those that will. Every alert has to match all that is given; empty means \"any\". What has changed by the end is told at the end.", "凡符合条件的告警，无论现有或新触发，均不通知任何人。须同时符合所填各项；留空表示不限。期间的变化在结束时通知。";
+    silence_of_nothing: "name at least a gyro, an IMU, a station or a rule", "陀螺、惯性组合、测试站、规则至少填写一项";
+    end_silence: "End", "结束";
+    end_silence_title: "End a silence", "结束静默";
+    end_silence_what: "What the silence has held back is told now.", "静默期间的变化将立即通知。";
 
     // What somebody does: who, why, and that it is meant.
     actions_word: "Actions", "操作";
@@ -383,7 +395,7 @@ catalogue! {
     void_record: "Void this record", "作废该标定记录";
     void_campaign: "Void this campaign", "作废该标定试验";
     void_bench: "Void this bench result", "作废该单表测试结果";
-    void_what: "It counts no more: baselines, trends, verdicts and alerts become what they would be if it had never come. It is kept as it was sent, with your name and reason, and stays to be seen. It cannot be made to count again; what was measured can be sent anew as a revision.", "该结果不再计入：基线、趋势、判定与警报均按从未收到它重新得出。原文连同姓名与原因永久保存，随时可查。作废不可撤销；可以修订的形式重新提交测量结果。";
+    void_what: "It counts no more: baselines, trends, verdicts and alerts become what they would be if it had never come. It is kept as it was sent, with your name and reason, and stays to be seen. It cannot be made to count again; what was measured can be sent anew as a revision.", "该结果不再计入：基线、趋势、判定与告警均按从未收到它重新得出。原文连同姓名与原因永久保存，随时可查。作废不可撤销；可以修订的形式重新提交测量结果。";
     voided: "voided", "已作废";
     revised: "revised", "已修订";
     was_voided: "Voided: it counts no more.", "已作废：不再计入。";
@@ -396,11 +408,11 @@ catalogue! {
 
     // Hooks.
     hooks: "Hooks", "通知目标";
-    hooks_note: "Whom the service tells of alerts. A message that cannot be delivered is tried again for days, then kept as a dead letter, which can be sent again.", "服务向这些目标发送警报。投递失败会在数天内重试，仍失败则保留为死信，可重新发送。";
-    no_hooks: "No hook is set up: nobody is told of alerts.", "尚未设置通知目标：警报不会通知任何人。";
+    hooks_note: "Whom the service tells of alerts. A message that cannot be delivered is tried again for days, then kept as a dead letter, which can be sent again.", "服务向这些目标发送告警。投递失败会在数天内重试，仍失败则保留为死信，可重新发送。";
+    no_hooks: "No hook is set up: nobody is told of alerts.", "尚未设置通知目标：告警不会通知任何人。";
     hook: "Hook", "目标";
     add_hook: "Add a hook", "添加目标";
-    add_hook_what: "From then on it is told of every alert that its filter lets through.", "此后凡通过筛选的警报都会发送给它。";
+    add_hook_what: "From then on it is told of every alert that its filter lets through.", "此后凡通过筛选的告警都会发送给它。";
     delete_hook: "Delete", "删除";
     delete_hook_title: "Delete a hook", "删除目标";
     delete_hook_what: "Nothing more is sent to it. What it was still to be told is thrown away.", "不再向其发送；尚未送达的消息将被丢弃。";
@@ -444,7 +456,7 @@ catalogue! {
     budget_word: "Budget about the baseline", "基线允许范围";
     records_word: "Calibrations stored", "已存标定数";
     judged_by: "Judged by", "判定方法";
-    no_open_alerts: "No alert is open.", "没有未恢复的警报。";
+    no_open_alerts: "No alert is open.", "没有未恢复的告警。";
     newest_of: "newest", "最新";
     signature: "Name, date, signature", "姓名、日期、签名";
 

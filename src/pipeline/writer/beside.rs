@@ -147,5 +147,6 @@ impl Task {
     pub(super) fn start_over(&mut self) {
         self.judge.forget();
         self.alerts.forget();
+        self.hooks.forget();
     }
 }

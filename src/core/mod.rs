@@ -17,6 +17,7 @@ pub mod history;
 pub mod judge;
 pub mod model;
 pub mod mounting;
+pub mod name;
 pub mod note;
 pub mod notify;
 pub mod period;

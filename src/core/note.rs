@@ -1,6 +1,8 @@
 //! Notes on an item that is accepted: what a reader should know before relying on its figures. Kinds and parameters only; words
 //! are made at the edge ([`crate::wire::note`]).
 
+use super::history_note::HistoryNote;
+
 /// One thing worth knowing about an accepted item.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Note {
@@ -10,6 +12,8 @@ pub enum Note {
     NoSite,
     /// Effects of temperature cannot be seen.
     NoTemperatures,
+    /// Beside what is known of its IMU and gyros.
+    History(HistoryNote),
 }
 
 impl Note {
@@ -19,6 +23,7 @@ impl Note {
             Note::NoAttitudes => "no_attitudes",
             Note::NoSite => "no_site",
             Note::NoTemperatures => "no_temperatures",
+            Note::History(note) => note.code(),
         }
     }
 }

@@ -37,6 +37,7 @@ mod outbox;
 mod postgres;
 mod record;
 mod tail;
+mod set_aside;
 mod unplaced;
 mod verdicts;
 mod waiting;
@@ -67,6 +68,7 @@ pub use names::{Names, Table, Tables};
 pub use open::{Options, Store, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use record::{Kind, RecordAt, RecordHead, RecordRow};
+pub use set_aside::{ConfirmationRow, SetAside};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 
 #[cfg(test)]

@@ -49,6 +49,8 @@ pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
         body: format!("{{\"note\": \"{note}\"}}").into(),
         body_sha256: [7; 32],
         verdicts: VerdictSheet(vec![(1, vec![verdict])]),
+        voided: false,
+        notes: None,
     }
 }
 

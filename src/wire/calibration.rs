@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 
 use super::answer::{MethodBody, SeparationBody, VerdictBody};
 use super::bench::BenchBody;
+use super::note::NoteBody;
 use super::record::SlotBody;
 use super::time;
 use super::triple::Triple;
@@ -143,6 +144,11 @@ pub struct ResidualsBody {
 }
 
 impl CampaignAnswer {
+    /// Adds what was noted when the campaign came.
+    pub fn add_notes(&mut self, notes: impl IntoIterator<Item = NoteBody>) {
+        self.notes.extend(notes.into_iter().map(|note| note.detail));
+    }
+
     /// Without an id or verdicts: those belong to what is stored.
     pub fn of(campaign: &Campaign, outcome: &Outcome, method: MethodBody) -> Self {
         let mut answer = Self {

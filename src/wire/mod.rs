@@ -20,6 +20,7 @@ pub mod differences;
 pub mod document;
 pub mod geometry;
 pub mod history;
+pub mod history_note;
 pub mod hook;
 pub mod json;
 pub mod located;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
+use super::history_note;
 use crate::core::note::Note;
 
 /// What a reader should know before relying on an accepted item.
@@ -22,7 +23,11 @@ pub struct NoteBody {
 
 impl NoteBody {
     pub fn of(note: &Note) -> Self {
-        Self { code: note.code().into(), detail: detail(note), parameters: Map::new() }
+        let parameters = match note {
+            Note::History(note) => history_note::parameters(note),
+            _ => Map::new(),
+        };
+        Self { code: note.code().into(), detail: detail(note), parameters }
     }
 }
 
@@ -31,5 +36,6 @@ fn detail(note: &Note) -> String {
         Note::NoAttitudes => "no attitude column: specific force and rate were not checked against the attitude".into(),
         Note::NoSite => "no site: the specific force of static dwells was checked against standard gravity".into(),
         Note::NoTemperatures => "no temperature column: effects of temperature cannot be seen".into(),
+        Note::History(note) => history_note::words(note),
     }
 }

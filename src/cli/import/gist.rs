@@ -30,7 +30,16 @@ impl fmt::Display for Gist<'_> {
             let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
             writeln!(f, "  {serial} {coefficient} {rule} exceeded: {reason}")?;
         }
-        for note in members(self.0, "notes").filter_map(Value::as_str) {
+        write!(f, "{}", Notes(self.0))
+    }
+}
+
+/// Displays the notes of an answer, or of a line of an import.
+pub struct Notes<'a>(pub &'a Value);
+
+impl fmt::Display for Notes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for note in members(self.0, "notes").filter_map(|note| note.as_str().or_else(|| note["detail"].as_str())) {
             writeln!(f, "  note: {note}")?;
         }
         Ok(())

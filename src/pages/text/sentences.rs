@@ -7,6 +7,7 @@
 
 mod diagnosis;
 mod faults;
+mod notes;
 mod refusals;
 mod verdicts;
 
@@ -15,7 +16,8 @@ use crate::core::effects::Effect;
 
 type Sentence = (&'static str, &'static str);
 
-const ALL: [&[Sentence]; 4] = [verdicts::SENTENCES, diagnosis::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
+const ALL: [&[Sentence]; 5] =
+    [verdicts::SENTENCES, notes::SENTENCES, diagnosis::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
 
 impl Text {
     /// Words of the service in this language.

@@ -307,11 +307,8 @@ async fn a_new_serial_in_a_slot_names_who_was_there_and_the_nearest_known() {
     assert_eq!((&answer["notes"][0]["of"], &answer["notes"][0]["known"]), (&json!("imu"), &json!("IMU-1")));
     assert_eq!((&answer["notes"][1]["of"], &answer["notes"][1]["known"]), (&json!("station"), &json!("ST-1")));
     // Within one import, where nothing is stored before the next line is looked at.
-    let lines = lab.imports(&[
-        record("A-1", &day(300), &[("G1", "S0", 2.0, 1.0)]),
-        record("A-1", &day(310), &[("G1", "SO", 2.1, 1.0)]),
-    ]);
-    assert_eq!(codes(&lines.await[1]), ["look_alike", "new_serial"]);
+    let two = [("S0", 300), ("SO", 310)].map(|(serial, at)| record("A-1", &day(at), &[("G1", serial, 2.0, 1.0)]));
+    assert_eq!(codes(&lab.imports(&two).await[1]), ["look_alike", "new_serial"]);
 }
 
 #[tokio::test]
@@ -457,6 +454,9 @@ async fn what_is_set_aside_can_be_voided_or_revised_and_gives_its_place() {
     let third = lab.posts(&of_m2("2000-01-07T08:00:00Z", 2, 2.0)).await;
     let id = |answer: &Value| answer["id"].as_str().unwrap().to_owned();
     let said = json!({"author": "B. Li", "reason": "the clock was not set"});
+    for answer in [&first, &second, &third] {
+        assert_eq!(codes(answer), ["time_in_doubt"], "in the company of what is set aside itself");
+    }
     let voided = lab.post(&format!("/v1/records/{}/void", id(&first)), &said).await.ok();
     assert_eq!(voided["state"], "voided");
     lab.post(&format!("/v1/records/{}/confirm", id(&first)), &said).await.refused(409);

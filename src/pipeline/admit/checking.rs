@@ -104,7 +104,8 @@ impl Desk<'_> {
     }
 
     fn doubt(&self, at: UtcMicros, imu: Option<u32>, of_gyros: Option<UtcMicros>) -> Option<TimeDoubt> {
-        let of_imu = || self.newest?.imus.get(&imu?).copied();
+        // What is set aside is among the IMU's records: it is no company.
+        let of_imu = || self.newest?.imus.get(&imu?).copied().filter(|newest| newest.days_since(at) > FAR_DAYS);
         doubt(at, &self.epochs, of_gyros.or_else(of_imu))
     }
 

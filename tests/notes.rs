@@ -93,7 +93,8 @@ async fn a_fleet_to_which_only_what_happens_happens_has_no_note_but_its_moves() 
             for units in &mut fleet {
                 // A step, mostly of a budget or two, seldom of fifty.
                 if rng.random_bool(0.1) {
-                    units[rng.random_range(0..3)].d[0] += *[0.015, -0.02, 0.03, 0.5].get(rng.random_range(0..4)).unwrap();
+                    units[rng.random_range(0..3)].d[0] +=
+                        *[0.015, -0.02, 0.03, 0.5].get(rng.random_range(0..4)).unwrap();
                 }
                 // An overhaul of all three.
                 if rng.random_bool(0.03) {
@@ -349,7 +350,8 @@ async fn a_clock_that_counts_from_1970_is_refused_with_the_way_out() {
 async fn false_times_never_become_the_baseline_in_either_order() {
     let right: Vec<Value> = (0..4).map(|k| of_m2(&format!("2026-0{}-01T08:00:00Z", k + 1), k, 2.0)).collect();
     // Far from the right level: as a baseline they would make every right record exceed it.
-    let false_times = |times: [&str; 3]| -> Vec<Value> { (0..3).map(|k| of_m2(times[k as usize], 10 + k, 3.0)).collect() };
+    let false_times =
+        |times: [&str; 3]| -> Vec<Value> { (0..3).map(|k| of_m2(times[k as usize], 10 + k, 3.0)).collect() };
     for times in [
         ["2000-01-01T00:00:12Z", "2000-01-01T00:01:12Z", "2000-01-02T00:00:00Z"],
         ["1980-01-01T00:00:12Z", "1980-01-06T00:00:12Z", "1980-02-01T00:00:00Z"],
@@ -374,7 +376,8 @@ async fn false_times_never_become_the_baseline_in_either_order() {
                 assert!(lab.imports(&all).await.iter().all(|line| line["status"] == 201));
             }
             let counting = trend(&lab).await;
-            let times: Vec<&str> = counting.iter().map(|point| &point["calibrated_at"].as_str().unwrap()[..4]).collect();
+            let times: Vec<&str> =
+                counting.iter().map(|point| &point["calibrated_at"].as_str().unwrap()[..4]).collect();
             assert_eq!(times, ["2026"; 4], "{order}");
             let newest = lab.get(&format!("/v1/records/{}", counting[3]["record"].as_str().unwrap())).await.ok();
             for rule in ["step", "baseline", "range"] {
@@ -529,7 +532,10 @@ async fn what_nobody_can_see_is_refused_wherever_a_name_comes_in() {
             assert_eq!(lab.imports(&[bad]).await[0]["error"]["errors"][0]["pointer"], pointer);
         }
     }
-    assert_eq!(lab.post("/v1/bench-results", &lab::bench("M\u{200b}3", &day(0), 1.0, 2.0)).await.refused(422), ["/serial"]);
+    assert_eq!(
+        lab.post("/v1/bench-results", &lab::bench("M\u{200b}3", &day(0), 1.0, 2.0)).await.refused(422),
+        ["/serial"]
+    );
     let campaign = include_str!("data/practice/campaign-00.json");
     let mut campaign: Value = serde_json::from_str(campaign).unwrap();
     campaign["gyros"][1]["serial"] = "M\u{200d}3".into();
@@ -551,9 +557,18 @@ async fn names_of_earlier_versions_are_found_and_go_on() {
         let options = sqlx::sqlite::SqliteConnectOptions::new().filename(lab.database());
         let mut file = options.connect().await.unwrap();
         for (now, then) in [("\u{c5}-7", "A\u{30a}-7"), ("M3", "M3\u{200b}")] {
-            sqlx::query("UPDATE gyro SET serial = $2 WHERE serial = $1").bind(now).bind(then).execute(&mut file).await.unwrap();
+            sqlx::query("UPDATE gyro SET serial = $2 WHERE serial = $1")
+                .bind(now)
+                .bind(then)
+                .execute(&mut file)
+                .await
+                .unwrap();
             let like = format!("%\"{now}\"%");
-            let body: String = sqlx::query_scalar("SELECT body FROM record WHERE body LIKE $1").bind(&like).fetch_one(&mut file).await.unwrap();
+            let body: String = sqlx::query_scalar("SELECT body FROM record WHERE body LIKE $1")
+                .bind(&like)
+                .fetch_one(&mut file)
+                .await
+                .unwrap();
             let body = body.replace(&format!("\"{now}\""), &format!("\"{then}\""));
             sqlx::query("UPDATE record SET body = $2, body_sha256 = $3 WHERE body LIKE $1")
                 .bind(like)

@@ -121,7 +121,10 @@ impl Judging {
     /// The budget of D_I and D_S of the gyro `serial`, mounted in `imu`; the larger one where they have two.
     pub fn budget_of(&self, imu: &str, serial: &str) -> f64 {
         let matching = self.overrides.iter().rev().filter(|o| o.matches(imu, serial));
-        matching.filter_map(|o| o.budget).fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b)))).unwrap_or(self.budget)
+        matching
+            .filter_map(|o| o.budget)
+            .fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b))))
+            .unwrap_or(self.budget)
     }
 
     /// Where no override says otherwise.

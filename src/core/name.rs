@@ -146,8 +146,21 @@ mod tests {
     #[test]
     fn what_nobody_can_see_is_named() {
         let marks = [
-            '\u{200b}', '\u{200d}', '\u{feff}', '\u{202e}', '\u{2066}', '\u{ad}', '\u{fe0f}', '\u{e0041}', '\u{e0100}',
-            '\u{2060}', '\u{61c}', '\u{3164}', '\u{34f}', '\u{180e}', '\u{2028}',
+            '\u{200b}',
+            '\u{200d}',
+            '\u{feff}',
+            '\u{202e}',
+            '\u{2066}',
+            '\u{ad}',
+            '\u{fe0f}',
+            '\u{e0041}',
+            '\u{e0100}',
+            '\u{2060}',
+            '\u{61c}',
+            '\u{3164}',
+            '\u{34f}',
+            '\u{180e}',
+            '\u{2028}',
         ];
         for mark in marks {
             for sent in [format!("M{mark}3"), format!("{mark}M3"), format!("M3{mark}")] {

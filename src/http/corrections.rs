@@ -104,7 +104,8 @@ pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
     let revises = said.iter().find(|row| row.replaced_by == Some(id)).map(|row| link(row, row.item));
     let store = app.pipeline.store();
     let confirmed = store.confirmation(id).await?;
-    let confirmed = confirmed.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
+    let confirmed =
+        confirmed.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
     let state = match (&revised_by, &voided) {
         (Some(_), _) => "revised",
         (None, Some(_)) => "voided",

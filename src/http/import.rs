@@ -197,18 +197,14 @@ impl Chunk {
                 (None, None) => Err(Problem::new(500, "Internal error", "the line was not read")),
             };
             let answer = match outcome {
-                Ok((status, id, notes)) => {
-                    LineAnswer { line: line.number, status, id: Some(id), error: None, notes }
-                }
-                Err(problem) => {
-                    LineAnswer {
-                        line: line.number,
-                        status: problem.status,
-                        id: None,
-                        error: Some(problem),
-                        notes: Vec::new(),
-                    }
-                }
+                Ok((status, id, notes)) => LineAnswer { line: line.number, status, id: Some(id), error: None, notes },
+                Err(problem) => LineAnswer {
+                    line: line.number,
+                    status: problem.status,
+                    id: None,
+                    error: Some(problem),
+                    notes: Vec::new(),
+                },
             };
             serde_json::to_writer(&mut text, &answer).expect("numbers and text can always be written to memory");
             text.push(b'\n');

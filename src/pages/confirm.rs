@@ -76,12 +76,7 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
         }
         (noted(t, &history_note::read(row.notes.as_deref())))
     };
-    Ok(Item {
-        id: number,
-        home: format!("/records/{number}"),
-        action: format!("/records/{number}/confirm"),
-        shown,
-    })
+    Ok(Item { id: number, home: format!("/records/{number}"), action: format!("/records/{number}/confirm"), shown })
 }
 
 fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {

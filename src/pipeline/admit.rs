@@ -10,9 +10,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::judging;
-use crate::config::Judging;
 use super::read::{Calibration, GyroEvent, Submission};
 use super::{Accepted, Refused};
+use crate::config::Judging;
 use crate::core::bench::BenchMethod;
 use crate::core::history_note::FAR_DAYS;
 use crate::core::name::look_keys;
@@ -20,8 +20,8 @@ use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
-    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, PublishedFigures, RecordRow, Span, States,
-    Store, StoreError, StoredVerdict, Tables, VerdictSheet,
+    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, PublishedFigures, RecordRow, Span, States, Store,
+    StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::{history_note, time};
 use checking::Checked;
@@ -70,9 +70,10 @@ impl Newest {
         let newest = |serial| tables.gyros.number(serial).and_then(|gyro| self.gyros.get(&gyro));
         imu.is_some_and(|newest| *newest < at)
             && tables.stations.number(sent.station.as_str()).is_some()
-            && sent.gyros.iter().all(|gyro| newest(gyro.serial.as_str()).is_some_and(|(newest, _)| {
-                *newest < at && at.days_since(*newest) <= FAR_DAYS
-            }))
+            && sent.gyros.iter().all(|gyro| {
+                newest(gyro.serial.as_str())
+                    .is_some_and(|(newest, _)| *newest < at && at.days_since(*newest) <= FAR_DAYS)
+            })
     }
 
     /// What is known of the IMUs and gyros that `changes` are of.

@@ -12,8 +12,8 @@ use crate::core::judge::{Older, Verdict};
 use crate::core::name::Name;
 use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
-use crate::wire::history_note;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
+use crate::wire::history_note;
 
 /// A stored record with its answer.
 #[derive(Debug, Clone)]

@@ -15,7 +15,9 @@ const NEVER_STORED: i64 = i64::MAX - (1 << 40);
 #[derive(Debug, Clone)]
 pub enum Foreseen {
     /// It would be stored with these notes, or is there already and says the same.
-    Taken { notes: Arc<[Note]> },
+    Taken {
+        notes: Arc<[Note]>,
+    },
     Refused(Refused),
     /// An earlier one of these documents, counted from 0, holds its place with other content.
     Contradicts(usize),

@@ -223,10 +223,7 @@ impl Pipeline {
 }
 
 /// Refuses new names in which something cannot be seen; what is stored under such a name is read all the same.
-pub(super) fn check_names<'a>(
-    named: &[(&str, &Name)],
-    serials: impl Iterator<Item = &'a Name>,
-) -> Result<(), Faults> {
+pub(super) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<Item = &'a Name>) -> Result<(), Faults> {
     let mut faults = Faults::default();
     for (pointer, name) in named {
         name.check_seen().unwrap_or_else(|detail| faults.push(*pointer, detail));

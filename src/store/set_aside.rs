@@ -106,8 +106,7 @@ impl Store {
         let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
                    AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
                    ORDER BY calibrated_at, record";
-        let rows: Vec<(i64, i64)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
+        let rows: Vec<(i64, i64)> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
         Ok(rows.into_iter().map(|(record, at)| (Id(record), UtcMicros(at))).collect())
     }
 }

@@ -320,7 +320,10 @@ mod tests {
     fn a_note_of_a_later_version_is_shown_by_its_code() {
         let later = r#"{"version":2,"notes":[{"code":"of_tomorrow","weight":2},{"code":"ahead_of_now","hours":1.0}]}"#;
         let [first, second] = &read(Some(later))[..] else { panic!("two notes") };
-        assert_eq!((&*first.code, &*first.detail, &first.parameters["weight"]), ("of_tomorrow", "of_tomorrow", &2.into()));
+        assert_eq!(
+            (&*first.code, &*first.detail, &first.parameters["weight"]),
+            ("of_tomorrow", "of_tomorrow", &2.into())
+        );
         assert!(second.detail.contains("1.0 hours ahead"));
     }
 

@@ -53,7 +53,9 @@ impl Caller {
     /// [`Refused::OtherStation`].
     pub fn may_submit(&self, item: &Submission) -> Result<(), Refused> {
         match (&self.station, item.station()) {
-            (Some(own), Some(station)) if normal_form(own) != normal_form(station) => Err(Refused::OtherStation { station: own.clone() }),
+            (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
+                Err(Refused::OtherStation { station: own.clone() })
+            }
             _ => Ok(()),
         }
     }

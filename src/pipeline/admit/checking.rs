@@ -119,10 +119,9 @@ impl Desk<'_> {
         group: &Group,
     ) -> Result<(), StoreError> {
         let station = self.number(Table::Stations, sent.station.as_str(), group);
-        for (of, table, name, number) in [
-            (NameKind::Imu, Table::Imus, &sent.imu, imu),
-            (NameKind::Station, Table::Stations, &sent.station, station),
-        ] {
+        for (of, table, name, number) in
+            [(NameKind::Imu, Table::Imus, &sent.imu, imu), (NameKind::Station, Table::Stations, &sent.station, station)]
+        {
             let known = if number.is_none() { self.look_alike(table, name.as_str(), group) } else { None };
             notes.extend(known.map(|known| HistoryNote::LookAlike { of, name: name.to_string(), known }));
         }
@@ -269,7 +268,8 @@ impl Desk<'_> {
         let mut earlier: BTreeMap<(UtcMicros, Id), bool> = BTreeMap::new();
         for number in &numbers {
             let stored = self.store.history(*number, crate::store::Span::EVER, FALSE_RECORDS + 1).await?;
-            let stored = stored.iter().filter(|row| !group.withdraws(row.record)).map(|row| ((row.at, row.record), true));
+            let stored =
+                stored.iter().filter(|row| !group.withdraws(row.record)).map(|row| ((row.at, row.record), true));
             earlier.extend(stored);
             let new = group.changes.history.iter().filter(|row| row.gyro == *number);
             earlier.extend(new.map(|row| ((row.figures.at, row.figures.record), false)));

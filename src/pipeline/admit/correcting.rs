@@ -76,7 +76,12 @@ impl Desk<'_> {
     }
 
     /// Enters the record that is to stand in another's place.
-    async fn replace(&mut self, old: &RecordRow, new: &Calibration, group: &mut Group) -> Result<(Id, Arc<[Note]>), Refused> {
+    async fn replace(
+        &mut self,
+        old: &RecordRow,
+        new: &Calibration,
+        group: &mut Group,
+    ) -> Result<(Id, Arc<[Note]>), Refused> {
         if self.number(Table::Imus, new.imu.as_str(), group) != Some(old.imu) {
             return Err(Refused::AnotherImu);
         }

@@ -176,8 +176,12 @@ mod tests {
     #[test]
     fn an_answer_that_has_verdicts_already_is_refused() {
         let verdicts = judged();
-        let whole =
-            RecordAnswer { id: None, separations: vec![], notes: vec![], verdicts: vec![VerdictBody::of("G", &verdicts[0])] };
+        let whole = RecordAnswer {
+            id: None,
+            separations: vec![],
+            notes: vec![],
+            verdicts: vec![VerdictBody::of("G", &verdicts[0])],
+        };
         assert!(with_verdicts(&whole, [].into_iter()).is_err());
     }
 }

@@ -100,10 +100,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("must not be empty", "不能为空"),
     ("must have at most {} characters, has {}", "最多{0}个字符，实有{1}个"),
     ("must not contain the control character {}", "不能含有控制字符{0}"),
-    (
-        "must not contain the invisible character {}; type the name anew",
-        "不能含有不可见字符{0}；请重新输入名称",
-    ),
+    ("must not contain the invisible character {}; type the name anew", "不能含有不可见字符{0}；请重新输入名称"),
     ("must be an RFC 3339 time such as {} or {}", "应为RFC 3339时间，例如 {0} 或 {1}"),
     ("must say its offset from UTC: Z, or such as +08:00", "应注明与UTC的时差：Z，或例如 +08:00"),
     ("its offset from UTC must lie between -23:59 and +23:59", "与UTC的时差应在-23:59与+23:59之间"),

@@ -462,12 +462,12 @@ async fn what_is_set_aside_can_be_voided_or_revised_and_gives_its_place() {
     }
     let voided = lab.post(&format!("/v1/records/{}/void", id(&first)), &said).await.ok();
     assert_eq!(voided["state"], "voided");
-    lab.post(&format!("/v1/records/{}/confirm", id(&first)), &said).await.refused(409);
+    let confirmed = json!({"by": "B. Li", "reason": "true"});
+    lab.post(&format!("/v1/records/{}/confirm", id(&first)), &confirmed).await.refused(409);
     let revision = json!({"author": "B. Li", "reason": "true time", "record": of_m2("2026-03-06T08:00:00Z", 1, 2.0)});
     let revised = lab.post(&format!("/v1/records/{}/revise", id(&second)), &revision).await.created();
     assert_eq!(codes(&revised), [""; 0]);
     // Another record takes the place of the third, which then cannot be confirmed.
-    let confirmed = json!({"by": "B. Li", "reason": "true"});
     let mut other = of_m2("2000-01-07T08:00:00Z", 3, 2.5);
     other["note"] = "another".into();
     let fourth = lab.posts(&other).await;

@@ -23,7 +23,6 @@ pub fn routes() -> OpenApiRouter<App> {
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct ConfirmOrder {
-    #[serde(alias = "author")]
     #[schema(min_length = 1, max_length = 64)]
     by: String,
     #[schema(min_length = 1, max_length = 4096)]

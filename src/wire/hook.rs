@@ -86,7 +86,7 @@ impl FilterBody {
             }
         }
         for (i, serial) in self.gyros.iter().enumerate() {
-            if let Err(why) = Name::parse(serial) {
+            if let Err(why) = Name::parse(serial).and_then(|name| name.check_seen()) {
                 faults.push(format!("{pointer}/gyros/{i}"), why);
             }
         }

@@ -18,7 +18,7 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 34] = [
+const ENGINEERS: [&str; 37] = [
     "POST /v1/diagnoses",
     "DELETE /v1/diagnoses/{id}",
     "POST /diagnoses",

@@ -215,7 +215,7 @@ async fn wrong_units_are_noted_with_the_factor() {
         (&[(E, 60.0), (G, 60.0)], &[("E", 60.0, "pulse/arcmin"), ("G", 60.0, "pulse/(min g0)")]),
     ];
     for (seed, (wrong, expected)) in cases.into_iter().enumerate() {
-        let (lab, units, mut rng) = with_history(20 + seed as u64, 3).await;
+        let (mut lab, units, mut rng) = with_history(20 + seed as u64, 3).await;
         let mut record = measured("IMU-1", &day(50), &units, &mut rng);
         for gyro in record["gyros"].as_array_mut().unwrap() {
             wrong.iter().for_each(|(member, factor)| scaled(gyro, member, *factor));
@@ -228,6 +228,7 @@ async fn wrong_units_are_noted_with_the_factor() {
             assert!(note["detail"].as_str().unwrap().contains(words), "{note}");
             assert_eq!(note["serials"].as_array().unwrap().len(), 3);
         }
+        lab.stop().await;
     }
 }
 
@@ -401,10 +402,10 @@ async fn false_times_never_become_the_baseline_in_either_order() {
 
 /// Everything that is stored is as it is computed again.
 async fn verify(mut lab: Lab) {
+    lab.stop().await;
     if lab::cluster::is_wanted() {
         return;
     }
-    lab.stop().await;
     let url = lab.config.database.url.clone();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_gyrowatch"))
         .arg("verify")

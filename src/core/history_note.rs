@@ -106,3 +106,39 @@ pub fn doubt(at: UtcMicros, epochs: &[UtcMicros], nearest: Option<UtcMicros>) ->
     }
     nearest.filter(|_| away.is_some_and(|days| days > FAR_DAYS)).map(|nearest| TimeDoubt::FarFromOthers { nearest })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The day of 2000 that is so many days after its first.
+    fn day(days: f64) -> UtcMicros {
+        UtcMicros(946_684_800_000_000).plus_days(days)
+    }
+
+    #[test]
+    fn a_time_is_in_doubt_near_an_epoch_or_decades_before_all_else() {
+        let epochs = [UtcMicros(0), day(0.0)];
+        let near = Some(TimeDoubt::NearEpoch { epoch: day(0.0) });
+        for (at, nearest, expected) in [
+            (0.0, None, near),
+            (-0.9, None, near),
+            (99.9, None, near),
+            (100.1, None, None),
+            (-1.1, None, None),
+            // The company of other records, on either side, and of such as are too far for it.
+            (1.0, Some(731.0), None),
+            (1.0, Some(-729.0), None),
+            (1.0, Some(732.0), near),
+            // Decades before, not after.
+            (3000.0, Some(3000.0 + 5479.0), Some(TimeDoubt::FarFromOthers { nearest: day(8479.0) })),
+            (3000.0, Some(3000.0 + 5478.0), None),
+            (9000.0, Some(9000.0 - 6000.0), None),
+        ] {
+            assert_eq!(doubt(day(at), &epochs, nearest.map(day)), expected, "{at} {nearest:?}");
+        }
+        assert_eq!(doubt(day(1.0), &[], None), None);
+        let unset = [-0.9, 0.0, 399.9, -1.1, 400.1].map(|days| is_unset(UtcMicros(0).plus_days(days)));
+        assert_eq!(unset, [true, true, true, false, false]);
+    }
+}

@@ -185,14 +185,16 @@ impl Store {
         Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
     }
 
-    /// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros.
+    /// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros; none of what does not
+    /// count.
     pub async fn records_since(&self, after: Id, limit: u32) -> Result<Vec<(u32, UtcMicros, Vec<u32>)>, StoreError> {
-        let sql = "SELECT id, imu, calibrated_at, verdicts FROM record WHERE id > $1 ORDER BY id LIMIT $2";
-        let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>)> =
+        let sql = "SELECT id, imu, calibrated_at, verdicts, voided <> 0 FROM record WHERE id > $1 ORDER BY id LIMIT $2";
+        let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
             on!(self.readers, db => sqlx::query_as(sql).bind(after.0).bind(Whole(limit)).fetch_all(db).await?);
-        let seen = |(id, Whole(imu), at, verdicts): (i64, Whole<u32>, i64, Vec<u8>)| {
+        let seen = |(id, Whole(imu), at, verdicts, voided): (i64, Whole<u32>, i64, Vec<u8>, bool)| {
             let sheet = VerdictSheet::unpack(Id(id), &verdicts)?;
-            Ok((imu, UtcMicros(at), sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
+            let gyros = sheet.0.into_iter().map(|(gyro, _)| gyro);
+            Ok((imu, UtcMicros(at), gyros.filter(|_| !voided).collect()))
         };
         rows.into_iter().map(seen).collect()
     }

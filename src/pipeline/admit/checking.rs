@@ -106,7 +106,7 @@ impl Desk<'_> {
     fn doubt(&self, at: UtcMicros, imu: Option<u32>, of_gyros: Option<UtcMicros>) -> Option<TimeDoubt> {
         // What is set aside is among the IMU's records: it is no company.
         let of_imu = || self.newest?.imus.get(&imu?).copied().filter(|newest| newest.days_since(at) > FAR_DAYS);
-        doubt(at, &self.epochs, of_gyros.or_else(of_imu))
+        doubt(at, self.epochs, of_gyros.or_else(of_imu))
     }
 
     /// New names: what they look like, and who was in the slot before.

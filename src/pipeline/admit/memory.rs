@@ -1,6 +1,7 @@
 //! What is remembered of gyros, so that a new record is held against their histories without asking the database each time.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use super::Group;
 use crate::core::mounting::Slot;
@@ -80,18 +81,19 @@ impl Memory {
 
     /// Reads what is stored of a gyro, and adds what the group holds of it.
     async fn recall(&mut self, store: &Store, gyro: u32, group: &Group) -> Result<&mut Ring, StoreError> {
-        if !self.gyros.contains_key(&gyro) {
-            let is_new = group.changes.gyros.iter().any(|(number, _)| *number == gyro);
-            let stored = if is_new { Vec::new() } else { store.newest_history(gyro, Span::EVER, REMEMBERED).await? };
-            let whole = stored.len() < REMEMBERED;
-            let counts = |figures: &&Figures| !group.withdraws(figures.record);
-            let mut rows: Vec<Remembered> = stored.iter().filter(counts).map(Remembered::from).collect();
-            let of_group = group.changes.history.iter().filter(|row| row.gyro == gyro);
-            rows.extend(of_group.map(|row| Remembered::from(&row.figures)));
-            rows.sort_by_key(|row| row.at);
-            self.gyros.insert(gyro, Ring { rows, whole });
-        }
-        Ok(self.gyros.entry(gyro).or_default())
+        let unseen = match self.gyros.entry(gyro) {
+            Entry::Occupied(seen) => return Ok(seen.into_mut()),
+            Entry::Vacant(unseen) => unseen,
+        };
+        let is_new = group.changes.gyros.iter().any(|(number, _)| *number == gyro);
+        let stored = if is_new { Vec::new() } else { store.newest_history(gyro, Span::EVER, REMEMBERED).await? };
+        let whole = stored.len() < REMEMBERED;
+        let counts = |figures: &&Figures| !group.withdraws(figures.record);
+        let mut rows: Vec<Remembered> = stored.iter().filter(counts).map(Remembered::from).collect();
+        let of_group = group.changes.history.iter().filter(|row| row.gyro == gyro);
+        rows.extend(of_group.map(|row| Remembered::from(&row.figures)));
+        rows.sort_by_key(|row| row.at);
+        Ok(unseen.insert(Ring { rows, whole }))
     }
 
     /// What is known of a gyro about `at`.

@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gyrowatch::core::judge::{BASELINE_RECORDS, History, Limits, Measured, Sample, Series, judge};
+use gyrowatch::core::judge::{History, Limits, Measured, Sample, Seat, Series, judge};
 use gyrowatch::core::time::UtcMicros;
 
 fn one_gyro(c: &mut Criterion) {
@@ -13,7 +13,8 @@ fn one_gyro(c: &mut Criterion) {
     let history = |per_record: f64| -> Series {
         let figure = |value| Measured { value, sd: Some(5e-4) };
         let d = |i| [3.0 + wobble(i, 0.618) + per_record * i as f64, 5.0 + wobble(i, 0.414), wobble(i, 0.732)];
-        let sample = |i| Sample { at: UtcMicros(0).plus_days(14.0 * i as f64), d: d(i).map(figure) };
+        let at = |i: usize| UtcMicros(0).plus_days(14.0 * i as f64);
+        let sample = |i| Sample { at: at(i), seat: Seat::default(), d: d(i).map(figure) };
         (0..52).map(sample).collect::<Vec<_>>().into()
     };
     let limits = Limits::default();
@@ -23,7 +24,7 @@ fn one_gyro(c: &mut Criterion) {
         c.bench_function(&format!("all rules on one record of {name}"), |b| {
             b.iter(|| {
                 verdicts.clear();
-                let history = History::of(black_box(&samples), &samples[..BASELINE_RECORDS], &[]);
+                let history = History::whole(black_box(&samples), samples.len() - 1);
                 judge(&history, samples.len() - 1, black_box(&limits), &mut verdicts);
                 black_box(verdicts.len())
             });

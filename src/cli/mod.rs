@@ -17,6 +17,7 @@ mod diagnose_record;
 mod document;
 mod experiment;
 mod export;
+mod fleet_noise;
 mod import;
 mod model;
 mod notify;
@@ -51,6 +52,7 @@ enum Command {
     Diagnose(diagnose::Diagnose),
     Import(import::Import),
     Export(export::Export),
+    FleetNoise(fleet_noise::FleetNoise),
     Simulate(simulate::Simulate),
     Blindcheck(blindcheck::Blindcheck),
     Backup(backup::Backup),
@@ -71,6 +73,7 @@ impl Command {
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Import(import) => import.run(),
             Self::Export(export) => export.run(),
+            Self::FleetNoise(fleet_noise) => fleet_noise.run(),
             Self::Simulate(simulate) => simulate.run(),
             Self::Blindcheck(blindcheck) => blindcheck.run(),
             Self::Backup(backup) => backup.run(),

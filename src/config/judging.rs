@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::core::judge::limits::{DriftLimits, Limits, Requirement};
-use crate::core::judge::{Verdict, requirement};
+use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requirement};
+use crate::core::judge::{Noise, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
 
@@ -30,10 +30,28 @@ pub struct Judging {
     pub agreement_days: f64,
     pub remembered_records: usize,
     pub interval_days: f64,
+    pub noise: NoiseKeys,
     pub requirements: bool,
     pub requirement: SlotRequirements,
     pub rules: RuleKeys,
     pub overrides: Vec<Override>,
+}
+
+/// How the figures of unmoved gyros scatter: as `gyrowatch fleet-noise` found it, or as gyros usually do.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseKeys {
+    pub phi: f64,
+    /// deg/(h g0) a root year.
+    pub walk: f64,
+    /// The day of the fit; none for constants that are not this fleet's.
+    pub fitted: Option<String>,
+}
+
+impl NoiseKeys {
+    fn noise(&self) -> Noise {
+        Noise { phi: self.phi, walk: self.walk, of_fleet: self.fitted.is_some() }
+    }
 }
 
 /// Limits for what matches; a filter that is left out matches everything.
@@ -68,11 +86,13 @@ impl Judging {
             range_days: self.range_days,
             range_min_records: self.range_min_records,
             interval_days: self.fleet_interval_days(),
+            noise: self.noise.noise(),
             ..Limits::from_budget(self.budget)
         };
-        self.rules.apply(None, &mut limits);
-        for change in self.overrides.iter().filter(|o| o.matches(imu, serial)) {
+        self.rules.apply(None, None, &mut limits);
+        for (place, change) in self.matching(imu, serial) {
             if let Some(budget) = change.budget {
+                let budget = Limit { value: budget, from: LimitKey { place, key: "budget" } };
                 if change.coefficient != Some(OverriddenCoefficient::DS) {
                     limits.d_i = DriftLimits::from_budget(budget);
                 }
@@ -83,12 +103,18 @@ impl Judging {
                     limits.closure = Some(budget);
                 }
             }
-            change.rules.apply(change.coefficient, &mut limits);
+            change.rules.apply(change.coefficient, place, &mut limits);
             if let Some(days) = change.interval_days {
-                limits.interval_days = (days > 0.0).then_some(days);
+                limits.interval_days = interval(days, place);
             }
         }
         limits
+    }
+
+    /// The overrides that hold for a gyro, with their places.
+    fn matching(&self, imu: &str, serial: &str) -> impl Iterator<Item = (Option<u16>, &Override)> {
+        let placed = self.overrides.iter().zip(0..).map(|(change, place)| (Some(place), change));
+        placed.filter(move |(_, change)| change.matches(imu, serial))
     }
 
     /// What E and G of the gyro `serial` in `slot` of `imu` must keep. Without an override that names them nothing is required of a geometry
@@ -97,10 +123,12 @@ impl Judging {
         let mut required = Requirement::default();
         if skewed && self.requirements {
             required = Requirement::tables_3_and_4()[slot.index()];
-            self.requirement.apply(slot, &mut required);
         }
-        for change in self.overrides.iter().filter(|o| o.matches(imu, serial)) {
-            change.requirement.apply(slot, &mut required);
+        if skewed {
+            self.requirement.apply(slot, None, &mut required);
+        }
+        for (place, change) in self.matching(imu, serial) {
+            change.requirement.apply(slot, place, &mut required);
         }
         required
     }
@@ -127,15 +155,27 @@ impl Judging {
             .unwrap_or(self.budget)
     }
 
+    /// Whether any gyro may become overdue.
+    pub fn has_intervals(&self) -> bool {
+        let of_overrides = self.overrides.iter().any(|change| change.interval_days.is_some());
+        of_overrides || self.fleet_interval_days().is_some()
+    }
+
     /// Where no override says otherwise.
-    pub fn fleet_interval_days(&self) -> Option<f64> {
-        (self.interval_days > 0.0).then_some(self.interval_days)
+    pub fn fleet_interval_days(&self) -> Option<Limit> {
+        interval(self.interval_days, None)
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
         let wrong = |key: String, detail: String| Err(ConfigError::Key { key, detail });
         if !(self.confidence > 0.5 && self.confidence < 1.0) {
             return wrong("judging.confidence".into(), format!("must lie between 0.5 and 1, is {}", self.confidence));
+        }
+        if !(0.0..1.0).contains(&self.noise.phi) {
+            return wrong("judging.noise.phi".into(), format!("must lie from 0 to below 1, is {}", self.noise.phi));
+        }
+        if !(self.noise.walk.is_finite() && self.noise.walk >= 0.0) {
+            return wrong("judging.noise.walk".into(), format!("must not be negative, is {}", self.noise.walk));
         }
         if self.range_min_records < 2 {
             return wrong("judging.range_min_records".into(), "must be at least 2".into());
@@ -167,6 +207,10 @@ impl Judging {
         }
         Ok(())
     }
+}
+
+fn interval(days: f64, place: Option<u16>) -> Option<Limit> {
+    (days > 0.0).then_some(Limit { value: days, from: LimitKey { place, key: "interval_days" } })
 }
 
 impl Override {

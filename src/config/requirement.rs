@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::core::judge::limits::{Bounds, Requirement};
+use crate::core::judge::limits::{Bounds, LimitKey, Requirement};
 use crate::core::mounting::Slot;
 
 /// Bounds by slot; those of a slot go before those of `all`. What is left out stays as the layer before has it.
@@ -34,7 +34,7 @@ struct RequirementKeys {
 /// `[low, high]`, or `[]` where nothing is required.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "Vec<f64>")]
-struct BoundsKey(Option<Bounds>);
+struct BoundsKey(Option<[f64; 2]>);
 
 impl TryFrom<Vec<f64>> for BoundsKey {
     type Error = String;
@@ -42,28 +42,28 @@ impl TryFrom<Vec<f64>> for BoundsKey {
     fn try_from(bounds: Vec<f64>) -> Result<Self, String> {
         match bounds[..] {
             [] => Ok(Self(None)),
-            [low, high] if low.is_finite() && high.is_finite() && low < high => Ok(Self(Some(Bounds { low, high }))),
+            [low, high] if low.is_finite() && high.is_finite() && low < high => Ok(Self(Some([low, high]))),
             _ => Err(format!("{bounds:?} is neither [low, high] nor [], which requires nothing")),
         }
     }
 }
 
 impl SlotRequirements {
-    /// Changes what these keys name for the gyro in `slot`.
-    pub(super) fn apply(&self, slot: Slot, required: &mut Requirement) {
-        let own = match slot {
-            Slot::G1 => &self.g1,
-            Slot::G2 => &self.g2,
-            Slot::G3 => &self.g3,
+    /// Changes what these keys name for the gyro in `slot`. `place` is that of the override that holds them.
+    pub(super) fn apply(&self, slot: Slot, place: Option<u16>, required: &mut Requirement) {
+        let (own, key) = match slot {
+            Slot::G1 => (&self.g1, "requirement.G1"),
+            Slot::G2 => (&self.g2, "requirement.G2"),
+            Slot::G3 => (&self.g3, "requirement.G3"),
         };
-        for keys in [&self.all, own] {
-            keys.apply(required);
+        for (keys, key) in [(&self.all, "requirement.all"), (own, key)] {
+            keys.apply(LimitKey { place, key }, required);
         }
     }
 }
 
 impl RequirementKeys {
-    fn apply(&self, required: &mut Requirement) {
+    fn apply(&self, from: LimitKey, required: &mut Requirement) {
         let [e_x, e_y, e_z] = &mut required.e;
         let [g_x, g_y, g_z] = &mut required.g;
         for (bounds, key) in [
@@ -76,7 +76,7 @@ impl RequirementKeys {
             (g_z, self.g_z),
         ] {
             if let Some(BoundsKey(own)) = key {
-                *bounds = own;
+                *bounds = own.map(|[low, high]| Bounds { low, high, from });
             }
         }
     }

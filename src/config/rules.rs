@@ -1,8 +1,9 @@
 //! `[judging.rules]` and `rules` of an override: what single rules depart in from the budget.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
-use crate::core::judge::{CusumLimits, DriftLimits, Limits, Measured, Rule, TrendLimits};
+use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
 
 use super::judging::OverriddenCoefficient;
 
@@ -16,12 +17,15 @@ pub struct RuleKeys {
     pub fixed_baseline: Option<FixedBaseline>,
     pub rms_successive: Option<f64>,
     pub agreement: Option<f64>,
+    pub before_after: Option<f64>,
     pub closure: Option<f64>,
     pub trend: Option<f64>,
     pub trend_confidence: Option<f64>,
     pub trend_horizon_days: Option<f64>,
-    pub cusum_records_per_false_alarm: Option<f64>,
-    pub cusum_least_scatter: Option<f64>,
+    pub shift: Option<f64>,
+    /// Of versions before 0.2, whose rule `cusum` has given way to `shift`: read, and without effect.
+    pub cusum_records_per_false_alarm: Option<IgnoredAny>,
+    pub cusum_least_scatter: Option<IgnoredAny>,
     /// Rules that do not judge at all.
     pub off: Vec<OffRule>,
 }
@@ -52,40 +56,43 @@ impl TryFrom<String> for OffRule {
 }
 
 impl RuleKeys {
-    /// Changes what these keys name: of one coefficient, or of both and the closure.
-    pub(super) fn apply(&self, coefficient: Option<OverriddenCoefficient>, limits: &mut Limits) {
+    /// Changes what these keys name: of one coefficient, or of both and the closure. `place` is that of the override that holds them.
+    pub(super) fn apply(&self, coefficient: Option<OverriddenCoefficient>, place: Option<u16>, limits: &mut Limits) {
         if coefficient != Some(OverriddenCoefficient::DS) {
-            self.apply_to_drift(&mut limits.d_i);
+            self.apply_to_drift(place, &mut limits.d_i);
         }
         if coefficient != Some(OverriddenCoefficient::DI) {
-            self.apply_to_drift(&mut limits.d_s);
+            self.apply_to_drift(place, &mut limits.d_s);
         }
         if coefficient.is_none() {
-            limits.closure = if self.is_off(Rule::Closure) { None } else { self.closure.or(limits.closure) };
+            let own = self.closure.map(|value| Limit { value, from: LimitKey { place, key: "rules.closure" } });
+            limits.closure = if self.is_off(Rule::Closure) { None } else { own.or(limits.closure) };
         }
     }
 
-    fn apply_to_drift(&self, drift: &mut DriftLimits) {
-        for (limit, own, rule) in [
-            (&mut drift.step, self.step, Rule::Step),
-            (&mut drift.range, self.range, Rule::Range),
-            (&mut drift.baseline, self.baseline, Rule::Baseline),
-            (&mut drift.rms_successive, self.rms_successive, Rule::RmsSuccessive),
-            (&mut drift.agreement, self.agreement, Rule::Agreement),
+    fn apply_to_drift(&self, place: Option<u16>, drift: &mut DriftLimits) {
+        let limit = |value: f64, key: &'static str| Limit { value, from: LimitKey { place, key } };
+        for (of, own, key, rule) in [
+            (&mut drift.step, self.step, "rules.step", Rule::Step),
+            (&mut drift.range, self.range, "rules.range", Rule::Range),
+            (&mut drift.baseline, self.baseline, "rules.baseline", Rule::Baseline),
+            (&mut drift.rms_successive, self.rms_successive, "rules.rms_successive", Rule::RmsSuccessive),
+            (&mut drift.agreement, self.agreement, "rules.agreement", Rule::Agreement),
+            (&mut drift.before_after, self.before_after, "rules.before_after", Rule::BeforeAfter),
         ] {
-            *limit = if self.is_off(rule) { None } else { own.or(*limit) };
+            *of = if self.is_off(rule) { None } else { own.map(|value| limit(value, key)).or(*of) };
         }
         if let Some(FixedBaseline { value, sd }) = self.fixed_baseline {
             drift.fixed_baseline = Some(Measured { value, sd });
         }
         drift.trend = drift.trend.filter(|_| !self.is_off(Rule::Trend)).map(|trend| TrendLimits {
-            budget: self.trend.unwrap_or(trend.budget),
+            budget: self.trend.map_or(trend.budget, |value| limit(value, "rules.trend")),
             confidence: self.trend_confidence.unwrap_or(trend.confidence),
             horizon_days: self.trend_horizon_days.unwrap_or(trend.horizon_days),
         });
-        drift.cusum = drift.cusum.filter(|_| !self.is_off(Rule::Cusum)).map(|cusum| CusumLimits {
-            records_per_false_alarm: self.cusum_records_per_false_alarm.unwrap_or(cusum.records_per_false_alarm),
-            least_scatter: self.cusum_least_scatter.unwrap_or(cusum.least_scatter),
+        drift.shift = drift.shift.filter(|_| !self.is_off(Rule::Shift)).map(|shift| ShiftLimits {
+            least: self.shift.map_or(shift.least, |value| limit(value, "rules.shift")),
+            ..shift
         });
     }
 
@@ -101,11 +108,11 @@ impl RuleKeys {
             ("baseline", self.baseline),
             ("rms_successive", self.rms_successive),
             ("agreement", self.agreement),
+            ("before_after", self.before_after),
+            ("shift", self.shift),
             ("closure", self.closure),
             ("trend", self.trend),
             ("trend_horizon_days", self.trend_horizon_days),
-            ("cusum_records_per_false_alarm", self.cusum_records_per_false_alarm),
-            ("cusum_least_scatter", self.cusum_least_scatter),
         ];
         for (key, value) in positive {
             if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::core::judge::limits::{Bounds, Requirement};
+use crate::core::judge::Noise;
+use crate::core::judge::limits::{Bounds, Limit, LimitKey, Requirement};
 use crate::core::mounting::Slot;
 
 fn with(variables: &[(&str, &str)]) -> Result<Config, ConfigError> {
@@ -70,8 +71,18 @@ fn the_last_matching_override_wins() {
     std::fs::write(file.path(), text).unwrap();
     let judging = Config::load(&[file.path().to_path_buf()], []).unwrap().judging;
     let limits = judging.limits("IMU-1", "A");
-    assert_eq!((limits.d_i.step, limits.d_s.step), (Some(0.03), Some(0.04)));
-    assert_eq!(judging.limits("IMU-2", "B").d_s.step, Some(0.01));
+    assert_eq!(said(limits.d_i.step), Some((0.03, "judging.overrides[0].budget".to_owned())));
+    assert_eq!(said(limits.d_s.step), Some((0.04, "judging.overrides[1].budget".to_owned())));
+    assert_eq!(said(judging.limits("IMU-2", "B").d_s.step), Some((0.01, "judging.budget".to_owned())));
+}
+
+/// A limit and the key that sets it.
+fn said(limit: Option<Limit>) -> Option<(f64, String)> {
+    limit.map(|limit| (limit.value, limit.from.to_string()))
+}
+
+fn value(limit: Option<Limit>) -> Option<f64> {
+    limit.map(|limit| limit.value)
 }
 
 fn judging_of(text: &str) -> Result<Judging, ConfigError> {
@@ -82,42 +93,72 @@ fn judging_of(text: &str) -> Result<Judging, ConfigError> {
 
 #[test]
 fn single_rules_can_be_set_and_switched_off_for_the_fleet_and_for_one_coefficient() {
-    let text = "[judging.rules]\nstep = 0.02\ncusum_records_per_false_alarm = 1000\noff = [\"trend\", \"closure\"]\n\
+    let text = "[judging.rules]\nstep = 0.02\nshift = 0.004\noff = [\"trend\", \"closure\"]\n\
                 [[judging.overrides]]\nserial = \"A\"\ncoefficient = \"D_I\"\n\
                 rules = { range = 0.03, fixed_baseline = { value = 2.9, sd = 0.001 }, off = [\"step\"] }\n";
     let judging = judging_of(text).unwrap();
     let fleet = judging.limits("IMU-1", "B");
-    assert_eq!((fleet.d_i.step, fleet.d_i.range, fleet.d_i.trend, fleet.closure), (Some(0.02), Some(0.01), None, None));
-    assert_eq!(fleet.d_s.cusum.unwrap().records_per_false_alarm, 1000.0);
+    assert_eq!(said(fleet.d_i.step), Some((0.02, "judging.rules.step".to_owned())));
+    assert_eq!((value(fleet.d_i.range), fleet.d_i.trend, fleet.closure), (Some(0.01), None, None));
+    assert_eq!(said(fleet.d_s.shift.map(|of| of.least)), Some((0.004, "judging.rules.shift".to_owned())));
     let gyro = judging.limits("IMU-1", "A");
-    assert_eq!((gyro.d_i.step, gyro.d_i.range, gyro.d_i.fixed_baseline.unwrap().value), (None, Some(0.03), 2.9));
-    assert_eq!((gyro.d_s.step, gyro.d_s.range, gyro.d_s.fixed_baseline), (Some(0.02), Some(0.01), None));
+    assert_eq!((gyro.d_i.step, gyro.d_i.fixed_baseline.unwrap().value), (None, 2.9));
+    assert_eq!(said(gyro.d_i.range), Some((0.03, "judging.overrides[0].rules.range".to_owned())));
+    assert_eq!((value(gyro.d_s.step), value(gyro.d_s.range), gyro.d_s.fixed_baseline), (Some(0.02), Some(0.01), None));
+}
+
+#[test]
+fn keys_of_the_rule_that_shift_has_replaced_are_read_and_do_nothing() {
+    let text =
+        "[judging.rules]\ncusum_records_per_false_alarm = 1000\ncusum_least_scatter = 0.001\noff = [\"cusum\"]\n";
+    assert_eq!(judging_of(text).unwrap().limits("", ""), judging_of("").unwrap().limits("", ""));
+}
+
+#[test]
+fn constants_of_the_fleet_are_told_from_the_defaults_by_the_day_of_their_fit() {
+    let noise = |text: &str| judging_of(text).map(|judging| judging.limits("", "").noise);
+    assert_eq!(noise("").unwrap(), Noise::default());
+    let fitted = "[judging]\nnoise = { phi = 0.25, walk = 7.5e-4, fitted = \"2026-11-25\" }\n";
+    assert_eq!(noise(fitted).unwrap(), Noise { phi: 0.25, walk: 7.5e-4, of_fleet: true });
+    for (text, key) in [
+        ("phi = 1.0", "judging.noise.phi"),
+        ("phi = -0.1", "judging.noise.phi"),
+        ("walk = -1e-9", "judging.noise.walk"),
+    ] {
+        let error = noise(&format!("[judging.noise]\n{text}\n")).unwrap_err().to_string();
+        assert!(error.contains(key), "{error}");
+    }
 }
 
 #[test]
 fn a_budget_for_one_gyro_is_its_closures_too() {
     let text = "[[judging.overrides]]\nserial = \"A\"\nbudget = 0.03\n";
-    assert_eq!(judging_of(text).unwrap().limits("IMU-1", "A").closure, Some(0.03));
+    let closure = judging_of(text).unwrap().limits("IMU-1", "A").closure;
+    assert_eq!(said(closure), Some((0.03, "judging.overrides[0].budget".to_owned())));
 }
 
 #[test]
 fn what_is_required_can_be_set_by_slot_gyro_and_figure() {
-    let bounds = |low, high| Some(Bounds { low, high });
+    let bounds = |low, high, place, key| Some(Bounds { low, high, from: LimitKey { place, key } });
     let tables = Requirement::tables_3_and_4();
     let text = "[judging.requirement]\nall = { e_norm = [0.8, 2.0], g_z = [] }\nG2 = { g_z = [-5.0, 5.0] }\n\
                 [[judging.overrides]]\nserial = \"A\"\nrequirement = { G3 = { e_x = [0.7, 0.8] } }\n";
-    let judging = judging_of(text).unwrap();
+    let judging = judging_of(&format!("[judging]\nrequirements = true\n{text}")).unwrap();
     let [first, second, third] =
         [Slot::G1, Slot::G2, Slot::G3].map(|slot| judging.requirement(true, slot, "IMU-1", "A"));
-    assert_eq!((first.e_norm, first.g[2], second.g[2]), (bounds(0.8, 2.0), None, bounds(-5.0, 5.0)));
+    let (of_all, of_g2) = (bounds(0.8, 2.0, None, "requirement.all"), bounds(-5.0, 5.0, None, "requirement.G2"));
+    assert_eq!((first.e_norm, first.g[2], second.g[2]), (of_all, None, of_g2));
     assert_eq!((first.e, first.g[..2].to_vec()), (tables[0].e, tables[0].g[..2].to_vec()), "the rest is the tables'");
-    assert_eq!((third.e[0], third.e[1]), (bounds(0.7, 0.8), tables[2].e[1]));
+    let own = bounds(0.7, 0.8, Some(0), "requirement.G3");
+    assert_eq!((third.e[0], third.e[1]), (own, tables[2].e[1]));
     assert_eq!(judging.requirement(true, Slot::G3, "IMU-1", "B").e[0], tables[2].e[0], "another gyro's");
-    let own = Requirement { e: [bounds(0.7, 0.8), None, None], ..Requirement::default() };
+    let own = Requirement { e: [own, None, None], ..Requirement::default() };
     assert_eq!(judging.requirement(false, Slot::G3, "IMU-1", "A"), own, "what is named holds for every geometry");
-    let off = judging_of(&format!("[judging]\nrequirements = false\n{text}")).unwrap();
-    assert_eq!(off.requirement(true, Slot::G3, "IMU-1", "A"), own);
-    assert_eq!(off.requirement(true, Slot::G3, "IMU-1", "B"), Requirement::default());
+    // The tables are one unit's: by default only what is configured holds.
+    let by_default = judging_of(text).unwrap();
+    let of_fleet = by_default.requirement(true, Slot::G3, "IMU-1", "B");
+    assert_eq!(of_fleet, Requirement { e_norm: of_all, ..Requirement::default() });
+    assert_eq!(judging_of("").unwrap().requirement(true, Slot::G1, "IMU-1", "B"), Requirement::default());
 }
 
 #[test]

@@ -5,8 +5,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::fault::Faults;
 
 /// Position of a gyro in its IMU. The paper's G1, G2, G3.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Slot {
+    #[default]
     G1,
     G2,
     G3,

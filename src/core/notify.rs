@@ -226,7 +226,6 @@ fn go_on(alert: &Alert, verdict: &Verdict, record_at: UtcMicros, now: UtcMicros,
     let alert = Alert { record_at, ..*alert };
     match verdict.state {
         State::Exceeded => escalate(Alert { within: 0, ..alert }, Verdict { confirmed, ..*verdict }.severity()),
-        State::Within if verdict.confirmed => escalate(alert, Some(Severity::Critical)),
         State::Within => {
             let within = alert.within + u32::from(another_campaign);
             let alert = Alert { within, ..alert };

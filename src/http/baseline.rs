@@ -34,7 +34,7 @@ struct BaselineBody {
     at: Option<String>,
     #[serde(default)]
     author: Option<String>,
-    /// The levels from then on, from an acceptance file, say; what is left out is the mean of the first three records.
+    /// The levels from then on, from an acceptance file, say; what is left out is the median of the first three records.
     #[serde(default)]
     fixed: Option<FixedBody>,
 }
@@ -126,5 +126,15 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let (reason, at, author) = Said { reason, at, author }.read(app, "must say what was done to the gyro", &mut faults);
     let most = app.config.plausibility.max_drift_deg_per_h_g0;
     let fixed = fixed.map_or([None; 2], |fixed| fixed.checked(most, &mut faults));
-    faults.or(GyroEvent { serial, at, event: Event::Baseline, fixed, reason, author, by: Actor::by_caller() })
+    faults.or(GyroEvent {
+        serial,
+        at,
+        event: Event::Baseline,
+        until: None,
+        test: None,
+        fixed,
+        reason,
+        author,
+        by: Actor::by_caller(),
+    })
 }

@@ -14,10 +14,10 @@ use super::document::Document;
 use super::query;
 use super::said::{Said, gyro_named, submit};
 use crate::core::fault::Faults;
-use crate::core::judge::{Event, FixedLevels, Rule};
+use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
-use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, EventRow, GyroEvent};
+use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::{json, time};
 
@@ -30,8 +30,14 @@ pub fn routes() -> OpenApiRouter<App> {
 pub struct EventBody {
     id: String,
     at: String,
-    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware` or `note`.
+    /// `baseline`, `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired` or `in_storage`.
     event: &'static str,
+    /// Which environmental test it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<String>,
+    /// When it was over, of what took time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    to: Option<String>,
     reason: String,
     author: Option<String>,
     /// Rules that do not compare what was before with what comes after.
@@ -43,28 +49,24 @@ pub struct EventBody {
 
 impl EventBody {
     pub fn of(event: &EventRow) -> Self {
-        let what = (event.event, &event.fixed);
-        Self::new(event.id.to_string(), event.at, what, event.reason.clone(), event.author.clone())
-    }
-
-    fn new(
-        id: String,
-        at: UtcMicros,
-        (event, fixed): (Event, &FixedLevels),
-        reason: String,
-        author: Option<String>,
-    ) -> Self {
-        let resets = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Overdue && event.resets(*rule));
+        let resets = Rule::ALL.into_iter().filter(|rule| judges(*rule) && event.event.resets(*rule));
         Self {
-            id,
-            at: time::format(at),
-            event: event.name(),
-            reason,
-            author,
+            id: event.id.to_string(),
+            at: time::format(event.at),
+            event: event.event.name(),
+            kind: event.test.clone(),
+            to: event.until.map(time::format),
+            reason: event.reason.clone(),
+            author: event.author.clone(),
             resets: resets.map(Rule::name).collect(),
-            fixed: FixedBody::of(fixed),
+            fixed: FixedBody::of(&event.fixed),
         }
     }
+}
+
+/// Whether a rule compares what an event may part; no rule judges any more by a cumulative sum.
+fn judges(rule: Rule) -> bool {
+    !matches!(rule, Rule::Overdue | Rule::Cusum)
 }
 
 /// Events, oldest first.
@@ -89,14 +91,20 @@ async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Resul
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct NewEvent {
-    /// `repair`, `reinstallation`, `transport`, `firmware`, `note` or `baseline`.
+    /// `repair`, `reinstallation`, `transport`, `firmware`, `note`, `environmental_test`, `retired`, `in_storage` or `baseline`.
     event: String,
     /// In words.
     #[schema(min_length = 1, max_length = 4096)]
     reason: String,
     /// When, RFC 3339; now, where it is left out.
-    #[serde(default)]
+    #[serde(default, alias = "from")]
     at: Option<String>,
+    /// Of an environmental test: when it was over.
+    #[serde(default)]
+    to: Option<String>,
+    /// Of an environmental test: which, as `vibration` or `thermal cycling`.
+    #[serde(default)]
+    kind: Option<String>,
     #[serde(default)]
     author: Option<String>,
 }
@@ -121,12 +129,13 @@ async fn post_event(
     let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let otherwise = "the same kind of event is stored at that very time with other words";
     let (status, id) = submit(&app, event.clone(), otherwise).await?;
-    let GyroEvent { at, event, fixed, reason, author, .. } = event;
-    Ok((status, Json(EventBody::new(id.to_string(), at, (event, &fixed), reason, author))))
+    let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
+    let row = EventRow { id, gyro: 0, at, event, until, test, fixed, reason, author, received_at: at };
+    Ok((status, Json(EventBody::of(&row))))
 }
 
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
-    let NewEvent { event, reason, at, author } = json::parse(bytes)?;
+    let NewEvent { event, reason, at, to, kind, author } = json::parse(bytes)?;
     let mut faults = Faults::default();
     let event = named(&event).unwrap_or_else(|| {
         let names = Event::ALL.map(Event::name).join(", ");
@@ -134,7 +143,9 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
         Event::Note
     });
     let (reason, at, author) = Said { reason, at, author }.read(app, "must not be empty", &mut faults);
-    faults.or(GyroEvent { serial, at, event, fixed: [None; 2], reason, author, by: Actor::by_caller() })
+    let (until, test) = read_test(event, at, (to, kind), &mut faults);
+    let (fixed, by) = ([None; 2], Actor::by_caller());
+    faults.or(GyroEvent { serial, at, event, until, test, fixed, reason, author, by })
 }
 
 /// People write re-installation in more than one way.

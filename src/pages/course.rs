@@ -121,7 +121,7 @@ pub(super) fn plot(
 
 /// How far D_I, D_S and D_O may lie from their baselines.
 fn budgets(limits: &Limits) -> [Option<f64>; 3] {
-    [limits.d_i.baseline, limits.d_s.baseline, limits.closure]
+    [limits.d_i.baseline, limits.d_s.baseline, limits.closure].map(|limit| limit.map(|limit| limit.value))
 }
 
 /// The levels of D_I, D_S and D_O, with what they are held against.

@@ -15,6 +15,7 @@ use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
+use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::text;
 
@@ -26,6 +27,9 @@ pub(super) struct Said {
     event: String,
     /// RFC 3339; now, where it is empty.
     at: String,
+    /// Of an environmental test.
+    to: String,
+    kind: String,
 }
 
 /// The page on which an event is noted; `?event=baseline` starts a baseline.
@@ -69,12 +73,14 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     if let Err(impossible) = pages.pipeline.check_time("at", at) {
         faults.absorb("", impossible);
     }
-    let Some(event) = event.filter(|_| faults.is_empty()) else {
+    let filled = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+    let test = event.map(|event| read_test(event, at, (filled(&said.to), filled(&said.kind)), &mut faults));
+    let Some((event, (until, test))) = event.zip(test).filter(|_| faults.is_empty()) else {
         return Ok(with_form(viewer, &name, said, |deed| deed.again(viewer, &said.word, &faults)));
     };
     let Word { by, reason, .. } = said.word.clone();
-    let event =
-        GyroEvent { serial: name, at, event, fixed: [None; 2], reason, author: Some(by), by: Actor::by_caller() };
+    let (fixed, author, by) = ([None; 2], Some(by), Actor::by_caller());
+    let event = GyroEvent { serial: name, at, event, until, test, fixed, reason, author, by };
     match pages.pipeline.submit(Submission::Event(event)).await? {
         Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))
@@ -101,6 +107,10 @@ fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&
             } }
         }
         label { (t.event_at) input name="at" value=(said.at) placeholder="2026-03-01T08:00:00Z"; }
+        @if !baseline {
+            label { (t.event_test_kind) input name="kind" value=(said.kind); }
+            label { (t.event_test_to) input name="to" value=(said.to) placeholder="2026-03-03T16:00:00Z"; }
+        }
     };
     show(&Deed {
         section: Section::Fleet,
@@ -118,7 +128,8 @@ fn with_form<T>(viewer: &Viewer, serial: &Name, said: &Said, show: impl FnOnce(&
 fn what_it_resets(viewer: &Viewer, baseline: bool) -> Markup {
     let t = viewer.text();
     let resets = |event: Event| -> Vec<&str> {
-        let rules = Rule::ALL.into_iter().filter(|rule| *rule != Rule::Overdue && event.resets(*rule));
+        let judges = |rule: &Rule| !matches!(rule, Rule::Overdue | Rule::Cusum);
+        let rules = Rule::ALL.into_iter().filter(|rule| judges(rule) && event.resets(*rule));
         rules.map(|rule| t.rule(rule)).collect()
     };
     html! {

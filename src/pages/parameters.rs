@@ -128,7 +128,7 @@ fn cell(t: &Text, label: &str, value: f64, sd: Option<f64>, bounds: Option<Bound
         td.n data-label=(label) {
             div {
                 (figure::with_sd(value, sd, 6))
-                @if let Some(Bounds { low, high }) = bounds {
+                @if let Some(Bounds { low, high, .. }) = bounds {
                     @let kept = (low..=high).contains(&value);
                     br;
                     span.quiet { (bounds_alike(low, high)) } " "

@@ -113,7 +113,7 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: 
             dt { (t.judged_by) } dd { (t.method_of(shown.separation())) }
             dt { (t.budget_word) }
             dd {
-                @for (name, budget) in budgets { @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget)) } " " } }
+                @for (name, budget) in budgets { @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget.value)) } " " } }
                 (t.unit)
             }
         }

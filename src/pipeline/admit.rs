@@ -228,7 +228,8 @@ impl Desk<'_> {
             .find(|event| event.gyro == gyro && event.at == sent.at && event.event == sent.event);
         if let Some(event) = there {
             let same_words = event.reason == sent.reason && event.author == sent.author;
-            let same_bytes = same_words && event.fixed == sent.fixed;
+            let same_bytes =
+                same_words && event.fixed == sent.fixed && (event.until, &event.test) == (sent.until, &sent.test);
             return Ok(Accepted::There { id: event.id, same_bytes });
         }
         let id = self.ids.next(self.now);
@@ -243,6 +244,8 @@ impl Desk<'_> {
             gyro,
             at: sent.at,
             event: sent.event,
+            until: sent.until,
+            test: sent.test.clone(),
             fixed: sent.fixed,
             reason: sent.reason.clone(),
             author: sent.author.clone(),

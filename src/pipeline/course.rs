@@ -2,10 +2,10 @@
 
 use super::Pipeline;
 use super::fleet::level;
-use super::line::{baseline_of, mark_of, sample_of};
+use super::line::{distinct, mark_of, sample_of};
 use crate::config::JudgedMethod;
 use crate::core::judge::Limits;
-use crate::core::judge::history::{Mark, Sample, stated_level};
+use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::time::UtcMicros;
 use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError};
 
@@ -43,29 +43,30 @@ impl Pipeline {
         let set_aside = self.store.set_aside_of_gyro(gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
-        let samples: Vec<Sample> = figures.iter().map(|figures| sample_of(figures, method)).collect();
+        let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
         let marks: Vec<Mark> = events.iter().map(mark_of).collect();
         let baselines = baselines(&samples, &marks, &limits);
         Ok(Course { baselines, figures, benches, events, corrections, set_aside, limits })
     }
 }
 
-/// One baseline for each stretch between the events that reset it.
+/// One baseline for each stretch between the events that reset it, and between the moves from one IMU or slot to another.
 fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baseline> {
     let Some((first, last)) = samples.first().zip(samples.last()) else { return Vec::new() };
     let resets = marks.iter().filter(|mark| mark.event.resets_baseline() && mark.at > first.at && mark.at <= last.at);
-    let mut starts: Vec<UtcMicros> = std::iter::once(first.at).chain(resets.map(|mark| mark.at)).collect();
+    let moves = samples.windows(2).filter(|pair| pair[0].seat != pair[1].seat).map(|pair| pair[1].at);
+    let mut starts: Vec<UtcMicros> = std::iter::once(first.at).chain(resets.map(|mark| mark.at)).chain(moves).collect();
+    starts.sort_unstable();
     starts.dedup();
     let ends = starts[1..].iter().copied().chain([last.at]);
     let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline, None];
     let stretch = |(&from, until): (&UtcMicros, UtcMicros)| {
         let end = samples.partition_point(|sample| sample.at < until || until == last.at);
-        let records = baseline_of(&samples[..end], marks, from);
-        Baseline {
-            from,
-            until,
-            level: [0, 1, 2].map(|column| level(records, column, stated_level(marks, from, column).or(fixed[column]))),
-        }
+        let newest = samples[..end].last().map_or(from, |sample| sample.at);
+        let drift = baseline_of(&samples[..end], marks, newest);
+        let records = [drift, drift, seat_baseline_of(&samples[..end], marks, newest)];
+        let stated = |column: usize| stated_level(marks, newest, column).or(fixed[column]);
+        Baseline { from, until, level: [0, 1, 2].map(|column| level(records[column], column, stated(column))) }
     };
     starts.iter().zip(ends).map(stretch).collect()
 }
@@ -73,15 +74,18 @@ fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baselin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::Event;
-    use crate::core::judge::history::Measured;
+    use crate::core::judge::{Event, Measured, Seat};
 
     fn day(day: i64) -> UtcMicros {
         UtcMicros(day * UtcMicros::DAY)
     }
 
     fn samples(values: &[(i64, f64)]) -> Vec<Sample> {
-        values.iter().map(|&(d, value)| Sample { at: day(d), d: [Measured::exact(value); 3] }).collect()
+        let sample = |&(d, value): &(i64, f64)| {
+            let seat = Seat { imu: u32::from(d >= 500), ..Seat::default() };
+            Sample { at: day(d), seat, d: [Measured::exact(value); 3] }
+        };
+        values.iter().map(sample).collect()
     }
 
     #[test]
@@ -93,8 +97,16 @@ mod tests {
         let seen: Vec<_> = found.iter().map(|b| (b.from, b.until, b.level[0])).collect();
         assert_eq!(
             seen,
-            [(day(0), day(35), Some(2.0)), (day(35), day(65), Some(6.0)), (day(65), day(70), None)],
+            [(day(0), day(35), Some(2.0)), (day(35), day(65), Some(5.0)), (day(65), day(70), None)],
             "transport resets nothing; the last baseline has one record of three"
         );
+    }
+
+    #[test]
+    fn a_move_begins_a_level_of_the_closure_alone() {
+        let all = samples(&[(0, 1.0), (10, 1.0), (20, 1.0), (500, 4.0), (510, 5.0), (520, 6.0)]);
+        let found = baselines(&all, &[], &Limits::from_budget(0.01));
+        let seen: Vec<_> = found.iter().map(|b| (b.from, b.level)).collect();
+        assert_eq!(seen, [(day(0), [Some(1.0); 3]), (day(500), [Some(1.0), Some(1.0), Some(5.0)])]);
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::Pipeline;
 use super::agreement::Disagreement;
-use super::line::{marks_of, sample_of};
+use super::line::{distinct, marks_of, sample_of};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Rule, State, overdue};
 use crate::core::mounting::Slot;
@@ -106,6 +106,11 @@ impl Pipeline {
         Ok(self.store.histories(&stretches, 1).await?.concat())
     }
 
+    /// When each gyro was taken out of use last; nobody asks where none can be overdue.
+    async fn out_of_use(&self) -> Result<HashMap<u32, UtcMicros>, StoreError> {
+        if self.config.judging.has_intervals() { self.store.out_of_use().await } else { Ok(HashMap::new()) }
+    }
+
     /// How gyros stand with these newest calibrations.
     pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
@@ -115,11 +120,13 @@ impl Pipeline {
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
         let disagreements = self.disagreements(None).await?;
+        let out_of_use = self.out_of_use().await?;
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
             let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
             let of_methods = disagreements.get(&number).map_or(&[][..], Vec::as_slice);
-            self.standing(&tables, number, newest, (of_newest.copied().unwrap_or_default(), of_methods))
+            let verdicts = (of_newest.copied().unwrap_or_default(), of_methods);
+            self.standing(&tables, number, newest, verdicts, out_of_use.get(&number).copied())
         };
         Ok(newest.into_iter().filter_map(standing).collect())
     }
@@ -137,7 +144,9 @@ impl Pipeline {
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
         let of_methods = self.disagreements(Some(number)).await?.remove(&number).unwrap_or_default();
-        let Some(standing) = self.standing(&self.store.names().read(), number, newest, (verdicts, &of_methods)) else {
+        let out_of_use = self.out_of_use().await?.get(&number).copied();
+        let (verdicts, tables) = ((verdicts, of_methods.as_slice()), self.store.names().read());
+        let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
             return Ok(None);
         };
         let said = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
@@ -152,12 +161,14 @@ impl Pipeline {
         number: u32,
         newest: Option<Figures>,
         (verdicts, disagreements): (&[StoredVerdict], &[Disagreement]),
+        out_of_use: Option<UtcMicros>,
     ) -> Option<Standing> {
         let serial = tables.gyros.name(number)?.clone();
         let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
         let limits = self.config.judging.limits(imu, &serial);
         let interval = limits.interval_days;
-        let late = newest.as_ref().zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
+        let in_use = newest.as_ref().filter(|figures| out_of_use.is_none_or(|at| at < figures.at));
+        let late = in_use.zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
         let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
         // The alert of a rule that has been switched off since stands until the gyro's next item.
         let asked = |found: &&Disagreement| limits.agreement(found.coefficient).is_some();
@@ -189,7 +200,8 @@ impl Pipeline {
             (gyros[k], Span { from: baseline_since(marks[k], last).unwrap_or(Span::EVER.from), to: last })
         };
         let of_baselines: Vec<Stretch> = (0..of.len()).map(newest_baseline).collect();
-        let baselines = self.store.histories(&of_baselines, BASELINE_RECORDS).await?;
+        // Some of the first may repeat one another.
+        let baselines = self.store.histories(&of_baselines, 4 * BASELINE_RECORDS).await?;
         Ok((0..of.len()).map(|k| self.glimpse(of[k], marks[k], &rows[k], &baselines[k])).collect())
     }
 
@@ -200,14 +212,14 @@ impl Pipeline {
         let imu = rows.last().and_then(|figures| self.store.names().read().imus.name(figures.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
         let drifts = [limits.d_i, limits.d_s];
-        let baseline = samples(baseline);
+        let baseline = distinct(samples(baseline));
         Glimpse {
             samples: samples(rows),
             level: [0, 1].map(|column| {
                 let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
                 level(&baseline, column, fixed)
             }),
-            budget: drifts.map(|drift| drift.baseline),
+            budget: drifts.map(|drift| drift.baseline.map(|limit| limit.value)),
         }
     }
 }
@@ -216,13 +228,13 @@ fn last_of(rows: &[Figures]) -> UtcMicros {
     rows.last().map_or(UtcMicros(0), |figures| figures.at)
 }
 
-/// The mean of a complete baseline, or the one that is fixed.
+/// The median of a complete baseline, or the one that is fixed.
 pub(super) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>) -> Option<f64> {
     if let Some(fixed) = fixed {
         return Some(fixed.value);
     }
-    let sum: f64 = baseline.iter().map(|sample| sample.d[column].value).sum();
-    (baseline.len() >= BASELINE_RECORDS).then_some(sum / baseline.len() as f64)
+    let first: Vec<Measured> = baseline.get(..BASELINE_RECORDS)?.iter().map(|sample| sample.d[column]).collect();
+    Measured::median(&first).map(|median| median.value)
 }
 
 /// Of the rules that could judge; of the drift none may have, however well E and G keep to their requirements.

@@ -9,7 +9,7 @@ use super::alerting::Naming;
 use super::line::{Line, Source, sample_of};
 use crate::config::Judging;
 use crate::core::judge::history::Need;
-use crate::core::judge::{Coefficient, Finding, Limits, Rule, Verdict};
+use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
 use crate::core::notify::Policy;
 use crate::core::time::UtcMicros;
 use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
@@ -158,10 +158,14 @@ impl Judge {
             let line = self.lines.entry(gyro).or_default();
             let figures = &mut changes.history[i].figures;
             line.append(sample_of(figures, method));
-            let older = line.older(Source { store: &self.store, gyro, method }, figures.at, limits.range_days).await?;
+            // What repeats the record before is judged as that is, and is no news.
+            let at = line.samples().last().map_or(figures.at, |last| last.at);
+            let older = line.older(Source { store: &self.store, gyro, method }, at, limits.range_days).await?;
             let judged = line.judge_newest(&limits, older);
             figures.states = states(&judged);
-            found.newest.push(Newest { gyro, figures: *figures });
+            if at == figures.at {
+                found.newest.push(Newest { gyro, figures: *figures });
+            }
             found.verdicts.insert((figures.record, gyro), judged);
             line.trim(Need::of(&limits));
         }
@@ -174,8 +178,12 @@ impl Judge {
         self.lines.get(&gyro).is_some_and(|line| line.marks().iter().any(|m| m.at > at && m.event.resets(rule)))
     }
 
-    /// After how many days without a calibration a gyro is overdue.
-    pub fn interval_days(&self, gyro: u32, imu: u32, naming: &Naming<'_>) -> Option<f64> {
+    /// After how many days without a calibration a gyro is overdue; none after an event since its last one, at `last`, that says that none is
+    /// to come.
+    pub fn interval_days(&self, gyro: u32, last: UtcMicros, imu: u32, naming: &Naming<'_>) -> Option<Limit> {
+        if self.lines.get(&gyro).is_some_and(|line| ends_calibrations(line.marks(), last)) {
+            return None;
+        }
         if self.judging.overrides.is_empty() {
             return self.judging.fleet_interval_days();
         }
@@ -184,8 +192,7 @@ impl Judge {
 
     /// Whether any gyro may become overdue.
     pub fn has_intervals(&self) -> bool {
-        let of_overrides = self.judging.overrides.iter().any(|change| change.interval_days.is_some());
-        of_overrides || self.judging.fleet_interval_days().is_some()
+        self.judging.has_intervals()
     }
 
     /// The limits of a gyro in its IMU, or of the fleet.
@@ -198,11 +205,16 @@ impl Judge {
     }
 }
 
+/// Whether a gyro that was calibrated last at `last` was taken out of use since.
+pub(super) fn ends_calibrations(marks: &[Mark], last: UtcMicros) -> bool {
+    marks.iter().any(|mark| mark.at >= last && mark.event.ends_calibrations())
+}
+
 /// The worst of the rules that could judge, for D_I, D_S and the closure.
 pub(super) fn states(verdicts: &[Verdict]) -> States {
     let worst = |coefficient| {
         let of_it = verdicts.iter().filter(|verdict| verdict.coefficient == coefficient);
-        of_it.filter(|verdict| !matches!(verdict.finding, Finding::TooFew { .. })).map(|verdict| verdict.state).max()
+        of_it.filter(|verdict| verdict.value.is_some()).map(|verdict| verdict.state).max()
     };
     States([Coefficient::DI, Coefficient::DS, Coefficient::DO].map(worst))
 }

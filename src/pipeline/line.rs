@@ -6,21 +6,25 @@ use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
 use crate::core::judge::history::{
-    BASELINE_RECORDS, History, Mark, Measured, Need, Sample, baseline_since, reset_before,
+    BASELINE_RECORDS, History, Mark, Measured, Need, Sample, Seat, baseline_since, reset_before,
 };
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
 use crate::core::time::UtcMicros;
 use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
 use past::{Past, RUN};
 
-/// The newest records of one gyro, its newest baseline, and what was done to it.
+/// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Line {
     samples: Series,
+    /// The first records since the last event that begins a baseline.
     baseline: Vec<Sample>,
     /// Where that baseline begins.
     since: Option<UtcMicros>,
-    marks: Vec<Mark>,
+    /// The first of those since the gyro came to where it is mounted.
+    seat_baseline: Vec<Sample>,
+    /// Records that [repeat](Sample::repeats) an earlier one: when they and when that was made. They count for nothing.
+    repeats: Vec<[UtcMicros; 2]>,
     /// Every record since then is here; none where there are no older ones at all.
     from: Option<UtcMicros>,
     /// Before `samples`.
@@ -50,30 +54,58 @@ impl Line {
         method: JudgedMethod,
     ) -> Result<Self, StoreError> {
         let marks = load_marks(store, gyro).await?;
-        let upto = Span { to: until, ..Span::EVER };
         let ahead = READ_AHEAD.max(need.records + 1);
-        let mut newest = store.newest_history(gyro, upto, ahead).await?;
-        let Some(last) = newest.last().map(|figures| figures.at) else {
-            return Ok(Self { marks, ..Self::default() });
-        };
-        let mut from = newest.first().filter(|_| newest.len() >= ahead).map(|oldest| oldest.at);
-        let wanted = looked_back_to(last, need);
-        if from.is_some_and(|from| from > wanted) {
-            newest = store.history(gyro, Span { from: wanted, to: until }, usize::MAX).await?;
-            from = Some(wanted);
+        let mut stored = Vec::new();
+        loop {
+            let first = stored.first().map(|figures: &Figures| figures.at);
+            let before = first.map_or(until, |first| UtcMicros(first.0 - 1));
+            let count = ahead.max(2 * stored.len());
+            let older = store.newest_history(gyro, Span { to: before, ..Span::EVER }, count).await?;
+            let is_whole = older.len() < count;
+            stored.splice(0..0, older);
+            let samples = stored.iter().map(|figures| sample_of(figures, method)).collect();
+            let mut line = Self::of_all(samples, marks.clone());
+            if is_whole || line.is_enough(need) {
+                if !is_whole {
+                    line.begin_at(stored.first().map(|figures| figures.at));
+                    line.read_baseline(store, gyro, until, method).await?;
+                }
+                line.trim(need);
+                return Ok(line);
+            }
         }
-        let since = baseline_since(&marks, last);
-        let of_baseline = Span { from: since.unwrap_or(Span::EVER.from), to: until };
-        let baseline = store.history(gyro, of_baseline, BASELINE_RECORDS).await?;
-        let samples = |figures: &[Figures]| figures.iter().map(|f| sample_of(f, method)).collect::<Vec<_>>();
-        Ok(Self {
-            samples: samples(&newest).into(),
-            baseline: samples(&baseline),
-            since,
-            marks,
-            from,
-            past: Past::default(),
-        })
+    }
+
+    /// Whether the rules find everything that they look back to, if there are older records than these.
+    fn is_enough(&self, need: Need) -> bool {
+        let Some((first, last)) = self.samples.first().zip(self.samples.last()) else { return false };
+        let moved = |sample: &Sample| sample.seat != last.seat || self.since.is_some_and(|since| sample.at < since);
+        self.samples.len() > need.records
+            && first.at <= looked_back_to(last.at, need)
+            && self.samples.reaches_all_cells()
+            && self.samples.iter().any(moved)
+    }
+
+    /// There are older records than the first of these.
+    fn begin_at(&mut self, first: Option<UtcMicros>) {
+        self.from = first;
+        self.samples.forget_first_cell();
+    }
+
+    /// The baseline may have begun before what was read.
+    async fn read_baseline(
+        &mut self,
+        store: &Store,
+        gyro: u32,
+        until: UtcMicros,
+        method: JudgedMethod,
+    ) -> Result<(), StoreError> {
+        let span = Span { from: self.since.unwrap_or(Span::EVER.from), to: until };
+        // Some of the first may repeat one another.
+        let first = store.history(gyro, span, 4 * BASELINE_RECORDS).await?;
+        self.baseline = distinct(first.iter().map(|figures| sample_of(figures, method)));
+        self.baseline.truncate(BASELINE_RECORDS);
+        Ok(())
     }
 
     /// The line up to a record that does not count any more, of what counted when that was said of it.
@@ -109,23 +141,30 @@ impl Line {
     /// Everything stored of a gyro, with new rows put in their places: for records that arrive late.
     pub fn of_all(mut samples: Vec<Sample>, marks: Vec<Mark>) -> Self {
         samples.sort_by_key(|sample| sample.at);
-        let mut line = Self { marks, ..Self::default() };
+        let mut line = Self { samples: Series::new(Vec::new(), marks), ..Self::default() };
         for sample in samples {
             line.append(sample);
         }
         line
     }
 
+    /// When the newest record was made, whether it counts or repeats an earlier one.
     pub fn newest(&self) -> Option<UtcMicros> {
-        self.samples.last().map(|sample| sample.at)
+        let repeat = self.repeats.last().map(|[at, _]| *at);
+        self.samples.last().map(|sample| sample.at).max(repeat)
     }
 
     pub fn marks(&self) -> &[Mark] {
-        &self.marks
+        self.samples.marks()
     }
 
     pub fn samples(&self) -> &Series {
         &self.samples
+    }
+
+    /// When the records were made that repeat the one of `at`.
+    pub fn repeats_of(&self, at: UtcMicros) -> impl Iterator<Item = UtcMicros> {
+        self.repeats.iter().filter(move |[_, of]| *of == at).map(|[repeat, _]| *repeat)
     }
 
     /// Records that are kept one by one.
@@ -140,26 +179,50 @@ impl Line {
 
     /// Adds a record that is newer than all.
     pub fn append(&mut self, sample: Sample) {
-        let since = baseline_since(&self.marks, sample.at);
+        if let Some(last) = self.samples.last()
+            && sample.repeats(last)
+        {
+            self.repeats.push([sample.at, last.at]);
+            return;
+        }
+        let since = baseline_since(self.marks(), sample.at);
+        let stays = self.samples.last().is_some_and(|last| last.seat == sample.seat);
         if since != self.since {
             self.since = since;
             self.baseline.clear();
         }
-        if self.baseline.len() < BASELINE_RECORDS {
-            self.baseline.push(sample);
+        if self.baseline.is_empty() || !stays {
+            self.seat_baseline.clear();
+        }
+        for baseline in [&mut self.baseline, &mut self.seat_baseline] {
+            if baseline.len() < BASELINE_RECORDS {
+                baseline.push(sample);
+            }
         }
         self.samples.push(sample);
     }
 
-    /// Whether new records of the time from `from` to `to`, and all after the first of them, can be judged by what is here: everything
-    /// that the rules look back to, and a baseline to which none of them belongs.
-    pub fn reaches_back(&self, [from, to]: [UtcMicros; 2], need: Need) -> bool {
-        let [.., last_of_baseline] = self.baseline[..] else { return false };
-        let complete = self.baseline.len() == BASELINE_RECORDS && from > last_of_baseline.at;
-        let same = [from, to].into_iter().all(|at| baseline_since(&self.marks, at) == self.since);
-        let before = self.samples.partition_point(|sample| sample.at < from);
-        let far = self.from.is_none_or(|here| here <= days_before(from, need.days));
-        complete && same && (self.is_whole() || far && before >= need.records)
+    /// Whether new records (`samples`, oldest first), and all after the first of them, can be judged by what is here: everything
+    /// that the rules look back to, and baselines to which none of them belongs.
+    pub fn reaches_back(&self, samples: &[Sample], need: Need) -> bool {
+        let [from, .., to] = samples else {
+            return samples.first().is_none_or(|one| self.reaches_back(&[*one; 2], need));
+        };
+        let ([.., last_of_baseline], [.., last_of_seat]) = (&self.baseline[..], &self.seat_baseline[..]) else {
+            return false;
+        };
+        let complete = [&self.baseline, &self.seat_baseline].iter().all(|of| of.len() == BASELINE_RECORDS)
+            && from.at > last_of_baseline.at.max(last_of_seat.at);
+        let same = [from, to].into_iter().all(|sample| baseline_since(self.marks(), sample.at) == self.since);
+        let stays = self.samples.last().is_some_and(|last| samples.iter().all(|sample| sample.seat == last.seat));
+        let before = self.samples.partition_point(|sample| sample.at < from.at);
+        let repeats = samples.iter().any(|new| {
+            let place = self.samples.partition_point(|sample| sample.at < new.at);
+            let around = &self.samples[place.saturating_sub(1)..self.samples.len().min(place + 1)];
+            around.iter().chain(samples).any(|other| other.at != new.at && new.repeats(other))
+        });
+        let far = self.from.is_none_or(|here| here <= days_before(from.at, need.days));
+        complete && same && stays && !repeats && (self.is_whole() || far && before >= need.records)
     }
 
     /// Puts records in their places to which the line [reaches back](Line::reaches_back).
@@ -167,10 +230,16 @@ impl Line {
         self.samples.insert(late);
     }
 
-    /// The history in which the records of a whole line, or to which it reaches back, are judged; `older` as of [`Line::older`].
-    pub fn history_at(&self, at: UtcMicros, older: Older) -> History<'_> {
-        let baseline = if self.is_whole() { baseline_of(&self.samples, &self.marks, at) } else { &self.baseline };
-        History { older, ..History::of(&self.samples, baseline, &self.marks) }
+    /// The history in which record `k` of a whole line, or of one to which it reaches back, is judged; `older` as of [`Line::older`].
+    pub fn history_at(&self, k: usize, older: Older) -> History<'_> {
+        if self.is_whole() {
+            return History { older, ..History::whole(&self.samples, k) };
+        }
+        self.newest_history(older)
+    }
+
+    fn newest_history(&self, older: Older) -> History<'_> {
+        History { samples: &self.samples, baseline: &self.baseline, seat_baseline: &self.seat_baseline, older }
     }
 
     /// What `range` compares with a record at `at` and is not kept one by one. The database is asked once in many records.
@@ -179,7 +248,7 @@ impl Line {
             return Ok(Older::NONE);
         }
         let window = days_before(at, days);
-        let from = reset_before(&self.marks, at, Rule::Range).map_or(window, |reset| reset.max(window));
+        let from = reset_before(self.marks(), at, Rule::Range).map_or(window, |reset| reset.max(window));
         if let Some(span) = self.past.wanted(from) {
             let rows = source.store.history(source.gyro, span, usize::MAX).await?;
             self.past.keep(rows.iter().map(|figures| sample_of(figures, source.method)).collect());
@@ -191,8 +260,7 @@ impl Line {
     pub fn judge_newest(&self, limits: &Limits, older: Older) -> Vec<Verdict> {
         let Some(k) = self.samples.len().checked_sub(1) else { return Vec::new() };
         let mut verdicts = Vec::with_capacity(16);
-        let history = History { older, ..History::of(&self.samples, &self.baseline, &self.marks) };
-        judge(&history, k, limits, &mut verdicts);
+        judge(&self.newest_history(older), k, limits, &mut verdicts);
         verdicts
     }
 
@@ -237,10 +305,15 @@ fn days_before(at: UtcMicros, days: f64) -> UtcMicros {
     UtcMicros(at.0.saturating_sub((days * UtcMicros::DAY as f64).round() as i64))
 }
 
-/// The records of one baseline: the first few at or after its beginning.
-pub(super) fn baseline_of<'a>(samples: &'a [Sample], marks: &[Mark], at: UtcMicros) -> &'a [Sample] {
-    let start = baseline_since(marks, at).map_or(0, |since| samples.partition_point(|sample| sample.at < since));
-    &samples[start..samples.len().min(start + BASELINE_RECORDS)]
+/// Records, oldest first, without those that repeat the one before.
+pub(super) fn distinct(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
+    let mut kept: Vec<Sample> = Vec::new();
+    for sample in samples {
+        if kept.last().is_none_or(|last| !sample.repeats(last)) {
+            kept.push(sample);
+        }
+    }
+    kept
 }
 
 pub(super) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
@@ -258,7 +331,7 @@ pub(super) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32
 }
 
 pub(super) fn mark_of(event: &EventRow) -> Mark {
-    Mark { at: event.at, event: event.event, fixed: event.fixed }
+    Mark { at: event.at, event: event.event, until: event.until, fixed: event.fixed }
 }
 
 /// The figures of the method that is judged. Where the published method is not defined, the rigid ones stand in.
@@ -275,7 +348,7 @@ pub fn sample_of(figures: &Figures, method: JudgedMethod) -> Sample {
             [0, 1, 2].map(|i| measured(figures.rigid[i], sd[i]))
         }
     };
-    Sample { at: figures.at, d }
+    Sample { at: figures.at, seat: Seat { imu: figures.imu, slot: figures.slot }, d }
 }
 
 #[cfg(test)]

@@ -28,6 +28,7 @@ mod course;
 mod diagnosing;
 mod document;
 mod fleet;
+mod fleet_noise;
 mod foresee;
 mod history;
 mod hooks;

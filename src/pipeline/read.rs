@@ -128,6 +128,10 @@ pub struct GyroEvent {
     pub serial: Name,
     pub at: UtcMicros,
     pub event: Event,
+    /// When it was over, of what took time.
+    pub until: Option<UtcMicros>,
+    /// Which environmental test it was.
+    pub test: Option<String>,
     /// Levels that a baseline mark states.
     pub fixed: FixedLevels,
     pub reason: String,

@@ -8,8 +8,8 @@ use super::Pipeline;
 use super::admit::figures_of;
 use super::answer::Reread;
 use super::line::Line;
-use crate::core::judge::Older;
 use crate::core::judge::history::Need;
+use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
 use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
@@ -182,14 +182,16 @@ fn same_rule(a: &StoredVerdict, b: &StoredVerdict) -> bool {
 
 /// Whether both were decided with the same limits, as far as verdicts hold them.
 fn same_limits(decided: &[StoredVerdict], expected: &[StoredVerdict]) -> bool {
+    // The limit of a shift is three of its standard deviations where those are more: that is a figure, and compared as one.
+    let same = |a: &StoredVerdict, b: &StoredVerdict| a.rule == Rule::Shift || near(a.limit, b.limit);
     let found = |verdict: &StoredVerdict, among: &[StoredVerdict]| {
-        among.iter().any(|other| same_rule(verdict, other) && near(verdict.limit, other.limit))
+        among.iter().any(|other| same_rule(verdict, other) && same(verdict, other))
     };
     decided.iter().all(|verdict| found(verdict, expected)) && expected.iter().all(|verdict| found(verdict, decided))
 }
 
 fn same(a: &StoredVerdict, b: &StoredVerdict) -> bool {
-    let figures = |v: &StoredVerdict| [v.value, v.sd, v.probability];
+    let figures = |v: &StoredVerdict| [v.value, Some(v.limit), v.sd, v.probability];
     let near = figures(a).into_iter().zip(figures(b)).all(|(a, b)| near_or_none(a, b));
     (a.state, a.confirmed) == (b.state, b.confirmed) && near
 }

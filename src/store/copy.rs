@@ -53,7 +53,7 @@ const TABLES: &[Table] = tables! {
     "voided_history" by "gyro, calibrated_at, record": Whole gyro calibrated_at record, Bytes figures;
     "bench_result" by "id": Whole id gyro station measured_at, Text method, Real d_i d_s d_i_sd d_s_sd, Whole received_at,
         Text body, Bytes body_sha256, Whole voided;
-    "event" by "id": Whole id gyro at, Text kind reason author, Whole received_at, Real d_i d_i_sd d_s d_s_sd;
+    "event" by "id": Whole id gyro at, Text kind reason author, Whole received_at, Real d_i d_i_sd d_s d_s_sd, Whole until, Text test;
     "idempotency_key" by "key": Text key, Whole item, Bytes body_sha256;
     "correction" by "item, replaced_by": Whole item replaced_by at, Text author reason;
     "confirmation" by "record": Whole record at, Text author reason;

@@ -1,5 +1,7 @@
 //! What was done to gyros.
 
+use std::collections::HashMap;
+
 use super::batch::{Batch, Rows};
 use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
@@ -14,6 +16,10 @@ pub struct EventRow {
     pub gyro: u32,
     pub at: UtcMicros,
     pub event: Event,
+    /// When it was over, of what took time.
+    pub until: Option<UtcMicros>,
+    /// Which environmental test it was.
+    pub test: Option<String>,
     /// Levels that a baseline mark states.
     pub fixed: FixedLevels,
     pub reason: String,
@@ -35,49 +41,70 @@ pub(super) fn insert(events: &[EventRow], batch: &mut Batch) {
         for level in &event.fixed {
             row.real(level.map(|level| level.value)).real(level.and_then(|level| level.sd));
         }
+        row.optional_integer(event.until.map(|until| until.0)).optional(event.test.as_deref());
     }
     batch.add(
         insert!(
-            "event (id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd)",
-            [int 0, int 1, int 2, words 3 4, words 5 6, words 7 8, int 9, real 10, real 11, real 12, real 13]
+            "event (id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test)",
+            [int 0, int 1, int 2, words 3 4, words 5 6, words 7 8, int 9, real 10, real 11, real 12, real 13, int 14, words 15 16]
         ),
         rows,
     );
 }
 
-type Row =
-    (i64, Whole<u32>, i64, String, String, Option<String>, i64, Option<f64>, Option<f64>, Option<f64>, Option<f64>);
+type Row = (
+    i64,
+    Whole<u32>,
+    i64,
+    String,
+    String,
+    Option<String>,
+    i64,
+    Option<f64>,
+    Option<f64>,
+    Option<f64>,
+    Option<f64>,
+    Option<i64>,
+    Option<String>,
+);
 
-fn row(row: Row) -> Result<EventRow, StoreError> {
-    let (id, Whole(gyro), at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd) = row;
+fn event_of(row: Row) -> Result<EventRow, StoreError> {
+    let (id, Whole(gyro), at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test) = row;
     let fixed = [(d_i, d_i_sd), (d_s, d_s_sd)].map(|(value, sd)| value.map(|value| Measured { value, sd }));
     let event =
         Event::from_name(&kind).ok_or_else(|| StoreError::Damaged(format!("event {}: unknown kind", Id(id))))?;
-    let (id, at, received_at) = (Id(id), UtcMicros(at), UtcMicros(received_at));
-    Ok(EventRow { id, gyro, at, event, fixed, reason, author, received_at })
+    let (id, at, received_at, until) = (Id(id), UtcMicros(at), UtcMicros(received_at), until.map(UtcMicros));
+    Ok(EventRow { id, gyro, at, event, until, test, fixed, reason, author, received_at })
 }
 
 impl Store {
     /// Every event of a gyro, oldest first.
     pub async fn events(&self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
-        let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd
+        let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
                    FROM event WHERE gyro = $1 ORDER BY at, id";
         let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
-        rows.into_iter().map(row).collect()
+        rows.into_iter().map(event_of).collect()
+    }
+
+    /// Gyros that were retired or put into storage, and when last.
+    pub async fn out_of_use(&self) -> Result<HashMap<u32, UtcMicros>, StoreError> {
+        let sql = "SELECT gyro, max(at) FROM event WHERE kind IN ('retired', 'in_storage') GROUP BY gyro";
+        let rows: Vec<(Whole<u32>, i64)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+        Ok(rows.into_iter().map(|(Whole(gyro), at)| (gyro, UtcMicros(at))).collect())
     }
 
     /// Every event of several gyros, by gyro and oldest first.
     pub async fn events_of(&self, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
         let sql = self.readers.words(Sql {
-            sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd
+            sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
                      FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id",
-            postgres: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd FROM event
+            postgres: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test FROM event
                        WHERE gyro IN (SELECT CAST(j.value AS BIGINT)
                                       FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))
                        ORDER BY gyro, at, id",
         });
         let gyros = serde_json::json!(gyros).to_string();
         let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
-        rows.into_iter().map(row).collect()
+        rows.into_iter().map(event_of).collect()
     }
 }

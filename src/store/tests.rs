@@ -110,6 +110,8 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
         gyro: 2,
         at: UtcMicros(44),
         event: Event::Baseline,
+        until: Some(UtcMicros(47)),
+        test: Some("vibration".into()),
         fixed: [Some(Measured { value: 2.95, sd: Some(1e-4) }), None],
         reason: "bearing".into(),
         author: None,

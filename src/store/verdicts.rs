@@ -8,7 +8,7 @@
 
 use super::error::StoreError;
 use super::id::Id;
-use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, LimitKey, Rule, State, Status, Verdict};
 
 const VERSION: u8 = 2;
 /// Every limit written out.
@@ -31,17 +31,23 @@ pub struct StoredVerdict {
 
 impl From<&Verdict> for StoredVerdict {
     fn from(verdict: &Verdict) -> Self {
-        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, finding: _ } = *verdict;
+        let Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, limit_from: _, finding: _ } =
+            *verdict;
         Self { coefficient, rule, state, value, limit, sd, probability, confirmed }
     }
 }
 
 impl StoredVerdict {
-    /// The verdict without what its rule saw, which is not kept: for alerts to follow it, never for its reason.
+    pub fn status(&self) -> Status {
+        Status::of(self.rule, self.state, self.value, self.limit, self.sd, self.confirmed)
+    }
+
+    /// The verdict without what its rule saw and where its limit came from, which are not kept: for alerts to follow it, never for its reason.
     pub fn without_words(&self) -> Verdict {
         let Self { coefficient, rule, state, value, limit, sd, probability, confirmed } = *self;
         let finding = Finding::TooFew { have: 0, need: 0 };
-        Verdict { coefficient, rule, state, value, limit, sd, probability, confirmed, finding }
+        let limit_from = LimitKey::BUDGET;
+        Verdict { coefficient, rule, state, value, limit, limit_from, sd, probability, confirmed, finding }
     }
 }
 
@@ -295,6 +301,8 @@ mod tests {
             "agreement",
             "requirement",
             "overdue",
+            "shift",
+            "before_after",
         ];
         assert_eq!(names[..known.len()], known);
         assert_eq!(Coefficient::ALL.map(Coefficient::name)[..6], ["D_I", "D_S", "D_O", "E", "G", "all"]);

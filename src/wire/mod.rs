@@ -18,6 +18,7 @@ pub mod diagnoses_csv;
 pub mod diagnosis;
 pub mod differences;
 pub mod document;
+pub mod event;
 pub mod geometry;
 pub mod history;
 pub mod history_note;

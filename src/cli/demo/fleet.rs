@@ -33,7 +33,7 @@ mod stories {
     /// LFG-0004: D_I rises, and reaches the budget within the year.
     pub const RISING: (usize, f64) = (3, 0.013);
     /// LFG-0014: D_I ages, well within the budget: the statistics alone warn.
-    pub const AGEING: (usize, f64) = (13, 0.003);
+    pub const AGEING: (usize, f64) = (13, 0.0047);
     /// LFG-0008: D_S jumps when its IMU is transported.
     pub const JUMPING: (usize, f64, f64) = (7, 430.0, 0.031);
     /// LFG-0011: D_S falls until it is taken out, repaired, and put into another IMU.
@@ -281,8 +281,7 @@ mod tests {
     use std::collections::{BTreeMap, BTreeSet};
 
     use super::*;
-    use crate::core::judge::history::{BASELINE_RECORDS, History, Mark, Measured, Sample};
-    use crate::core::judge::{Event, LimitKind, Limits, State, judge};
+    use crate::core::judge::{Event, History, LimitKind, Limits, Mark, Measured, Sample, Seat, Series, State, judge};
     use crate::core::record::{Plausibility, Record};
     use crate::core::separate::separate;
 
@@ -369,17 +368,15 @@ mod tests {
             let measured = |value: f64| Measured { value, sd };
             let sample = |[day, d_i, d_s, d_o]: [f64; 4]| Sample {
                 at: TODAY.plus_days(day - DAYS),
+                seat: Seat::default(),
                 d: [measured(d_i), measured(d_s), measured(d_o)],
             };
             let samples: Vec<Sample> = history.into_iter().map(sample).collect();
             let repaired = serial == "LFG-0011";
             let mark = Mark::of(TODAY.plus_days(stories::BACK - 1.0 - DAYS), Event::Repair);
-            let marks: &[Mark] = if repaired { &[mark] } else { &[] };
-            let start = samples.iter().position(|sample| !repaired || sample.at >= mark.at).expect("records after it");
-            let series = samples.clone().into();
-            let history = History::of(&series, &samples[start..start + BASELINE_RECORDS], marks);
-            let mut verdicts = Vec::new();
-            judge(&history, samples.len() - 1, &Limits::default(), &mut verdicts);
+            let series = Series::new(samples, if repaired { vec![mark] } else { Vec::new() });
+            let (mut verdicts, newest) = (Vec::new(), series.len() - 1);
+            judge(&History::whole(&series, newest), newest, &Limits::default(), &mut verdicts);
             for verdict in verdicts.iter().filter(|verdict| verdict.state == State::Exceeded) {
                 let control = verdict.rule.limit_kind() == LimitKind::Control;
                 if control {

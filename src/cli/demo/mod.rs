@@ -42,6 +42,7 @@ impl Demo {
             ("GYROWATCH_DATABASE__URL".to_owned(), format!("sqlite://{}", self.database.display())),
             ("GYROWATCH_LOG__FILTER".to_owned(), "warn".to_owned()),
             ("GYROWATCH_JUDGING__INTERVAL_DAYS".to_owned(), "90".to_owned()),
+            ("GYROWATCH_JUDGING__REQUIREMENTS".to_owned(), "true".to_owned()),
         ];
         let config = Config::load(&[], keys)?;
         serve::run(config, |address| {

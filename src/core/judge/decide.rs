@@ -5,6 +5,7 @@ use std::f64::consts::SQRT_2;
 use statrs::function::erf::{erfc, erfc_inv};
 
 use super::State;
+use super::extremes::Extremes;
 use super::history::Measured;
 
 /// A state, and the probability that the true value lies beyond the limit, where uncertainty is known.
@@ -31,7 +32,7 @@ pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Outco
 
 /// Judges whether a figure lies outside [low, high]. With a standard deviation the probability is that of a true value ~
 /// N(value, sd^2), and a verdict is reached where it passes `confidence` or falls below 1 - confidence. Without one,
-/// the figure is compared as it stands.
+/// the figure is compared as it stands. A figure that lies inside never exceeds, however uncertain it is.
 pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Outcome {
     let Measured { value, sd } = figure;
     let Some(sd) = sd.filter(|&sd| sd > 0.0) else {
@@ -39,7 +40,54 @@ pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) ->
         return Outcome { state, probability: None };
     };
     let probability = (normal_cdf((value - high) / sd) + normal_cdf((low - value) / sd)).min(1.0);
-    Outcome { state: by_probability(probability, confidence), probability: Some(probability) }
+    let is_outside = value < low || value > high;
+    Outcome { state: by_probability(is_outside, probability, confidence), probability: Some(probability) }
+}
+
+/// Two figures, the lower one first, and what each belongs to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pair<T> {
+    pub low: (T, Measured),
+    pub high: (T, Measured),
+}
+
+impl<T> Pair<T> {
+    pub fn difference(&self) -> Measured {
+        self.high.1.minus(self.low.1)
+    }
+
+    /// Judges their difference, which is the widest among `n` figures.
+    pub fn outcome(&self, n: usize, limit: f64, confidence: f64) -> Outcome {
+        range_beyond(self.difference(), n, limit, confidence)
+    }
+
+    /// Excess over the limit in standard deviations, squared and with its sign: in the order of the probability to exceed. Then the
+    /// difference itself.
+    fn rank(&self, limit: f64) -> (f64, f64) {
+        let Measured { value, sd } = self.difference();
+        let excess = value - limit;
+        let rank = match sd.filter(|sd| *sd > 0.0) {
+            Some(sd) => (excess / sd) * (excess / sd).abs(),
+            None if excess > 0.0 => f64::INFINITY,
+            None => f64::NEG_INFINITY,
+        };
+        (rank, value)
+    }
+}
+
+/// The pair that exceeds the limit with the largest probability, and the smaller of the two ranges that are left without the lowest or the
+/// highest figure. None of fewer than two figures.
+pub(crate) fn widest<T: Copy>(figures: &[(T, Measured)], limit: f64) -> Option<(Pair<T>, f64)> {
+    let pairs = figures.iter().enumerate().flat_map(|(i, a)| figures[..i].iter().map(move |b| (*b, *a)));
+    let ordered =
+        pairs.map(|(a, b)| if a.1.value <= b.1.value { Pair { low: a, high: b } } else { Pair { low: b, high: a } });
+    let before = |a: &Pair<T>, b: &Pair<T>| {
+        let (a, b) = (a.rank(limit), b.rank(limit));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    };
+    let pair = ordered.reduce(|best, next| if before(&next, &best).is_gt() { next } else { best })?;
+    let extremes = Extremes::of(figures.iter().map(|(_, measured)| ((), measured.value)));
+    Some((pair, extremes.range_without_one()))
 }
 
 /// Judges max - min over `n` figures, where `range` carries the standard deviation of the difference of the two
@@ -54,9 +102,9 @@ pub(crate) fn range_beyond(range: Measured, n: usize, limit: f64, confidence: f6
     let Some(sd) = range.sd.filter(|&sd| sd > 0.0) else {
         return Outcome { state: plain(range.value, limit), probability: None };
     };
-    let probability =
-        if excess <= 0.0 { normal_cdf(excess / sd) } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
-    Outcome { state: by_probability(probability, confidence), probability: Some(probability) }
+    let inside = normal_cdf(excess / sd) + normal_cdf((-limit - range.value) / sd);
+    let probability = if excess <= 0.0 { inside } else { 1.0 - 0.5 * (1.0 - range_cdf(excess / sd * SQRT_2, n)) };
+    Outcome { state: by_probability(excess > 0.0, probability, confidence), probability: Some(probability) }
 }
 
 /// P(range of n standard normal figures <= q) = n integral phi(z) [Phi(z) - Phi(z - q)]^(n-1) dz, by Simpson's rule.
@@ -80,10 +128,12 @@ pub(crate) fn plain(value: f64, limit: f64) -> State {
     if value > limit { State::Exceeded } else { State::Within }
 }
 
-pub(crate) fn by_probability(probability: f64, confidence: f64) -> State {
-    if probability >= confidence {
+/// The state of a figure that lies beyond its limit or not, from the probability that the true value does: uncertainty alone exceeds
+/// nothing.
+pub(crate) fn by_probability(is_beyond: bool, probability: f64, confidence: f64) -> State {
+    if is_beyond && probability >= confidence {
         State::Exceeded
-    } else if probability <= 1.0 - confidence {
+    } else if !is_beyond && probability <= 1.0 - confidence {
         State::Within
     } else {
         State::Indeterminate

@@ -7,23 +7,27 @@
 pub mod history;
 pub mod limits;
 
+mod cells;
 mod decide;
 mod decimal;
 mod extremes;
+mod noise;
 mod older;
 mod reason;
 mod rules;
 mod series;
 
 pub use history::{
-    BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, baseline_since, stated_level,
+    BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, Seat, baseline_since, stated_level,
 };
-pub use limits::{Bounds, CusumLimits, DriftLimits, Limits, Requirement, TrendLimits};
+pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
+pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
 pub use older::Older;
-pub use reason::{Finding, turn_arcmin};
+pub use reason::{Finding, digits, sd_digits, turn_arcmin};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
 pub use series::Series;
 
+use cells::Window;
 use rules::Case;
 
 /// What a verdict is about.
@@ -74,15 +78,15 @@ impl Coefficient {
 /// A criterion. Several may watch the same coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
-    /// |x_k - x_(k-1)|.
+    /// |x_k - median of the three before|.
     Step,
-    /// max - min over the records of the last days.
+    /// max - min over the newest records.
     Range,
     /// |x_k - baseline|.
     Baseline,
-    /// Robust slope, carried forward to the budget.
+    /// A straight course, carried forward to the budget.
     Trend,
-    /// Two-sided cumulative sum.
+    /// Two-sided cumulative sum, in verdicts and alerts of earlier versions; [`Rule::Shift`] has taken its place.
     Cusum,
     /// Root mean square of successive differences.
     RmsSuccessive,
@@ -94,6 +98,10 @@ pub enum Rule {
     Requirement,
     /// Not calibrated for longer than the interval.
     Overdue,
+    /// The newest three weeks with records against the level before.
+    Shift,
+    /// The first records after an environmental test against the last one before.
+    BeforeAfter,
 }
 
 /// Which kind of limit a rule holds a gyro to; the two are never mixed.
@@ -106,7 +114,7 @@ pub enum LimitKind {
 }
 
 impl Rule {
-    pub const ALL: [Rule; 10] = [
+    pub const ALL: [Rule; 12] = [
         Rule::Step,
         Rule::Range,
         Rule::Baseline,
@@ -117,6 +125,8 @@ impl Rule {
         Rule::Agreement,
         Rule::Requirement,
         Rule::Overdue,
+        Rule::Shift,
+        Rule::BeforeAfter,
     ];
 
     pub fn name(self) -> &'static str {
@@ -131,6 +141,8 @@ impl Rule {
             Rule::Agreement => "agreement",
             Rule::Requirement => "requirement",
             Rule::Overdue => "overdue",
+            Rule::Shift => "shift",
+            Rule::BeforeAfter => "before_after",
         }
     }
 
@@ -140,8 +152,18 @@ impl Rule {
 
     pub fn limit_kind(self) -> LimitKind {
         match self {
-            Rule::Cusum | Rule::Trend => LimitKind::Control,
+            Rule::Cusum | Rule::Shift | Rule::Trend => LimitKind::Control,
             _ => LimitKind::Specification,
+        }
+    }
+
+    /// Whether a second campaign can confirm what the rule says.
+    pub fn can_be_confirmed(self) -> bool {
+        match self {
+            Rule::Step | Rule::Range | Rule::Baseline | Rule::Closure | Rule::Agreement | Rule::BeforeAfter => true,
+            // An alert does, where the gyro's next record says the same.
+            Rule::Requirement => true,
+            Rule::Trend | Rule::Cusum | Rule::Shift | Rule::RmsSuccessive | Rule::Overdue => false,
         }
     }
 }
@@ -169,6 +191,81 @@ impl State {
         Self::ALL.into_iter().find(|state| state.name() == name)
     }
 }
+
+/// What a verdict comes to, in the words of a quality engineer. The worst last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Status {
+    InTolerance,
+    /// Too few records to judge.
+    NotEnoughData,
+    /// Not even a figure in the middle of its tolerance would be known to lie within it.
+    TooUncertain,
+    /// The uncertainty straddles the limit.
+    Borderline,
+    /// Not calibrated in its interval.
+    Overdue,
+    /// Within its specification; a control rule speaks.
+    Drifting,
+    /// Beyond a specification limit in one campaign; a second one is to confirm it.
+    Unconfirmed,
+    /// Beyond a specification limit, by a rule that sees several campaigns or none.
+    OutOfTolerance,
+    /// Beyond a specification limit, and a second campaign agrees.
+    Confirmed,
+}
+
+impl Status {
+    pub const ALL: [Status; 9] = [
+        Status::InTolerance,
+        Status::NotEnoughData,
+        Status::TooUncertain,
+        Status::Borderline,
+        Status::Overdue,
+        Status::Drifting,
+        Status::Unconfirmed,
+        Status::OutOfTolerance,
+        Status::Confirmed,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::InTolerance => "in_tolerance",
+            Status::NotEnoughData => "not_enough_data",
+            Status::TooUncertain => "too_uncertain",
+            Status::Borderline => "borderline",
+            Status::Overdue => "overdue",
+            Status::Drifting => "drifting",
+            Status::Unconfirmed => "unconfirmed",
+            Status::OutOfTolerance => "out_of_tolerance",
+            Status::Confirmed => "confirmed",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|status| status.name() == name)
+    }
+
+    /// Of a verdict's parts; `value`, its limit and standard deviation as in [`Verdict`].
+    pub fn of(rule: Rule, state: State, value: Option<f64>, limit: f64, sd: Option<f64>, confirmed: bool) -> Self {
+        match state {
+            State::Within => Status::InTolerance,
+            State::Indeterminate if value.is_none() => Status::NotEnoughData,
+            State::Indeterminate if sd.is_some_and(|sd| sd > TOO_UNCERTAIN * limit.abs()) => Status::TooUncertain,
+            // A shift is undecided for no other reason.
+            State::Indeterminate if rule == Rule::Shift => Status::TooUncertain,
+            State::Indeterminate => Status::Borderline,
+            State::Exceeded if rule == Rule::Overdue => Status::Overdue,
+            State::Exceeded if rule.limit_kind() == LimitKind::Control => Status::Drifting,
+            State::Exceeded if confirmed => Status::Confirmed,
+            State::Exceeded if rule.can_be_confirmed() => Status::Unconfirmed,
+            State::Exceeded => Status::OutOfTolerance,
+        }
+    }
+}
+
+/// A standard deviation of more than this part of the limit decides nothing: of a figure without any departure, 5 % would still
+/// lie beyond it.
+const TOO_UNCERTAIN: f64 = 0.5;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
@@ -200,6 +297,8 @@ pub struct Verdict {
     /// The magnitude that is compared with the limit; none where there are too few points.
     pub value: Option<f64>,
     pub limit: f64,
+    /// What in the configuration sets the limit.
+    pub limit_from: LimitKey,
     /// Standard deviation of the value, where the station's standard deviations are known.
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where the standard deviation is known.
@@ -219,6 +318,10 @@ impl Verdict {
             _ => None,
         }
     }
+
+    pub fn status(&self) -> Status {
+        Status::of(self.rule, self.state, self.value, self.limit, self.sd, self.confirmed)
+    }
 }
 
 /// Judges record `k` of a history by every rule of that history that has a limit, appending to `verdicts`.
@@ -229,15 +332,17 @@ impl Verdict {
 /// # Panics
 /// Where `k` is not an index of `history.samples`.
 pub fn judge(history: &History<'_>, k: usize, limits: &Limits, verdicts: &mut Vec<Verdict>) {
-    let case = |coefficient, column| Case { history, k, coefficient, column, limits };
+    let window = &Window::at(history.samples, k);
+    let case = |coefficient, column| Case { history, k, coefficient, column, limits, window };
     let drifts = [(case(Coefficient::DI, 0), &limits.d_i), (case(Coefficient::DS, 1), &limits.d_s)];
     for (case, drift) in drifts {
         verdicts.extend(drift.step.map(|limit| rules::step(&case, limit)));
         verdicts.extend(drift.range.map(|limit| rules::range(&case, limit)));
         verdicts.extend(drift.baseline.map(|limit| rules::baseline(&case, limit, drift.fixed_baseline)));
         verdicts.extend(drift.trend.map(|limits| rules::trend(&case, &limits, drift.fixed_baseline)));
-        verdicts.extend(drift.cusum.map(|limits| rules::cusum(&case, &limits)));
+        verdicts.extend(drift.shift.map(|limits| rules::shift(&case, &limits)));
         verdicts.extend(drift.rms_successive.map(|limit| rules::rms_successive(&case, limit)));
+        verdicts.extend(drift.before_after.and_then(|limit| rules::before_after(&case, limit)));
     }
     verdicts.extend(limits.closure.map(|limit| rules::closure(&case(Coefficient::DO, 2), limit)));
 }

@@ -1,17 +1,18 @@
-//! Reasons in words that stand up in a review board: what was compared with what, on which dates, how certain.
+//! Reasons in words that stand up in a review board: the result, then the number, then what it was compared with.
 
 use std::fmt::{self, Display, Formatter, Write as _};
 
 use super::decimal::Decimal;
-use super::rules::Source;
-use super::{Coefficient, Rule, State, Verdict};
+use super::history::Measured;
+use super::rules::{MOST_FIGURES, Source};
+use super::{Coefficient, Rule, State, Status, Verdict};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 
 /// What a rule saw. Values in deg/(h g0) unless said otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finding {
-    /// Not enough records since the last event that resets the rule.
+    /// Not enough records since the last event that resets the rule; weeks with records where the rule counts those.
     TooFew {
         have: usize,
         need: usize,
@@ -22,16 +23,20 @@ pub enum Finding {
         need: usize,
         days: f64,
     },
-    Step {
+    /// The gyro is in another IMU or slot than before, and has too few records there.
+    Moved {
         since: UtcMicros,
-        before: f64,
+        have: usize,
+        need: usize,
+    },
+    Step {
+        /// Median of the three records before.
+        level: f64,
         now: f64,
-        /// The level before an earlier step that this record confirms.
-        confirms: Option<(UtcMicros, f64)>,
     },
     Range {
         records: usize,
-        days: f64,
+        since: UtcMicros,
         lowest: (UtcMicros, f64),
         highest: (UtcMicros, f64),
     },
@@ -44,42 +49,60 @@ pub enum Finding {
     Closure {
         level: f64,
         since: Option<UtcMicros>,
+        /// Whether the level began when the gyro was moved to another IMU or slot.
+        moved: bool,
         now: f64,
         /// D_S, where the closure is D_O: what a turn of the spin axis would have moved it by, per radian.
         d_s: Option<f64>,
     },
     /// No slope is established.
     NoTrend {
-        records: usize,
+        cells: usize,
         since: UtcMicros,
         /// Where a change of level explains the records better.
         step: Option<UtcMicros>,
     },
     Trend {
-        records: usize,
+        cells: usize,
         since: UtcMicros,
         /// The judged record, from which the slope is carried on.
         until: UtcMicros,
-        /// Slope and its interval: low, median, high, deg/(h g0) a day.
-        per_day: [f64; 3],
+        per_year: Measured,
         /// From the baseline, at `until`.
         deviation: f64,
         horizon_days: f64,
-        /// When the budget is reached, by the steepest, the median and the shallowest slope of the interval; `until` where it has
-        /// been passed already.
-        reach: [UtcMicros; 3],
+        /// When the budget is reached: by the early edge of the 95 % band, by the line, by the late edge; `until` where it has been passed
+        /// already, none where it never is.
+        reach: [Option<UtcMicros>; 3],
+        /// The course is younger than the longest window: the dates may be off by more than they say.
+        provisional: bool,
+        /// Whether the noise constants are the fleet's.
+        of_fleet: bool,
     },
-    /// Sums in standard deviations.
-    Cusum {
-        records: usize,
-        onset: UtcMicros,
-        upward: bool,
-        records_per_false_alarm: f64,
+    Shift {
+        level: f64,
+        /// Cells that make the level.
+        before: usize,
+        /// First record of the newest three cells.
+        since: UtcMicros,
+        /// Median of the newest three.
+        now: f64,
+        /// Of one cell about its level.
+        scatter: f64,
+        /// The departure that matters; the limit is three standard deviations where they are more.
+        least: f64,
     },
     RmsSuccessive {
         since: UtcMicros,
         /// The part that the stations' standard deviations explain, where they are known.
         explained: Option<f64>,
+    },
+    BeforeAfter {
+        before: (UtcMicros, f64),
+        /// The test.
+        from: UtcMicros,
+        until: UtcMicros,
+        now: f64,
     },
     Agreement {
         results: usize,
@@ -91,7 +114,8 @@ pub enum Finding {
         figure: &'static str,
         low: f64,
         high: f64,
-        others_outside: usize,
+        /// Other figures that lie outside.
+        others: [Option<&'static str>; MOST_FIGURES - 1],
     },
     /// Days.
     Overdue {
@@ -100,7 +124,7 @@ pub enum Finding {
 }
 
 impl Verdict {
-    /// Why the verdict is what it is, in one or two sentences.
+    /// Why the verdict is what it is, in a few short sentences.
     pub fn reason(&self) -> String {
         // Room for nearly all of them: growing piece by piece costs more than the words.
         let mut words = String::with_capacity(256);
@@ -112,32 +136,29 @@ impl Verdict {
 impl Display for Verdict {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         self.write_finding(f)?;
-        if matches!(self.finding, Finding::TooFew { .. } | Finding::FewWithin { .. }) {
-            return f.write_str(".");
+        if self.value.is_none() {
+            return Ok(());
         }
-        write!(f, "; the limit is {:.*} {}.", digits(self.limit), Decimal(self.limit), self.unit())?;
-        self.write_certainty(f)?;
+        self.write_limit(f)?;
         if self.confirmed {
             f.write_str(match self.rule {
-                Rule::Range | Rule::Agreement => {
-                    " No single one is to blame: without the highest or the lowest it is exceeded too."
-                }
-                _ => " A second campaign confirms it.",
+                Rule::Range | Rule::Agreement => " Not due to a single result.",
+                _ => " Confirmed by a second campaign.",
             })?;
         }
-        Ok(())
+        self.write_certainty(f)
     }
 }
 
-/// Decimals that show a thousandth of the limit.
-fn digits(limit: f64) -> usize {
-    if limit == 0.0 { 6 } else { (3.0 - limit.abs().log10().floor()).clamp(0.0, 12.0) as usize }
+/// Decimals that show a hundredth of the limit.
+pub fn digits(limit: f64) -> usize {
+    if limit == 0.0 { 6 } else { (2.0 - limit.abs().log10().floor()).clamp(0.0, 12.0) as usize }
 }
 
-/// As many decimals as the limit, and more where they would show less than two digits of the standard deviation.
-fn sd_digits(sd: f64, limit: f64) -> usize {
-    let two = if sd > 0.0 { (1.0 - sd.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    digits(limit).max(two)
+/// As many decimals as the limit, and more where they would not show the standard deviation.
+pub fn sd_digits(sd: f64, limit: f64) -> usize {
+    let one = if sd > 0.0 { (-sd.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    digits(limit).max(one)
 }
 
 impl Verdict {
@@ -154,142 +175,212 @@ impl Verdict {
 
     fn write_finding(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (name, p) = (self.coefficient.name(), digits(self.limit));
-        let value = Decimal(self.value.unwrap_or(0.0));
         match self.finding {
             Finding::TooFew { have, need } => {
-                let what = if self.rule == Rule::Agreement { "results" } else { "records" };
-                let are = if have == 1 { "is" } else { "are" };
-                write!(f, "{name}: the rule {} needs {need} {what}, {have} {are} there", self.rule.name())
+                let what = match self.rule {
+                    Rule::Agreement => "results",
+                    Rule::Shift | Rule::Trend if need > super::BASELINE_RECORDS + 1 => "weeks with records",
+                    _ => "records",
+                };
+                write!(f, "{name}: not enough data for {}. It needs {need} {what} and has {have}.", self.rule.name())
             }
             Finding::FewWithin { have, need, days } => {
-                let are = if have == 1 { "is" } else { "are" };
-                write!(
-                    f,
-                    "{name}: the rule {} needs {need} results within {days} days, {have} {are} there",
-                    self.rule.name()
-                )
+                write!(f, "{name}: not enough data for {}. ", self.rule.name())?;
+                write!(f, "It needs {need} results within {days} days and has {have}.")
             }
-            Finding::Step { since, before, now, confirms } => {
-                let (step, before, date) = (Decimal(now - before), Decimal(before), since.date());
-                let shown = Decimal(now);
-                write!(f, "{name} changed by {step:+.p$} from {before:.p$} on {date} to {shown:.p$}")?;
-                let Some((at, level)) = confirms else { return Ok(()) };
-                write!(f, " and lies {:+.p$} from {:.p$} on {}", Decimal(now - level), Decimal(level), at.date())
+            Finding::Moved { since, have, need } => {
+                write!(f, "{name}: the gyro was moved to another IMU or slot before {}. ", since.date())?;
+                write!(f, "Its level there needs {need} records and has {have}.")
             }
-            Finding::Range { records, days, lowest, highest } => {
-                write!(f, "{name} spans {value:.p$} over {records} records of {days} days, ")?;
-                write!(f, "from {:.p$} on {} ", Decimal(lowest.1), lowest.0.date())?;
-                write!(f, "to {:.p$} on {}", Decimal(highest.1), highest.0.date())
+            Finding::Step { level, now } => {
+                self.write_departure(f, now - level)?;
+                write!(f, " the records before (median {:.p$}).", Decimal(level))
+            }
+            Finding::Range { records, since, lowest, highest } => {
+                write!(f, "{name} spans ")?;
+                self.write_value(f)?;
+                write!(f, " over {records} records since {}: ", since.date())?;
+                write!(f, "{:.p$} on {} ", Decimal(lowest.1), lowest.0.date())?;
+                write!(f, "and {:.p$} on {}.", Decimal(highest.1), highest.0.date())
             }
             Finding::Baseline { level, since, now } => {
-                write!(f, "{name} lies {:+.p$} from its baseline {:.p$}", Decimal(now - level), Decimal(level))?;
+                self.write_departure(f, now - level)?;
+                write!(f, " its baseline {:.p$}", Decimal(level))?;
                 write_origin(f, since)
             }
-            Finding::Closure { level, since, now, d_s } => {
-                let moved = Decimal(now - level);
-                write!(f, "The closure {name} moved by {moved:+.p$} from its baseline {:.p$}", Decimal(level))?;
+            Finding::Closure { level, since, moved, now, d_s } => {
+                self.write_departure(f, now - level)?;
+                write!(f, " its baseline {:.p$}", Decimal(level))?;
                 write_origin(f, since)?;
+                if moved {
+                    f.write_str(" That level began when the gyro was moved to another IMU or slot.")?;
+                }
                 if let Some(turn) = turn_arcmin(now - level, d_s) {
-                    write!(f, ", as a turn of {turn:+.1} arcmin about the input axis would")?;
+                    write!(f, " A turn of {turn:+.1} arcmin about the input axis does the same.")?;
                 }
                 // What lies within its limit is not said to have a cause.
                 f.write_str(match self.state {
-                    State::Exceeded => ": mounting, or an output-axis term, rather than D_I or D_S",
+                    State::Exceeded => " Likely the mounting or an output-axis term, not D_I or D_S.",
                     State::Within | State::Indeterminate => "",
                 })
             }
-            Finding::NoTrend { records, since, step } => {
-                write!(f, "{name}: the {records} records since {} establish no slope", since.date())?;
-                let Some(at) = step else { return Ok(()) };
-                write!(f, " (a change of level on {} explains them better)", at.date())
-            }
-            Finding::Trend { records, since, until, per_day, deviation, horizon_days, reach } => {
-                let deviation = Decimal(deviation);
-                let [low, slope, high] = per_day.map(|per_day| Decimal(per_day * 365.25));
-                write!(
-                    f,
-                    "{name} drifts by {slope:+.p$} a year ({low:+.p$} to {high:+.p$}) over the {records} records "
-                )?;
-                write!(
-                    f,
-                    "from {} to {}, when it lay {deviation:+.p$} from its baseline; ",
-                    since.date(),
-                    until.date()
-                )?;
-                // Whoever reads this may do so long after: no date is said to lie ahead.
-                if reach[1] <= until {
-                    write!(f, "it has passed the budget, and carried on from there it would ")?;
-                } else {
-                    let [first, middle, last] = reach.map(UtcMicros::date);
-                    write!(
-                        f,
-                        "carried on from there it would reach the budget about {middle} ({first} to {last}), and "
-                    )?;
+            Finding::NoTrend { cells, since, step } => {
+                write!(f, "{name}: no trend in the {cells} weekly means since {}", since.date())?;
+                match step {
+                    Some(at) => write!(f, "; a step on {} fits better.", at.date()),
+                    None => f.write_str("."),
                 }
-                write!(f, "lie {value:.p$} off after {horizon_days:.0} days")
             }
-            Finding::Cusum { records, onset, upward, records_per_false_alarm } => {
-                let side = if upward { "above" } else { "below" };
-                write!(f, "{name} has lain {side} its level for {records} records, since {}: ", onset.date())?;
-                write!(
-                    f,
-                    "the cumulative sum is {value:.p$} standard deviations, and a stable gyro passes the limit "
-                )?;
-                write!(f, "once in {records_per_false_alarm} records")
+            Finding::Trend { .. } => self.write_trend(f),
+            Finding::Shift { level, before, since, now, .. } => {
+                write!(f, "{name}: the newest three weekly means, since {}, are ", since.date())?;
+                self.write_value(f)?;
+                let side = if now >= level { "above" } else { "below" };
+                write!(f, " {side} the level {:.p$} of the {before} before.", Decimal(level))
             }
             Finding::RmsSuccessive { since, explained } => {
+                write!(f, "{name}: the rms of successive differences since {} is ", since.date())?;
+                self.write_value(f)?;
+                f.write_str(", without the most deviating record.")?;
+                let Some(explained) = explained else { return Ok(()) };
+                write!(f, " Stated standard deviations explain {:.p$}.", Decimal(explained))
+            }
+            Finding::BeforeAfter { before, from, until, now } => {
+                self.write_departure(f, now - before.1)?;
                 write!(
                     f,
-                    "{name}: the root mean square of successive differences since {} is {value:.p$}",
-                    since.date()
+                    " its last record before the environmental test ({:.p$} on {}). ",
+                    Decimal(before.1),
+                    before.0.date()
                 )?;
-                let Some(explained) = explained else { return Ok(()) };
-                write!(f, ", of which the campaigns' standard deviations explain {:.p$}", Decimal(explained))
+                write!(f, "The test took from {} to {}.", from.date(), until.date())
             }
             Finding::Agreement { results, lowest, highest } => {
                 let of = |(source, at, result): (Source, UtcMicros, f64)| {
                     format!("{:.p$} ({} on {})", Decimal(result), source.name(), at.date())
                 };
-                write!(f, "{name} spans {value:.p$} over {results} results, from {} to {}", of(lowest), of(highest))
+                write!(f, "{name} spans ")?;
+                self.write_value(f)?;
+                write!(f, " over {results} results: {} and {}.", of(lowest), of(highest))
             }
-            Finding::Requirement { figure, low, high, others_outside } => {
-                let where_it_lies = if (low..=high).contains(&value.0) { "lies within" } else { "lies outside" };
-                write!(f, "{figure} = {value:.p$} {where_it_lies} {:.p$} to {:.p$}", Decimal(low), Decimal(high))?;
-                match others_outside {
-                    0 => Ok(()),
-                    1 => write!(f, ", and so does 1 more figure of {name}"),
-                    n => write!(f, ", and so do {n} more figures of {name}"),
+            Finding::Requirement { figure, low, high, others } => {
+                let value = self.value.unwrap_or(0.0);
+                let place = if (low..=high).contains(&value) { "inside" } else { "outside" };
+                write!(f, "{figure} = ")?;
+                self.write_value(f)?;
+                write!(f, " is {place} {:.p$} to {:.p$}.", Decimal(low), Decimal(high))?;
+                for (k, other) in others.iter().flatten().enumerate() {
+                    write!(f, "{}{other}", if k == 0 { " Also outside: " } else { ", " })?;
+                }
+                f.write_str(if others[0].is_some() { "." } else { "" })
+            }
+            Finding::Overdue { last } => {
+                write!(f, "Last calibrated on {}, {:.1} days ago.", last.date(), Decimal(self.value.unwrap_or(0.0)))
+            }
+        }
+    }
+
+    fn write_trend(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } =
+            self.finding
+        else {
+            return Ok(());
+        };
+        let (name, p, unit) = (self.coefficient.name(), digits(self.limit), self.unit());
+        let sd = per_year.sd.unwrap_or(0.0);
+        write!(f, "{name} drifts by {:+.p$} +- {:.p$} {unit} a year ", Decimal(per_year.value), Decimal(sd))?;
+        write!(f, "({cells} weekly means from {} to {}). ", since.date(), until.date())?;
+        // Whoever reads this may do so long after: no date is said to lie ahead.
+        match reach {
+            [_, Some(middle), _] if middle <= until => f.write_str("It has passed its budget. ")?,
+            [Some(first), Some(middle), last] => {
+                write!(f, "It reaches its budget about {} (95 %: {} to ", middle.date(), first.date())?;
+                match last {
+                    Some(last) => write!(f, "{}). ", last.date())?,
+                    None => f.write_str("never). ")?,
                 }
             }
-            Finding::Overdue { last } => write!(f, "Last calibrated on {}, {value:.1} days ago", last.date()),
+            _ => {}
+        }
+        write!(f, "Its deviation from the baseline is {:+.p$} and will be ", Decimal(deviation))?;
+        self.write_value(f)?;
+        write!(f, " after {horizon_days:.0} days.")?;
+        if provisional {
+            f.write_str(" Dates are provisional: the course is younger than 24 weekly means.")?;
+        }
+        if !of_fleet {
+            f.write_str(" The noise constants are defaults, not the fleet's.")?;
+        }
+        Ok(())
+    }
+
+    /// `D_I is 0.0251 +- 0.0007 deg/(h g0) above`.
+    fn write_departure(&self, f: &mut Formatter<'_>, difference: f64) -> fmt::Result {
+        write!(f, "{} is ", self.coefficient.name())?;
+        self.write_value(f)?;
+        f.write_str(if difference < 0.0 { " below" } else { " above" })
+    }
+
+    fn write_value(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let p = digits(self.limit);
+        write!(f, "{:.p$}", Decimal(self.value.unwrap_or(0.0)))?;
+        if let Some(sd) = self.sd {
+            let p = sd_digits(sd, self.limit);
+            write!(f, " +- {:.p$}", Decimal(sd))?;
+        }
+        write!(f, " {}", self.unit())
+    }
+
+    fn write_limit(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let p = digits(self.limit);
+        let limit = Decimal(self.limit);
+        match self.finding {
+            // Its bounds were named.
+            Finding::Requirement { .. } => write!(f, " Limits from {}.", self.limit_from),
+            Finding::Shift { least, .. } if self.limit > least => {
+                write!(f, " Limit {limit:.p$} {} (three standard deviations; least {})", self.unit(), self.limit_from)?;
+                f.write_str(".")
+            }
+            _ => {
+                write!(f, " Limit {limit:.p$} {} ({})", self.unit(), self.limit_from)?;
+                let percent = 100.0 * self.value.unwrap_or(0.0) / self.limit;
+                if self.state == State::Exceeded && percent < 1e5 {
+                    write!(f, ": {percent:.0} %")?;
+                }
+                f.write_str(".")
+            }
         }
     }
 
     fn write_certainty(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match (self.sd, self.probability) {
-            (Some(sd), Some(probability)) => {
+        let by_clock_or_chart = matches!(self.rule, Rule::Shift | Rule::Trend | Rule::Overdue | Rule::Cusum);
+        match (self.status(), self.sd, self.probability) {
+            (Status::TooUncertain, Some(sd), _) => {
                 let p = sd_digits(sd, self.limit);
-                write!(f, " With a standard deviation of {:.p$} the true value ", Decimal(sd))?;
-                // What is required has a lower limit too.
-                f.write_str(if self.rule == Rule::Requirement { "lies beyond it" } else { "exceeds it" })?;
-                f.write_str(" with a probability of ")?;
-                write_percent(f, probability)?;
-                f.write_str(if self.state == State::Indeterminate {
-                    ": the uncertainty straddles the limit."
-                } else {
-                    "."
-                })
+                let limit = Decimal(self.limit);
+                write!(
+                    f,
+                    " Too uncertain to judge: standard deviation {:.p$} against a limit of {limit:.p$}.",
+                    Decimal(sd)
+                )
             }
-            _ if matches!(self.rule, Rule::Cusum | Rule::Trend | Rule::Overdue) => Ok(()),
-            _ => f.write_str(" No standard deviation is known: the figures are compared as they stand."),
+            (_, _, Some(probability)) => {
+                f.write_str(" P(out of tolerance) ")?;
+                write_percent(f, probability)?;
+                f.write_str(".")
+            }
+            (_, None, None) if !by_clock_or_chart => {
+                f.write_str(" No standard deviation is known: compared as it stands.")
+            }
+            _ => Ok(()),
         }
     }
 }
 
 fn write_origin(f: &mut Formatter<'_>, since: Option<UtcMicros>) -> fmt::Result {
     match since {
-        Some(at) => write!(f, " (mean of the first records from {})", at.date()),
-        None => f.write_str(" (fixed)"),
+        Some(at) => write!(f, " (median of three records from {}).", at.date()),
+        None => f.write_str(" (fixed)."),
     }
 }
 
@@ -305,8 +396,8 @@ pub fn turn_arcmin(moved: f64, d_s: Option<f64>) -> Option<f64> {
 
 fn write_percent(f: &mut Formatter<'_>, probability: f64) -> fmt::Result {
     match probability {
-        p if p > 0.999 => f.write_str("more than 99.9 %"),
-        p if p < 0.001 => f.write_str("less than 0.1 %"),
-        p => write!(f, "{:.1} %", 100.0 * p),
+        p if p > 0.999 => f.write_str("> 99.9 %"),
+        p if p < 0.001 => f.write_str("< 0.1 %"),
+        p => write!(f, "= {:.1} %", 100.0 * p),
     }
 }

@@ -1,17 +1,23 @@
-//! A gyro's records in a row, with the extremes of any stretch of them at hand.
+//! A gyro's records in a row and what was done to it, with weekly means and the extremes of any stretch at hand.
 
 use std::ops::{Deref, Range};
 
+use super::cells::{self, Cell};
 use super::extremes::Extremes;
-use super::history::{COLUMNS, Sample};
+use super::history::{COLUMNS, Mark, Sample};
+use crate::core::time::UtcMicros;
 
-/// Records of one gyro, oldest first, no two at the same instant.
+/// Records of one gyro, oldest first, no two at the same instant, and its events.
 ///
 /// Rules that look back over days may have thousands of records before them, so the extremes of runs of 16, 256, 4096 ... records
-/// are kept: those of any stretch take some thirty steps for each power of sixteen in its length.
+/// are kept: those of any stretch take some thirty steps for each power of sixteen in its length. Cells outlast the records
+/// that were [forgotten](Series::forget).
 #[derive(Debug, Clone, Default)]
 pub struct Series {
     samples: Vec<Sample>,
+    /// Oldest first.
+    marks: Vec<Mark>,
+    cells: Vec<Cell>,
     /// Of each length of run, those of every run that is complete, by column of [`Sample::d`].
     runs: Vec<Vec<[Extremes<usize>; COLUMNS]>>,
 }
@@ -20,9 +26,45 @@ pub struct Series {
 const RUN: usize = 16;
 
 impl Series {
+    /// Records and events, both oldest first.
+    pub fn new(samples: Vec<Sample>, marks: Vec<Mark>) -> Self {
+        let mut series = Self { samples, marks, ..Self::default() };
+        series.complete(0);
+        series.rebuild_cells(UtcMicros(i64::MIN));
+        series
+    }
+
     pub fn push(&mut self, sample: Sample) {
         self.samples.push(sample);
+        cells::push(&mut self.cells, &sample, &self.marks);
         self.complete(0);
+    }
+
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
+    pub(super) fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// The cells between events that restart the control rules.
+    pub(super) fn undisturbed_cells(&self) -> impl Iterator<Item = &[Cell]> {
+        let restarted = |a: &Cell, b: &Cell| {
+            self.marks.iter().any(|mark| cells::ends_cell(mark) && a.first < mark.at && mark.at <= b.first)
+        };
+        self.cells.chunk_by(move |a, b| !restarted(a, b))
+    }
+
+    /// Whether the control rules find every cell that they look back to, if the first records of the oldest cell may be missing.
+    pub fn reaches_all_cells(&self) -> bool {
+        let (Some(newest), [_, complete @ ..]) = (self.samples.last(), &self.cells[..]) else { return false };
+        complete.len() > cells::looked_at(complete, newest.at) + cells::SPARE
+    }
+
+    /// Forgets the oldest cell, whose first records are missing.
+    pub fn forget_first_cell(&mut self) {
+        self.cells.drain(..1.min(self.cells.len()));
     }
 
     /// Puts records in their places by time.
@@ -33,12 +75,17 @@ impl Series {
         let place = self.samples[..before].partition_point(|there| there.at < first);
         self.samples[place..].sort_by_key(|sample| sample.at);
         self.rebuild(place);
+        self.rebuild_cells(first);
     }
 
-    /// Forgets the oldest `count` records.
+    /// Forgets the oldest `count` records, and the cells that no rule looks back to.
     pub fn forget(&mut self, count: usize) {
         self.samples.drain(..count);
         self.rebuild(0);
+        if let Some(newest) = self.samples.last() {
+            let keep = cells::looked_at(&self.cells, newest.at) + cells::SPARE;
+            self.cells.drain(..self.cells.len().saturating_sub(keep));
+        }
     }
 
     /// The extremes of a column over a stretch of places.
@@ -56,6 +103,17 @@ impl Series {
             at += length;
         }
         found
+    }
+
+    /// Makes the cells anew that hold a record at `first` or after it. The records of the first of them must not have been forgotten.
+    fn rebuild_cells(&mut self, first: UtcMicros) {
+        let cell = self.cells.partition_point(|cell| cell.ends_before(first, &self.marks));
+        let begin = self.cells.get(cell).map_or(first, |cell| cell.first.min(first));
+        self.cells.truncate(cell);
+        let place = self.samples.partition_point(|sample| sample.at < begin);
+        for sample in &self.samples[place..] {
+            cells::push(&mut self.cells, sample, &self.marks);
+        }
     }
 
     /// Makes anew what holds a record at `place` or after it.
@@ -96,11 +154,9 @@ impl Series {
 }
 
 impl From<Vec<Sample>> for Series {
-    /// `samples` are oldest first.
+    /// `samples` are oldest first, and nothing was done to the gyro.
     fn from(samples: Vec<Sample>) -> Self {
-        let mut series = Self { samples, runs: Vec::new() };
-        series.complete(0);
-        series
+        Self::new(samples, Vec::new())
     }
 }
 
@@ -125,12 +181,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::core::judge::Measured;
-    use crate::core::time::UtcMicros;
+    use crate::core::judge::{Event, Measured, Seat};
 
     fn sample(at: i64, value: i32) -> Sample {
         let d = [value, -value, value % 3].map(|value| Measured::exact(f64::from(value)));
-        Sample { at: UtcMicros(at), d }
+        Sample { at: UtcMicros(at), seat: Seat::default(), d }
     }
 
     /// By sorting: what is left without the lowest, and without the highest.
@@ -144,6 +199,31 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn late_records_and_forgotten_ones_leave_the_cells_that_all_records_make(
+            hours in prop::collection::vec(1_i64..200, 30..300),
+            late in prop::collection::vec(0_usize..20, 0..4),
+            repaired in 0.0..1.0,
+        ) {
+            let hour = |hours: i64| hours * 3_600_000_000;
+            let mut at = 0;
+            let all: Vec<Sample> = hours.iter().map(|step| { at += step; sample(hour(at), (at * 37 % 91) as i32) }).collect();
+            let marks = vec![Mark::of(UtcMicros((repaired * hour(at) as f64) as i64), Event::Repair)];
+            let is_late = |k: usize| late.iter().any(|late| k + 1 + late == all.len());
+            let mut series = Series::new(Vec::new(), marks.clone());
+            all.iter().enumerate().filter(|(k, _)| !is_late(*k)).for_each(|(_, sample)| series.push(*sample));
+            series.insert(all.iter().enumerate().filter(|(k, _)| is_late(*k)).map(|(_, sample)| *sample));
+            let whole = Series::new(all.clone(), marks);
+            prop_assert_eq!(series.cells(), whole.cells());
+            series.forget(all.len() - 1);
+            let left = series.cells();
+            prop_assert_eq!(left, &whole.cells()[whole.cells().len() - left.len()..]);
+            prop_assert!(left.len() >= cells::looked_at(whole.cells(), all[all.len() - 1].at));
+            let parts = whole.undisturbed_cells().count();
+            let parted = all[0].at < whole.marks()[0].at;
+            prop_assert_eq!(parts, 1 + usize::from(parted && whole.marks()[0].at <= all[all.len() - 1].at));
+        }
+
         #[test]
         fn every_stretch_has_the_extremes_that_sorting_finds(
             values in prop::collection::vec(-40..40, 2..700),

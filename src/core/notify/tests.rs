@@ -1,5 +1,5 @@
 use super::*;
-use crate::core::judge::{Coefficient, Finding, Rule};
+use crate::core::judge::{Coefficient, Finding, LimitKey, Rule};
 
 const POLICY: Policy = Policy { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2 };
 
@@ -14,6 +14,7 @@ fn verdict(rule: Rule, state: State, value: f64, confirmed: bool) -> Verdict {
         state,
         value: Some(value),
         limit: 0.01,
+        limit_from: LimitKey::BUDGET,
         sd: None,
         probability: None,
         confirmed,
@@ -99,7 +100,7 @@ fn a_step_that_the_next_campaign_confirms_goes_on_firing_and_escalates() {
     let step = |state, value, confirmed| verdict(Rule::Step, state, value, confirmed);
     let mut story = Story::default();
     assert_eq!(story.record(0.0, &step(State::Exceeded, 0.02, false)), Action::Fire);
-    assert_eq!(story.record(14.0, &step(State::Within, 0.001, true)), Action::Escalate);
+    assert_eq!(story.record(14.0, &step(State::Exceeded, 0.021, true)), Action::Escalate);
     assert_eq!(story.status(), Some(Status::Firing));
     assert_eq!(story.record(28.0, &step(State::Within, 0.001, false)), Action::Resolve);
 }

@@ -51,6 +51,8 @@ impl Text {
             Rule::Agreement => self.rule_agreement,
             Rule::Requirement => self.rule_requirement,
             Rule::Overdue => self.rule_overdue,
+            Rule::Shift => self.rule_shift,
+            Rule::BeforeAfter => self.rule_before_after,
         }
     }
 
@@ -62,6 +64,9 @@ impl Text {
             Event::Transport => self.event_transport,
             Event::Firmware => self.event_firmware,
             Event::Note => self.event_note,
+            Event::EnvironmentalTest => self.event_environmental_test,
+            Event::Retired => self.event_retired,
+            Event::InStorage => self.event_in_storage,
         }
     }
 

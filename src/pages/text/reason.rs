@@ -2,115 +2,160 @@
 //! the same order.
 
 use super::words::CHINESE;
-use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Verdict, turn_arcmin};
+use crate::core::judge::{Coefficient, Finding, Rule, Source, State, Status, Verdict, digits, sd_digits, turn_arcmin};
 use crate::core::time::UtcMicros;
 
-/// One or two sentences.
+/// A few short sentences.
 pub(in crate::pages) fn in_chinese(verdict: &Verdict) -> String {
     let mut text = finding(verdict);
-    if matches!(verdict.finding, Finding::TooFew { .. } | Finding::FewWithin { .. }) {
-        return text + "。";
+    if verdict.value.is_none() {
+        return text;
     }
-    text += &format!("；限值为{:.*}{}。", digits(verdict.limit), verdict.limit, unit(verdict));
-    text += &certainty(verdict);
+    text += &limit(verdict);
     if verdict.confirmed {
         text += match verdict.rule {
-            Rule::Range | Rule::Agreement => "并非由单个结果造成：去掉最高或最低值后仍超限。",
-            _ => "第二次标定予以证实。",
+            Rule::Range | Rule::Agreement => "并非由单个结果造成。",
+            _ => "第二次标定已证实。",
         };
     }
-    text
+    text + &certainty(verdict)
 }
 
 fn finding(verdict: &Verdict) -> String {
     let (name, p) = (verdict.coefficient.name(), digits(verdict.limit));
-    let value = verdict.value.unwrap_or(0.0);
+    let (value, rule) = (value(verdict), CHINESE.rule(verdict.rule));
     match verdict.finding {
-        Finding::TooFew { have, need } => format!("{name}：规则需要{need}个记录，现有{have}个"),
-        Finding::FewWithin { have, need, days } => format!("{name}：规则需要{days}天内{need}个结果，现有{have}个"),
-        Finding::Step { since, before, now, confirms } => {
-            let step = now - before;
-            let mut text = format!("{name}自{}以来变化{step:+.p$}，由{before:.p$}变为{now:.p$}", since.date());
-            if let Some((at, level)) = confirms {
-                text += &format!("，与{}的{level:.p$}相差{:+.p$}", at.date(), now - level);
-            }
-            text
+        Finding::TooFew { have, need } => {
+            let what = match verdict.rule {
+                Rule::Agreement => "个结果",
+                Rule::Shift | Rule::Trend if need > 4 => "个有记录的周",
+                _ => "个记录",
+            };
+            format!("{name}：“{rule}”数据不足，需要{need}{what}，现有{have}个。")
         }
-        Finding::Range { records, days, lowest, highest } => format!(
-            "{name}在{days}天内{records}个记录的极差为{value:.p$}，最低{:.p$}（{}），最高{:.p$}（{}）",
+        Finding::FewWithin { have, need, days } => {
+            format!("{name}：“{rule}”数据不足，需要{days}天内{need}个结果，现有{have}个。")
+        }
+        Finding::Moved { since, have, need } => {
+            format!("{name}：陀螺在{}之前换到另一惯组或位置，新水平需要{need}个记录，现有{have}个。", since.date())
+        }
+        Finding::Step { level, now } => {
+            format!("{name}比此前记录（中位数{level:.p$}）{}{value}。", side(now - level))
+        }
+        Finding::Range { records, since, lowest, highest } => format!(
+            "{name}自{}以来{records}个记录的极差为{value}：{:.p$}（{}）与{:.p$}（{}）。",
+            since.date(),
             lowest.1,
             lowest.0.date(),
             highest.1,
             highest.0.date()
         ),
         Finding::Baseline { level, since, now } => {
-            format!("{name}偏离基线{level:.p$}{}，相差{:+.p$}", origin(since), now - level)
+            format!("{name}比基线{level:.p$}{}{}{value}。", origin(since), side(now - level))
         }
-        Finding::Closure { level, since, now, d_s } => {
-            let moved = now - level;
-            let turn = turn_arcmin(moved, d_s);
-            let turn = turn.map_or_else(String::new, |turn| format!("，相当于绕输入轴转动{turn:+.1}角分"));
-            let cause = if verdict.state == State::Exceeded {
-                "：更可能是安装变化或输出轴项，而非D_I或D_S"
-            } else {
-                ""
-            };
-            format!("闭合差{name}偏离基线{level:.p$}{}，相差{moved:+.p$}{turn}{cause}", origin(since))
-        }
-        Finding::NoTrend { records, since, step } => {
-            let mut text = format!("{name}：自{}以来的{records}个记录未显示斜率", since.date());
-            if let Some(at) = step {
-                text += &format!("（{}的水平变化更能解释）", at.date());
+        Finding::Closure { level, since, moved, now, d_s } => {
+            let mut text = format!("{name}比基线{level:.p$}{}{}{value}。", origin(since), side(now - level));
+            if moved {
+                text += "该水平自陀螺换到另一惯组或位置起算。";
+            }
+            if let Some(turn) = turn_arcmin(now - level, d_s) {
+                text += &format!("相当于绕输入轴转动{turn:+.1}角分。");
+            }
+            if verdict.state == State::Exceeded {
+                text += "更可能是安装变化或输出轴项，而非D_I或D_S。";
             }
             text
         }
-        Finding::Trend { records, since, until, per_day, deviation, horizon_days, reach } => {
-            let [low, slope, high] = per_day.map(|per_day| per_day * 365.25);
-            let [first, middle, last] = reach.map(UtcMicros::date);
-            let ahead = if reach[1] <= until {
-                "已超出允许范围；由此外推，".to_owned()
-            } else {
-                format!("由此外推，约在{middle}达到允许范围（{first}至{last}），")
-            };
-            format!(
-                "{name}自{}至{}的{records}个记录中每年漂移{slope:+.p$}（{low:+.p$}至{high:+.p$}），期末偏离基线{deviation:+.p$}；\
-                 {ahead}{horizon_days:.0}天后偏离{value:.p$}",
-                since.date(),
-                until.date()
-            )
+        Finding::NoTrend { cells, since, step } => {
+            let step = step.map_or_else(String::new, |at| format!("；{}的阶跃更能解释", at.date()));
+            format!("{name}：自{}以来的{cells}个周平均值未见趋势{step}。", since.date())
         }
-        Finding::Cusum { records, onset, upward, records_per_false_alarm } => format!(
-            "{name}自{}起连续{records}个记录处于其水平{}：累积和为{value:.p$}倍标准差，稳定的陀螺平均每\
-             {records_per_false_alarm}个记录才超过一次限值",
-            onset.date(),
-            if upward { "之上" } else { "之下" }
+        Finding::Trend { .. } => trend(verdict),
+        Finding::Shift { level, before, since, now, .. } => format!(
+            "{name}：自{}起最近三个周平均值比此前{before}个的水平{level:.p$}{}{value}。",
+            since.date(),
+            side(now - level)
         ),
         Finding::RmsSuccessive { since, explained } => {
-            let mut text = format!("{name}：自{}以来相邻差的均方根为{value:.p$}", since.date());
-            if let Some(explained) = explained {
-                text += &format!("，其中标定的标准差可解释{explained:.p$}");
-            }
-            text
+            let explained =
+                explained.map_or_else(String::new, |explained| format!("给出的标准差可解释{explained:.p$}。"));
+            format!("{name}：自{}以来去掉偏离最大的一个记录后，相邻差的均方根为{value}。{explained}", since.date())
         }
-        Finding::Agreement { results, lowest, highest } => format!(
-            "{name}的{results}个结果极差为{value:.p$}，最低{:.p$}（{}，{}），最高{:.p$}（{}，{}）",
-            lowest.2,
-            source(lowest.0),
-            lowest.1.date(),
-            highest.2,
-            source(highest.0),
-            highest.1.date()
+        Finding::BeforeAfter { before, from, until, now } => format!(
+            "{name}比环境试验前最后一个记录（{:.p$}，{}）{}{value}。试验自{}至{}。",
+            before.1,
+            before.0.date(),
+            side(now - before.1),
+            from.date(),
+            until.date()
         ),
-        Finding::Requirement { figure, low, high, others_outside } => {
-            let place = if (low..=high).contains(&value) { "在" } else { "超出" };
-            let mut text = format!("{figure} = {value:.p$}，{place}{low:.p$}至{high:.p$}范围");
-            if others_outside > 0 {
-                text += &format!("，{name}另有{others_outside}项同样超出");
+        Finding::Agreement { results, lowest, highest } => {
+            let of = |(from, at, result): (Source, UtcMicros, f64)| {
+                format!("{result:.p$}（{}，{}）", source(from), at.date())
+            };
+            format!("{name}的{results}个结果极差为{value}：{}与{}。", of(lowest), of(highest))
+        }
+        Finding::Requirement { figure, low, high, others } => {
+            let inside = verdict.value.is_some_and(|value| (low..=high).contains(&value));
+            let mut text =
+                format!("{figure} = {value}，{}{low:.p$}至{high:.p$}范围。", if inside { "在" } else { "超出" });
+            let others: Vec<&str> = others.into_iter().flatten().collect();
+            if !others.is_empty() {
+                text += &format!("同样超出：{}。", others.join("、"));
             }
             text
         }
-        Finding::Overdue { last } => format!("上次标定于{}，距今{value:.1}天", last.date()),
+        Finding::Overdue { last } => {
+            format!("上次标定于{}，距今{:.1}天。", last.date(), verdict.value.unwrap_or(0.0))
+        }
     }
+}
+
+fn trend(verdict: &Verdict) -> String {
+    let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } =
+        verdict.finding
+    else {
+        return String::new();
+    };
+    let (name, p) = (verdict.coefficient.name(), digits(verdict.limit));
+    let sd = per_year.sd.unwrap_or(0.0);
+    let mut text = format!(
+        "{name}每年漂移{:+.p$} ± {sd:.p$}{}（{}至{}的{cells}个周平均值）。",
+        per_year.value,
+        unit(verdict),
+        since.date(),
+        until.date()
+    );
+    match reach {
+        [_, Some(middle), _] if middle <= until => text += "已超出允许范围。",
+        [Some(first), Some(middle), last] => {
+            let last = last.map_or_else(|| "永不".to_owned(), |last| last.date().to_string());
+            text += &format!("约在{}达到允许范围（95 %：{}至{last}）。", middle.date(), first.date());
+        }
+        _ => {}
+    }
+    text += &format!("现偏离基线{deviation:+.p$}，{horizon_days:.0}天后为{}。", value(verdict));
+    if provisional {
+        text += "日期为暂定：变化过程短于24个周平均值。";
+    }
+    if !of_fleet {
+        text += "噪声常数为默认值，并非由本机群拟合。";
+    }
+    text
+}
+
+fn side(difference: f64) -> &'static str {
+    if difference < 0.0 { "低" } else { "高" }
+}
+
+/// With its standard deviation and unit.
+fn value(verdict: &Verdict) -> String {
+    let (value, p) = (verdict.value.unwrap_or(0.0), digits(verdict.limit));
+    let sd = verdict.sd.map_or_else(String::new, |sd| {
+        let p = sd_digits(sd, verdict.limit);
+        format!(" ± {sd:.p$}")
+    });
+    format!("{value:.p$}{sd}{}", unit(verdict))
 }
 
 fn source(source: Source) -> &'static str {
@@ -121,23 +166,45 @@ fn source(source: Source) -> &'static str {
 }
 
 fn origin(since: Option<UtcMicros>) -> String {
-    since.map_or_else(|| "（固定）".to_owned(), |at| format!("（自{}起最初几个记录的平均）", at.date()))
+    since.map_or_else(|| "（固定）".to_owned(), |at| format!("（自{}起三个记录的中位数）", at.date()))
+}
+
+fn limit(verdict: &Verdict) -> String {
+    let (limit, p, unit, from) = (verdict.limit, digits(verdict.limit), unit(verdict), verdict.limit_from);
+    match verdict.finding {
+        Finding::Requirement { .. } => format!("限值来自{from}。"),
+        Finding::Shift { least, .. } if limit > least => {
+            format!("限值为{limit:.p$}{unit}（三倍标准差；下限来自{from}）。")
+        }
+        _ => {
+            let percent = 100.0 * verdict.value.unwrap_or(0.0) / limit;
+            let part = if verdict.state == State::Exceeded && percent < 1e5 {
+                format!("，为其{percent:.0} %")
+            } else {
+                String::new()
+            };
+            format!("限值为{limit:.p$}{unit}（{from}）{part}。")
+        }
+    }
 }
 
 fn certainty(verdict: &Verdict) -> String {
-    match (verdict.sd, verdict.probability) {
-        (Some(sd), Some(probability)) => {
-            let p = sd_digits(sd, verdict.limit);
-            let chance = match probability {
-                p if p > 0.999 => "大于99.9 %".to_owned(),
-                p if p < 0.001 => "小于0.1 %".to_owned(),
-                p => format!("{:.1} %", 100.0 * p),
-            };
-            let open = if verdict.state == State::Indeterminate { "：不确定度跨越限值" } else { "" };
-            format!("标准差为{sd:.p$}，真值超限的概率{chance}{open}。")
+    let by_clock_or_chart = matches!(verdict.rule, Rule::Shift | Rule::Trend | Rule::Overdue | Rule::Cusum);
+    match (verdict.status(), verdict.sd, verdict.probability) {
+        (Status::TooUncertain, Some(sd), _) => {
+            let (p, of_limit) = (sd_digits(sd, verdict.limit), digits(verdict.limit));
+            format!("不确定度过大，无法判断：标准差{sd:.p$}，限值{:.of_limit$}。", verdict.limit)
         }
-        _ if matches!(verdict.rule, Rule::Cusum | Rule::Trend | Rule::Overdue) => String::new(),
-        _ => "标准差未知，按数值直接比较。".to_owned(),
+        (_, _, Some(probability)) => {
+            let chance = match probability {
+                p if p > 0.999 => "> 99.9 %".to_owned(),
+                p if p < 0.001 => "< 0.1 %".to_owned(),
+                p => format!("= {:.1} %", 100.0 * p),
+            };
+            format!("超差概率{chance}。")
+        }
+        (_, None, None) if !by_clock_or_chart => "标准差未知，按数值直接比较。".to_owned(),
+        _ => String::new(),
     }
 }
 
@@ -147,26 +214,14 @@ fn unit(verdict: &Verdict) -> &'static str {
         (Rule::Cusum, _) => "倍标准差",
         (Rule::Requirement, Coefficient::E) => " pulse/arcsec",
         (Rule::Requirement, _) => " pulse/(s g0)",
-        _ => " °/(h·g0)",
+        _ => " (°)/(h·g0)",
     }
-}
-
-/// Decimals that show a thousandth of the limit.
-fn digits(limit: f64) -> usize {
-    if limit == 0.0 { 6 } else { (3.0 - limit.abs().log10().floor()).clamp(0.0, 12.0) as usize }
-}
-
-/// As many decimals as the limit, and more where they would show less than two digits of the standard deviation.
-fn sd_digits(sd: f64, limit: f64) -> usize {
-    let two = if sd > 0.0 { (1.0 - sd.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    digits(limit).max(two)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::history::{BASELINE_RECORDS, History, Measured, Sample};
-    use crate::core::judge::{Limits, Series, judge};
+    use crate::core::judge::{History, Limits, Measured, Sample, Seat, Series, judge};
 
     /// Every number of the English reason stands in the Chinese one, whatever the rule.
     #[test]
@@ -174,20 +229,20 @@ mod tests {
         let measured = |value| Measured { value, sd: Some(1e-3) };
         let mut verdicts = Vec::new();
         // One that passes the budget, and one that has not reached it yet.
-        for slope in [0.004, 0.0004] {
+        for slope in [0.004, 0.0006] {
             let d = |k: usize| if k < 8 { 1.0 } else { 1.0 + slope * (k - 7) as f64 };
             let sample = |k: usize| Sample {
                 at: UtcMicros(k as i64 * 9 * UtcMicros::DAY),
+                seat: Seat { imu: u32::from(k > 18), ..Seat::default() },
                 d: [measured(d(k)), measured(-d(k)), measured(0.01 * d(k))],
             };
             let samples = Series::from((0..24).map(sample).collect::<Vec<_>>());
-            let history = History::of(&samples, &samples[..BASELINE_RECORDS], &[]);
-            for k in [2, 10, 23] {
-                judge(&history, k, &Limits::default(), &mut verdicts);
+            for k in [2, 10, 19, 23] {
+                judge(&History::whole(&samples, k), k, &Limits::default(), &mut verdicts);
             }
         }
         assert!(verdicts.len() > 60);
-        for words in ["it has passed the budget", "it would reach the budget"] {
+        for words in ["It has passed its budget", "It reaches its budget about"] {
             assert!(verdicts.iter().any(|verdict| verdict.reason().contains(words)), "{words}");
         }
         let numbers = |text: &str| {
@@ -208,6 +263,8 @@ mod tests {
             // What an alert keeps in English is said in Chinese from the English.
             let spoken = CHINESE.spoken(&english);
             assert_eq!(numbers(&english), numbers(&spoken), "{english}\n{spoken}");
+            // The key of a limit is a name.
+            let spoken = spoken.replace("judging.budget", "").replace("D_I", "").replace("D_S", "");
             let words: Vec<&str> =
                 spoken.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| word.len() > 2).collect();
             assert!(words.is_empty(), "{words:?} in {spoken}");

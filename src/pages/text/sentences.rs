@@ -27,16 +27,27 @@ impl Text {
 }
 
 fn in_chinese(english: &str) -> String {
+    sentence_by_sentence(english).or_else(|| known(english)).unwrap_or_else(|| english.to_owned())
+}
+
+/// A reason is several sentences, each with a form of its own.
+fn sentence_by_sentence(english: &str) -> Option<String> {
+    let (first, rest) = english.split_once(". ")?;
+    Some(known(&format!("{first}."))? + &sentence_by_sentence(rest).or_else(|| known(rest))?)
+}
+
+/// What has a form as a whole.
+fn known(english: &str) -> Option<String> {
     if let Some(effect) = Effect::from_id(english) {
-        return super::Language::Chinese.text().effect(effect).to_owned();
+        return Some(super::Language::Chinese.text().effect(effect).to_owned());
     }
-    let known = ALL.iter().copied().flatten().find_map(|(form, chinese)| Some((fillings(form, english)?, chinese)));
-    let Some((fillings, chinese)) = known else { return english.to_owned() };
-    let mut text = (*chinese).to_owned();
+    let fits = |(form, chinese): &(&str, &'static str)| Some((fillings(form, english)?, *chinese));
+    let (fillings, chinese) = ALL.iter().copied().flatten().find_map(fits)?;
+    let mut text = chinese.to_owned();
     for (k, filling) in fillings.iter().enumerate() {
         text = text.replace(&format!("{{{k:x}}}"), &in_chinese(filling));
     }
-    text
+    Some(text)
 }
 
 /// What stands in the places of a form, if the text has that form. Each place takes as little as it can.

@@ -53,7 +53,9 @@ catalogue! {
     rule_range: "range", "极差";
     rule_baseline: "distance from baseline", "偏离基线";
     rule_trend: "trend", "趋势";
-    rule_cusum: "lasting shift", "持续偏移";
+    rule_cusum: "cumulative sum", "累积和";
+    rule_shift: "shift of level", "持续偏移";
+    rule_before_after: "before and after a test", "试验前后";
     rule_rms_successive: "scatter", "离散";
     rule_closure: "closure", "闭合差";
     rule_agreement: "agreement of methods", "方法一致性";
@@ -65,6 +67,11 @@ catalogue! {
     event_transport: "transport", "运输";
     event_firmware: "firmware", "固件更新";
     event_note: "note", "备注";
+    event_environmental_test: "environmental test", "环境试验";
+    event_retired: "retired", "退役";
+    event_in_storage: "in storage", "入库";
+    event_test_kind: "Of an environmental test: which", "环境试验的种类";
+    event_test_to: "Of an environmental test: when it was over (RFC 3339)", "环境试验的结束时间（RFC 3339）";
     moved: "moved", "更换位置";
     other_station: "other station", "更换台站";
     method_rigid: "rigid", "刚体法";

@@ -99,9 +99,9 @@ pub(in crate::pipeline) fn follow_clock(
     pen: &mut Pen<'_>,
 ) {
     let fires = book.firing(gyro).any(|row| row.rule == Rule::Overdue);
-    let interval = judge.interval_days(gyro, imu, &pen.naming);
+    let interval = judge.interval_days(gyro, last, imu, &pen.naming);
     match interval {
-        Some(days) if fires || pen.now.days_since(last) > days => {
+        Some(days) if fires || pen.now.days_since(last) > days.value => {
             let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None };
             book.follow(gyro, &overdue(last, pen.now, days), &origin, pen);
         }

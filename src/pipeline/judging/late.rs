@@ -4,10 +4,12 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use super::{Judge, Judged, Newest, Verdicts, states};
-use crate::core::judge::history::{BASELINE_RECORDS, Mark, Need, Sample, baseline_since};
+use crate::core::judge::history::{
+    BASELINE_RECORDS, Mark, Need, Sample, Seat, baseline_of, baseline_since, seat_baseline_of,
+};
 use crate::core::judge::{Rule, Verdict, judge};
 use crate::core::time::UtcMicros;
-use crate::pipeline::line::{Line, Source, baseline_of, load_marks, mark_of, sample_of};
+use crate::pipeline::line::{Line, Source, load_marks, mark_of, sample_of};
 use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
@@ -43,13 +45,19 @@ fn withdrawn_from(gyro: u32, stored: &mut Vec<Figures>, marks: &[Mark], changes:
     if gone.is_empty() {
         return Vec::new();
     }
-    let at: Vec<UtcMicros> = stored.iter().map(|figures| figures.at).collect();
+    // Of the first few some may repeat others.
+    let few = 4 * BASELINE_RECORDS;
+    let seat = |k: usize| stored.get(k).map(|figures| Seat { imu: figures.imu, slot: figures.slot });
     let removed = stored.iter().enumerate().filter(|(_, figures)| gone.contains(&figures.record));
     let altered = removed.map(|(k, figures)| {
-        let start = baseline_since(marks, figures.at).map_or(0, |since| at.partition_point(|at| *at < since));
-        Altered::Removed { at: figures.at, baseline: k < start + BASELINE_RECORDS }
+        let since = baseline_since(marks, figures.at);
+        let same = |k: &usize| since.is_none_or(|since| stored[*k].at >= since);
+        let in_baseline = (0..k).rev().take_while(same).count() < few;
+        let stays = (0..k).rev().take_while(|other| seat(*other) == seat(k)).count();
+        let at_a_move = stays < few || seat(k + 1).is_some_and(|next| Some(next) != seat(k));
+        Altered::Removed { at: figures.at, baseline: in_baseline || at_a_move }
     });
-    let altered = altered.collect();
+    let altered: Vec<Altered> = altered.collect();
     stored.retain(|figures| !gone.contains(&figures.record));
     altered
 }
@@ -62,7 +70,12 @@ fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need)
         let (Altered::Inserted { at } | Altered::Removed { at, .. } | Altered::Marked { at, .. }) = change;
         let start = samples.partition_point(|sample| sample.at < at);
         let (itself, in_baseline) = match change {
-            Altered::Inserted { at } => (1, baseline_of(samples, marks, at).iter().any(|sample| sample.at == at)),
+            Altered::Inserted { at } if samples.get(start).is_none_or(|sample| sample.at != at) => {
+                // It repeats the one before, and is judged as that is.
+                stretches.push(start.saturating_sub(1)..start);
+                continue;
+            }
+            Altered::Inserted { at } => (1, is_in_baseline(samples, marks, start, at)),
             Altered::Removed { baseline, .. } | Altered::Marked { baseline, .. } => (0, baseline),
         };
         stretches.push(start..start + itself + need.reach(at, &samples[start + itself..]));
@@ -80,6 +93,13 @@ fn affected(samples: &[Sample], marks: &[Mark], altered: &[Altered], need: Need)
         new
     });
     each_once.collect()
+}
+
+/// Whether a record, at its place, is one of those that make a baseline, or parts two stays in one seat.
+fn is_in_baseline(samples: &[Sample], marks: &[Mark], place: usize, at: UtcMicros) -> bool {
+    let makes = |baseline: &[Sample]| baseline.iter().any(|sample| sample.at == at);
+    let parts = samples.get(place + 1).is_some_and(|next| next.seat != samples[place].seat);
+    parts || makes(baseline_of(samples, marks, at)) || makes(seat_baseline_of(samples, marks, at))
 }
 
 impl Judge {
@@ -108,29 +128,34 @@ impl Judge {
             let at = line.samples()[k].at;
             let mut judged = Vec::with_capacity(16);
             let older = line.older(source, at, need.days).await?;
-            let history = line.history_at(at, older);
-            let new_row = indices.binary_search_by_key(&at, |&i| changes.history[i].figures.at);
-            if let Ok(i) = new_row.map(|place| indices[place]) {
-                let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
-                judge(&history, k, &limits, &mut judged);
-                let figures = &mut changes.history[i].figures;
-                figures.states = states(&judged);
-                found.verdicts.insert((figures.record, gyro), judged);
-            } else if let Ok(i) = stored.binary_search_by_key(&at, |figures| figures.at) {
-                let mut figures = stored[i];
-                judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
-                self.correct_sheet(gyro, figures.record, &judged, sheets).await?;
-                figures.states = states(&judged);
-                if figures.states != stored[i].states {
-                    changes.rejudged.history.push(HistoryRow { gyro, figures });
-                }
-                if k + 1 == count {
-                    found.verdicts.insert((figures.record, gyro), judged);
+            let history = line.history_at(k, older);
+            // A record that repeats it is judged as it is.
+            for at in std::iter::once(at).chain(line.repeats_of(at)) {
+                judged.clear();
+                let new_row = indices.binary_search_by_key(&at, |&i| changes.history[i].figures.at);
+                if let Ok(i) = new_row.map(|place| indices[place]) {
+                    let limits = self.limits(Some((gyro, changes.history[i].figures.imu, changes)));
+                    judge(&history, k, &limits, &mut judged);
+                    let figures = &mut changes.history[i].figures;
+                    figures.states = states(&judged);
+                    found.verdicts.insert((figures.record, gyro), judged.clone());
+                } else if let Ok(i) = stored.binary_search_by_key(&at, |figures| figures.at) {
+                    let mut figures = stored[i];
+                    judge(&history, k, &self.limits(Some((gyro, figures.imu, changes))), &mut judged);
+                    self.correct_sheet(gyro, figures.record, &judged, sheets).await?;
+                    figures.states = states(&judged);
+                    if figures.states != stored[i].states {
+                        changes.rejudged.history.push(HistoryRow { gyro, figures });
+                    }
+                    if k + 1 == count {
+                        found.verdicts.insert((figures.record, gyro), judged.clone());
+                    }
                 }
             }
         }
         let new_rows = indices.iter().map(|&i| changes.history[i].figures);
-        let newest = stored.iter().copied().chain(new_rows).max_by_key(|figures| figures.at);
+        let counted = |figures: &Figures| line.samples().binary_search_by_key(&figures.at, |sample| sample.at).is_ok();
+        let newest = stored.iter().copied().chain(new_rows).filter(counted).max_by_key(|figures| figures.at);
         found.newest.extend(newest.map(|figures| Newest { gyro, figures }));
         line.trim(need);
         self.lines.insert(gyro, line);
@@ -140,9 +165,10 @@ impl Judge {
     /// A gyro's line, where what is remembered is enough to judge new records (`indices`, oldest first), if they are all that comes to it,
     /// and when the oldest of them was made. What is taken is forgotten here until it is put back.
     pub(super) fn remembered(&mut self, gyro: u32, indices: &[usize], changes: &Changes) -> Option<(Line, UtcMicros)> {
-        let [oldest, newest] = [indices.first()?, indices.last()?].map(|&i| changes.history[i].figures.at);
+        let oldest = changes.history[*indices.first()?].figures.at;
         let need = Need::of(&self.limits(None));
-        let enough = self.lines.get(&gyro).is_some_and(|line| line.reaches_back([oldest, newest], need));
+        let new: Vec<Sample> = self.samples_of(indices, changes).collect();
+        let enough = self.lines.get(&gyro).is_some_and(|line| line.reaches_back(&new, need));
         let line = enough.then(|| self.lines.remove(&gyro)).flatten();
         line.map(|line| (line, oldest))
     }
@@ -235,41 +261,60 @@ mod tests {
     }
 
     fn samples(days: &[i64]) -> Vec<Sample> {
-        days.iter().map(|&d| Sample { at: day(d), d: [Measured::exact(0.0); 3] }).collect()
+        let sample = |&d: &i64| Sample { at: day(d), seat: Seat::default(), d: [Measured::exact(d as f64); 3] };
+        days.iter().map(sample).collect()
     }
 
     const NEED: Need = Need { records: 2, days: 10.0 };
 
+    /// Days apart, so that every record is a cell of its own and 550 days hold fewer than the twelve cells that the control rules look at.
+    fn sparse(count: i64) -> Vec<Sample> {
+        samples(&(0..count).map(|k| 100 * k).collect::<Vec<_>>())
+    }
+
     #[test]
     fn a_late_record_alters_those_that_look_back_to_it() {
-        let all = samples(&[0, 100, 200, 300, 305, 311, 400, 500, 600]);
+        let all = sparse(30);
         assert_eq!(BASELINE_RECORDS, 3);
         let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
-        assert_eq!(late(300), [3, 4, 5], "two records on");
-        assert_eq!(late(400), [6, 7, 8]);
-        assert_eq!(late(600), [8]);
-        assert_eq!(late(200), [2, 3, 4, 5, 6, 7, 8], "it is one of the baseline's");
-        let dense = samples(&[0, 100, 200, 300, 301, 302, 303, 309, 311]);
-        let late = |at| affected(&dense, &[], &[Altered::Inserted { at: day(at) }], NEED);
-        assert_eq!(late(300), [3, 4, 5, 6, 7], "ten days on");
+        assert_eq!(late(500), (5..17).collect::<Vec<_>>(), "eleven cells on");
+        assert_eq!(late(2900), [29]);
+        assert_eq!(late(200), (2..30).collect::<Vec<_>>(), "it is one of the baseline's");
+        assert_eq!(late(550), [5], "it repeats the one before");
+        let daily = samples(&(0..700).collect::<Vec<_>>());
+        let late = affected(&daily, &[], &[Altered::Inserted { at: day(20) }], NEED);
+        assert_eq!(late, (20..571).collect::<Vec<_>>(), "550 days on");
+    }
+
+    #[test]
+    fn a_record_of_another_seat_alters_all_that_follow_in_theirs() {
+        let mut all = sparse(30);
+        all[7].seat.imu = 3;
+        let late = |at| affected(&all, &[], &[Altered::Inserted { at: day(at) }], NEED);
+        assert_eq!(late(700), (7..30).collect::<Vec<_>>(), "it parts two stays");
+        assert_eq!(late(900), (9..30).collect::<Vec<_>>(), "one of the first since the gyro is back");
+        assert_eq!(late(1100), (11..23).collect::<Vec<_>>());
     }
 
     #[test]
     fn a_record_that_is_taken_out_alters_those_that_looked_back_to_it() {
-        let left = samples(&[0, 100, 200, 305, 311, 400, 500, 600]);
+        let mut left = sparse(30);
+        left.remove(5);
         let gone = |at, baseline| affected(&left, &[], &[Altered::Removed { at: day(at), baseline }], NEED);
-        assert_eq!(gone(300, false), [3, 4]);
-        assert_eq!(gone(700, false), [] as [usize; 0]);
-        assert_eq!(gone(250, true), [3, 4, 5, 6, 7]);
+        assert_eq!(gone(500, false), (5..16).collect::<Vec<_>>());
+        assert_eq!(gone(9000, false), [] as [usize; 0]);
+        assert_eq!(gone(250, true), (3..29).collect::<Vec<_>>());
     }
 
     #[test]
     fn a_new_baseline_alters_all_up_to_the_next_one() {
-        let all = samples(&[0, 100, 200, 300, 400, 500]);
+        let all = sparse(40);
         let mark = |at, event| Mark::of(day(at), event);
-        let marks = [mark(150, Event::Baseline), mark(450, Event::Repair)];
-        assert_eq!(affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED), [2, 3, 4]);
+        let marks = [mark(150, Event::Baseline), mark(2450, Event::Repair)];
+        let set = affected(&all, &marks, &[Altered::Marked { at: day(150), baseline: true }], NEED);
+        assert_eq!(set, (2..25).collect::<Vec<_>>());
         let note = [mark(150, Event::Note)];
-        assert_eq!(affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED), [2, 3]);
+        let noted = affected(&all, &note, &[Altered::Marked { at: day(150), baseline: false }], NEED);
+        assert_eq!(noted, (2..13).collect::<Vec<_>>());
     }
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::Task;
+use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::{Agreement, agreement_after};
 use crate::pipeline::alerting::{AlertOrder, Naming, Pen, follow_clock, follow_group};
@@ -100,11 +101,16 @@ impl Task {
     async fn try_tick(&mut self) -> Result<(), StoreError> {
         self.alerts.refresh(&self.store).await?;
         let (now, mut changes) = (self.clock.now(), Changes::default());
+        let out_of_use = if self.judge.has_intervals() { self.store.out_of_use().await? } else { HashMap::new() };
         {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.writer, naming };
             if self.judge.has_intervals() {
                 for (gyro, last, imu) in self.newest.gyros() {
+                    if out_of_use.get(&gyro).is_some_and(|at| *at >= last) {
+                        self.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen);
+                        continue;
+                    }
                     follow_clock(&mut self.alerts, &self.judge, gyro, last, imu, &mut pen);
                 }
             }

@@ -42,31 +42,32 @@ pub fn with_verdicts<'v>(
 
 /// All but the serial. Names and reasons are the program's own words, in which nothing has to be escaped.
 fn write_rest(verdict: &Verdict, text: &mut Vec<u8>) -> io::Result<()> {
-    let words: [(&[u8], &str); 3] = [
+    let words: [(&[u8], &str); 4] = [
         (b",\"coefficient\":\"", verdict.coefficient.name()),
         (b"\",\"rule\":\"", verdict.rule.name()),
         (b"\",\"state\":\"", verdict.state.name()),
+        (b"\",\"status\":\"", verdict.status().name()),
     ];
     for (before, word) in words {
         text.extend_from_slice(before);
         text.extend_from_slice(word.as_bytes());
     }
-    let figures: [(&[u8], Option<f64>); 4] = [
-        (b"\",\"value\":", verdict.value),
-        (b",\"limit\":", Some(verdict.limit)),
-        (b",\"sd\":", verdict.sd),
-        (b",\"probability\":", verdict.probability),
-    ];
-    for (before, figure) in figures {
-        text.extend_from_slice(before);
-        serde_json::to_writer(&mut *text, &figure)?;
-    }
+    write_figure(b"\",\"value\":", verdict.value, text)?;
+    write_figure(b",\"limit\":", Some(verdict.limit), text)?;
+    write!(Words(text), ",\"limit_from\":\"{}\"", verdict.limit_from).map_err(io::Error::other)?;
+    write_figure(b",\"sd\":", verdict.sd, text)?;
+    write_figure(b",\"probability\":", verdict.probability, text)?;
     text.extend_from_slice(b",\"confirmed\":");
     text.extend_from_slice(if verdict.confirmed { b"true" } else { b"false" });
     text.extend_from_slice(b",\"reason\":\"");
     write!(Words(text), "{verdict}").map_err(io::Error::other)?;
     text.extend_from_slice(b"\"}");
     Ok(())
+}
+
+fn write_figure(before: &[u8], figure: Option<f64>, text: &mut Vec<u8>) -> io::Result<()> {
+    text.extend_from_slice(before);
+    Ok(serde_json::to_writer(text, &figure)?)
 }
 
 /// Takes words as they come: `io::Write` would look at each piece for an error that a vector never has.
@@ -83,9 +84,9 @@ impl fmt::Write for Words<'_> {
 mod tests {
     use super::super::{RecordAnswer, VerdictBody};
     use super::*;
-    use crate::core::judge::history::{History, Measured, Sample};
-    use crate::core::judge::limits::Limits;
-    use crate::core::judge::{Coefficient, Finding, Rule, State, judge};
+    use crate::core::judge::{
+        Coefficient, Finding, History, LimitKey, Limits, Measured, Rule, Sample, Seat, Series, State, judge,
+    };
     use crate::core::time::UtcMicros;
     use crate::wire::calibration::{CalibrationBody, CampaignAnswer};
 
@@ -99,15 +100,20 @@ mod tests {
                 .map(|k| {
                     let value = drift * f64::from(k) + if k > 8 { step } else { 0.0 } + 1e-4 * f64::from(k * 7 % 5);
                     let at = UtcMicros(i64::from(k) * 9 * UtcMicros::DAY);
-                    Sample { at, d: [3.0, -5.0, 0.0].map(|level| Measured { value: level + value, sd }) }
+                    Sample {
+                        at,
+                        seat: Seat::default(),
+                        d: [3.0, -5.0, 0.0].map(|level| Measured { value: level + value, sd }),
+                    }
                 })
                 .collect();
+            let samples = Series::from(samples);
             for k in 0..samples.len() {
-                let baseline = &samples[..samples.len().min(3).min(k + 1)];
-                judge(&History::of(&samples.clone().into(), baseline, &[]), k, &Limits::default(), &mut verdicts);
+                judge(&History::whole(&samples, k), k, &Limits::default(), &mut verdicts);
             }
         }
-        let requirement = Finding::Requirement { figure: "E_x", low: 0.1, high: 2.5, others_outside: 2 };
+        let others = [Some("E_y"), Some("|E|"), None];
+        let requirement = Finding::Requirement { figure: "E_x", low: 0.1, high: 2.5, others };
         let beside = [(Rule::Overdue, Finding::Overdue { last: UtcMicros(5) }), (Rule::Requirement, requirement)];
         verdicts.extend(beside.map(|(rule, finding)| Verdict {
             coefficient: Coefficient::E,
@@ -115,6 +121,7 @@ mod tests {
             state: State::Exceeded,
             value: Some(-0.0),
             limit: 1e-300,
+            limit_from: LimitKey { place: Some(12), key: "rules.step" },
             sd: Some(f64::NAN),
             probability: Some(1.0),
             confirmed: true,
@@ -127,7 +134,7 @@ mod tests {
     fn it_is_byte_for_byte_what_serde_writes() {
         let verdicts = judged();
         for rule in
-            [Rule::Step, Rule::Range, Rule::Baseline, Rule::Trend, Rule::Cusum, Rule::RmsSuccessive, Rule::Closure]
+            [Rule::Step, Rule::Range, Rule::Baseline, Rule::Trend, Rule::Shift, Rule::RmsSuccessive, Rule::Closure]
         {
             let of_rule = || verdicts.iter().filter(|verdict| verdict.rule == rule);
             assert!(

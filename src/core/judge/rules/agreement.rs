@@ -1,9 +1,9 @@
 //! `agreement`: the range over the methods that measured a gyro (the paper's Table 5) against its limit.
 
 use crate::core::bench::BenchMethod;
-use crate::core::judge::decide::range_beyond;
-use crate::core::judge::extremes::Extremes;
+use crate::core::judge::decide::widest;
 use crate::core::judge::history::Measured;
+use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 use crate::core::time::UtcMicros;
 
@@ -33,33 +33,44 @@ pub struct SourcedResult {
 }
 
 /// The value is max - min over `results`: those that are to agree, which the caller chooses (of one coefficient, since
-/// the last repair, no farther apart in time than the gyro is expected to hold still: `within_days`, where it was so many).
+/// the last repair, no farther apart in time than the gyro is expected to hold still: `within_days`, where it was so many). Of several
+/// pairs, that one which exceeds with the largest probability.
 ///
 /// `confirmed` when no single result is to blame: leave out the highest or the lowest, and the rest still disagree.
 pub fn agreement(
     coefficient: Coefficient,
     results: &[SourcedResult],
     within_days: Option<f64>,
-    limit: f64,
+    limit: Limit,
     confidence: f64,
 ) -> Verdict {
-    let extremes = Extremes::of(results.iter().map(|result| (result, result.measured.value)));
-    let (value, sd, state, probability, confirmed, finding) = if let [_, _, ..] = results
-        && let Some((lowest, highest)) = extremes.lowest.zip(extremes.highest)
-    {
-        let range = highest.measured.minus(lowest.measured);
-        let outcome = range_beyond(range, results.len(), limit, confidence);
-        let of = |result: &SourcedResult| (result.source, result.at, result.measured.value);
-        let finding = Finding::Agreement { results: results.len(), lowest: of(lowest), highest: of(highest) };
-        let confirmed = extremes.range_without_one() > limit;
-        (Some(range.value), range.sd, outcome.state, outcome.probability, confirmed, finding)
-    } else {
-        let (have, need) = (results.len(), 2);
-        let finding = match within_days {
-            Some(days) => Finding::FewWithin { have, need, days },
-            None => Finding::TooFew { have, need },
-        };
-        (None, None, State::Indeterminate, None, false, finding)
+    let figures: Vec<(&SourcedResult, Measured)> = results.iter().map(|result| (result, result.measured)).collect();
+    let undecided = Verdict {
+        coefficient,
+        rule: Rule::Agreement,
+        state: State::Indeterminate,
+        value: None,
+        limit: limit.value,
+        limit_from: limit.from,
+        sd: None,
+        probability: None,
+        confirmed: false,
+        finding: match within_days {
+            Some(days) => Finding::FewWithin { have: results.len(), need: 2, days },
+            None => Finding::TooFew { have: results.len(), need: 2 },
+        },
     };
-    Verdict { coefficient, rule: Rule::Agreement, state, value, limit, sd, probability, confirmed, finding }
+    let Some((pair, without_one)) = widest(&figures, limit.value) else { return undecided };
+    let range = pair.difference();
+    let outcome = pair.outcome(results.len(), limit.value, confidence);
+    let of = |(result, measured): (&SourcedResult, Measured)| (result.source, result.at, measured.value);
+    Verdict {
+        state: outcome.state,
+        value: Some(range.value),
+        sd: range.sd,
+        probability: outcome.probability,
+        finding: Finding::Agreement { results: results.len(), lowest: of(pair.low), highest: of(pair.high) },
+        ..undecided
+    }
+    .confirmed_if(without_one > limit.value)
 }

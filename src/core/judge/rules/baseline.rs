@@ -2,6 +2,7 @@
 
 use super::Case;
 use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, stated_level};
+use crate::core::judge::limits::Limit;
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
@@ -13,51 +14,53 @@ pub(super) struct Level {
     pub level: Measured,
     /// First of the records that make it; none where it is fixed.
     pub since: Option<UtcMicros>,
-    /// Last of the records that make it.
-    until: Option<UtcMicros>,
+    /// The records that make it.
+    pub records: [UtcMicros; BASELINE_RECORDS],
 }
 
 impl Level {
-    /// The level that the last baseline mark states, or else the configured one, or the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark; an error
-    /// with the number of records since then, the judged one among them, where those are not complete before it.
-    pub fn of(case: &Case<'_>, fixed: Option<Measured>) -> Result<Self, usize> {
-        let stated = stated_level(case.history.marks, case.now().at, case.column);
+    /// The level that the last baseline mark states, or else the configured one, or the median of `first`, the first [`BASELINE_RECORDS`]
+    /// records that count; an error with the number of records since then, the judged one among them, where those
+    /// are not complete before it.
+    pub fn of(case: &Case<'_>, fixed: Option<Measured>, first: &[Sample]) -> Result<Self, usize> {
+        let now = case.now().at;
+        let stated = stated_level(case.history.marks(), now, case.column);
         if let Some(level) = stated.or(fixed) {
-            return Ok(Self { level, since: None, until: None });
+            return Ok(Self { level, since: None, records: [now; BASELINE_RECORDS] });
         }
-        let first = case.history.baseline_before(case.k);
-        let [begin, .., end] = first else { return Err(first.len() + 1) };
-        if first.len() < BASELINE_RECORDS {
-            return Err(first.len() + 1);
+        let before = &first[..first.partition_point(|sample| sample.at < now)];
+        let values: Vec<Measured> = before.iter().map(|sample| case.value(sample)).collect();
+        match (<[Sample; BASELINE_RECORDS]>::try_from(before), Measured::median(&values)) {
+            (Ok(records), Some(level)) => {
+                Ok(Self { level, since: Some(records[0].at), records: records.map(|sample| sample.at) })
+            }
+            _ => Err(before.len() + 1),
         }
-        let level = Measured::mean(first.iter().map(|sample| case.value(sample)));
-        Ok(Self { level, since: Some(begin.at), until: Some(end.at) })
     }
 
     pub fn deviation(&self, case: &Case<'_>, sample: &Sample) -> Measured {
         case.value(sample).minus(self.level)
     }
 
-    /// Whether the record before the judged one lay beyond the limit on the same side too.
+    /// Whether the record before the judged one lay beyond the limit on the same side too, and is none of the baseline's own.
     pub fn confirmed(&self, case: &Case<'_>, rule: Rule, limit: f64) -> bool {
-        let previous = case.since_reset(rule).iter().rev().nth(1);
-        previous.filter(|sample| self.until.is_none_or(|until| sample.at > until)).is_some_and(|sample| {
-            case.both_exceed(self.deviation(case, sample), self.deviation(case, case.now()), limit)
-        })
+        let [.., previous, _] = case.since_reset(rule) else { return false };
+        let is_own = self.since.is_some() && self.records.contains(&previous.at);
+        !is_own && case.both_exceed(self.deviation(case, previous), self.deviation(case, case.now()), limit)
     }
 }
 
-/// The value is |x_k - b|, b the mean of the first [`BASELINE_RECORDS`] records since the last baseline mark, or a
+/// The value is |x_k - b|, b the median of the first [`BASELINE_RECORDS`] records since the last baseline mark, or a
 /// fixed one. The baseline's own records are not judged by it.
 ///
 /// `confirmed` when the record before (since the mark) lay beyond the limit on the same side.
-pub(crate) fn baseline(case: &Case<'_>, limit: f64, fixed: Option<Measured>) -> Verdict {
-    let level = match Level::of(case, fixed) {
+pub(crate) fn baseline(case: &Case<'_>, limit: Limit, fixed: Option<Measured>) -> Verdict {
+    let level = match Level::of(case, fixed, case.history.baseline) {
         Ok(level) => level,
         Err(have) => return case.too_few(Rule::Baseline, limit, have, LEVEL_RECORDS),
     };
     let deviation = level.deviation(case, case.now());
     let finding = Finding::Baseline { level: level.level.value, since: level.since, now: case.value(case.now()).value };
-    case.verdict(Rule::Baseline, limit, deviation, case.beyond(deviation, limit), finding)
-        .confirmed_if(level.confirmed(case, Rule::Baseline, limit))
+    case.verdict(Rule::Baseline, limit, deviation, case.beyond(deviation, limit.value), finding)
+        .confirmed_if(level.confirmed(case, Rule::Baseline, limit.value))
 }

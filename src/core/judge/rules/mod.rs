@@ -2,29 +2,33 @@
 
 mod agreement;
 mod baseline;
+mod before_after;
 mod closure;
-mod cusum;
 mod overdue;
 mod range;
 mod requirement;
 mod rms_successive;
+mod shift;
 mod step;
 mod trend;
 
 pub use agreement::{Source, SourcedResult, agreement};
 pub use overdue::overdue;
-pub use requirement::requirement;
+pub use requirement::{MOST_FIGURES, requirement};
 
 pub(crate) use baseline::baseline;
+pub(crate) use before_after::{BEFORE_AFTER_RECORDS, before_after};
 pub(crate) use closure::closure;
-pub(crate) use cusum::{CUSUM_RECORDS, cusum};
 pub(crate) use range::range;
 pub(crate) use rms_successive::{RMS_RECORDS, rms_successive};
+pub(crate) use shift::shift;
 pub(crate) use step::step;
-pub(crate) use trend::{TREND_RECORDS, trend};
+pub(crate) use trend::trend;
 
+use super::cells::{Points, Window};
 use super::decide::{Outcome, beyond};
 use super::history::{History, Measured, Sample};
+use super::limits::Limit;
 use super::{Coefficient, Finding, Limits, Rule, State, Verdict};
 
 /// One coefficient of the record to be judged, and the history before it.
@@ -37,6 +41,7 @@ pub(crate) struct Case<'a> {
     /// Its place in [`Sample::d`].
     pub column: usize,
     pub limits: &'a Limits,
+    pub window: &'a Window,
 }
 
 impl<'a> Case<'a> {
@@ -53,6 +58,11 @@ impl<'a> Case<'a> {
         self.history.since_reset(self.k, rule)
     }
 
+    /// The weekly means that the control rules look at, of D_I or D_S.
+    fn points(&self) -> Points<'a> {
+        self.window.column(self.column)
+    }
+
     fn beyond(&self, difference: Measured, limit: f64) -> Outcome {
         beyond(difference, limit, self.limits.confidence)
     }
@@ -66,37 +76,39 @@ impl<'a> Case<'a> {
         a.value.is_sign_positive() == b.value.is_sign_positive() && self.exceeds(a, limit) && self.exceeds(b, limit)
     }
 
-    fn too_few(&self, rule: Rule, limit: f64, have: usize, need: usize) -> Verdict {
+    fn too_few(&self, rule: Rule, limit: Limit, have: usize, need: usize) -> Verdict {
+        self.nothing(rule, limit, Finding::TooFew { have, need })
+    }
+
+    fn nothing(&self, rule: Rule, limit: Limit, finding: Finding) -> Verdict {
         Verdict {
             coefficient: self.coefficient,
             rule,
             state: State::Indeterminate,
             value: None,
-            limit,
+            limit: limit.value,
+            limit_from: limit.from,
             sd: None,
             probability: None,
             confirmed: false,
-            finding: Finding::TooFew { have, need },
+            finding,
         }
     }
 
-    fn verdict(&self, rule: Rule, limit: f64, value: Measured, outcome: Outcome, finding: Finding) -> Verdict {
+    fn verdict(&self, rule: Rule, limit: Limit, value: Measured, outcome: Outcome, finding: Finding) -> Verdict {
         Verdict {
-            coefficient: self.coefficient,
-            rule,
             state: outcome.state,
             value: Some(value.value.abs()),
-            limit,
             sd: value.sd,
             probability: outcome.probability,
-            confirmed: false,
-            finding,
+            ..self.nothing(rule, limit, finding)
         }
     }
 }
 
 impl Verdict {
+    /// What does not exceed has nothing to be confirmed.
     fn confirmed_if(self, confirmed: bool) -> Self {
-        Self { confirmed, ..self }
+        Self { confirmed: confirmed && self.state == State::Exceeded, ..self }
     }
 }

@@ -1,34 +1,49 @@
-//! `requirement`: E and G against the requirement columns of the paper's Tables 3 and 4.
+//! `requirement`: E and G against what is required of them, as in the requirement columns of the paper's Tables 3 and 4.
 
 use nalgebra::Vector3;
 
-use crate::core::judge::decide::outside;
+use crate::core::judge::decide::{Outcome, outside};
 use crate::core::judge::history::Measured;
 use crate::core::judge::limits::{Bounds, Requirement};
-use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
+use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
+
+/// Most figures of one verdict: |E| and its components.
+pub const MOST_FIGURES: usize = 4;
 
 /// A figure of the record, its name, and what it must lie between.
 struct Figure {
     name: &'static str,
     measured: Measured,
     bounds: Bounds,
+    outcome: Outcome,
 }
 
 impl Figure {
     /// How far outside (positive) or inside (negative) it lies, in widths of its bounds.
     fn excess(&self) -> f64 {
-        let Bounds { low, high } = self.bounds;
+        let Bounds { low, high, .. } = self.bounds;
         (low - self.measured.value).max(self.measured.value - high) / (high - low)
     }
 
     fn nearest_bound(&self) -> f64 {
-        let Bounds { low, high } = self.bounds;
+        let Bounds { low, high, .. } = self.bounds;
         if self.measured.value - low < high - self.measured.value { low } else { high }
+    }
+
+    /// Larger for what lies outside with more certainty, and then for what lies farther out.
+    fn rank(&self) -> (f64, f64) {
+        let certainty = match (self.outcome.probability, self.outcome.state) {
+            (Some(probability), _) => probability,
+            (None, State::Exceeded) => 1.0,
+            (None, _) => 0.0,
+        };
+        (certainty, self.excess())
     }
 }
 
-/// One verdict on E (|E| and its three components) and one on G, each about the figure that lies farthest out; the
-/// value is that figure and the limit its nearest bound. None where nothing is required.
+/// One verdict on E (|E| and its three components) and one on G, each about the figure that lies outside with the largest probability; the
+/// value is that figure and the limit its nearest bound. The finding names every figure that lies outside. None where
+/// nothing is required.
 pub fn requirement(
     required: &Requirement,
     e: &Vector3<f64>,
@@ -44,7 +59,7 @@ pub fn requirement(
         sd: sd.map(|sd| sd[axis]),
     };
     let of_e = (0..3).map(|axis| (E_NAMES[axis], component(e, e_sd, axis), required.e[axis]));
-    let norm = (E_NAME_OF_NORM, Measured { value: e.norm(), sd: e_sd.map(|sd| sd.component_mul(e).norm() / e.norm()) });
+    let norm = ("|E|", Measured { value: e.norm(), sd: e_sd.map(|sd| sd.component_mul(e).norm() / e.norm()) });
     let of_g = (0..3).map(|axis| (G_NAMES[axis], component(g, g_sd, axis), required.g[axis]));
     [
         judged(Coefficient::E, of_e.chain([(norm.0, norm.1, required.e_norm)]), confidence),
@@ -52,40 +67,34 @@ pub fn requirement(
     ]
 }
 
-const E_NAME_OF_NORM: &str = "|E|";
-
 fn judged(
     coefficient: Coefficient,
     figures: impl Iterator<Item = (&'static str, Measured, Option<Bounds>)>,
     confidence: f64,
 ) -> Option<Verdict> {
-    let (mut worst, mut outside_count): (Option<Figure>, usize) = (None, 0);
-    for (name, measured, bounds) in figures {
-        let Some(bounds) = bounds else { continue };
-        let figure = Figure { name, measured, bounds };
-        outside_count += usize::from(figure.excess() > 0.0);
-        if worst.as_ref().is_none_or(|worst| figure.excess() > worst.excess()) {
-            worst = Some(figure);
-        }
-    }
-    let worst = worst?;
-    let Bounds { low, high } = worst.bounds;
-    let outcome = outside(worst.measured, low, high, confidence);
+    let required = figures.filter_map(|(name, measured, bounds)| {
+        let bounds = bounds?;
+        Some(Figure { name, measured, bounds, outcome: outside(measured, bounds.low, bounds.high, confidence) })
+    });
+    let all: Vec<Figure> = required.collect();
+    let worst = all.iter().max_by(|a, b| {
+        let (a, b) = (a.rank(), b.rank());
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })?;
+    let mut others = [None; MOST_FIGURES - 1];
+    let outside = all.iter().filter(|figure| figure.name != worst.name && figure.excess() > 0.0);
+    others.iter_mut().zip(outside).for_each(|(other, figure)| *other = Some(figure.name));
     Some(Verdict {
         coefficient,
         rule: Rule::Requirement,
-        state: outcome.state,
+        state: worst.outcome.state,
         value: Some(worst.measured.value),
         limit: worst.nearest_bound(),
+        limit_from: worst.bounds.from,
         sd: worst.measured.sd,
-        probability: outcome.probability,
+        probability: worst.outcome.probability,
         // The figures of one record: a second campaign is judged by its own.
         confirmed: false,
-        finding: Finding::Requirement {
-            figure: worst.name,
-            low,
-            high,
-            others_outside: outside_count.saturating_sub(1),
-        },
+        finding: Finding::Requirement { figure: worst.name, low: worst.bounds.low, high: worst.bounds.high, others },
     })
 }

@@ -3,50 +3,61 @@
 use super::Case;
 use crate::core::judge::decide::{Outcome, by_probability, normal_cdf, plain};
 use crate::core::judge::history::{Measured, Sample};
+use crate::core::judge::limits::Limit;
 use crate::core::judge::{Finding, Rule, Verdict};
 
-/// Records that the rule looks at: ten differences.
+/// Records that the rule looks at.
 pub const RMS_RECORDS: usize = 11;
 
-/// The value is sqrt(mean (x_i - x_(i-1))^2) over the last [`RMS_RECORDS`] records.
+/// Makes up for the record that is left out: at a scatter of 0.3 budgets the rule speaks as often as over all eleven.
+const FACTOR: f64 = 1.2;
+
+/// The value is 1.2 sqrt(mean (x_i - x_(i-1))^2) over the last [`RMS_RECORDS`] records, that one left out which leaves the least: one bad
+/// record makes two large differences, and says nothing of the gyro.
 ///
 /// Slow drift hardly enters it: it tells a restless gyro (bearing, suspension) from one that ages. Where standard
 /// deviations are known, what they explain of the mean square is taken off before the limit is asked.
 /// `confirmed` is never set: ten campaigns have spoken already.
-pub(crate) fn rms_successive(case: &Case<'_>, limit: f64) -> Verdict {
+pub(crate) fn rms_successive(case: &Case<'_>, limit: Limit) -> Verdict {
     let samples = case.since_reset(Rule::RmsSuccessive);
     let Some(window) = samples.len().checked_sub(RMS_RECORDS).map(|start| &samples[start..]) else {
         return case.too_few(Rule::RmsSuccessive, limit, samples.len(), RMS_RECORDS);
     };
-    let differences = Differences::of(case, window);
+    let least = (0..RMS_RECORDS).map(|left_out| Differences::of(case, window, left_out));
+    let Some(differences) = least.min_by(|a, b| a.mean_square().total_cmp(&b.mean_square())) else {
+        return case.too_few(Rule::RmsSuccessive, limit, samples.len(), RMS_RECORDS);
+    };
     // In units of the largest figure, as the squares of variances overflow long before the figures do.
-    let scale = differences.largest().max(limit);
+    let scale = differences.largest().max(limit.value);
     let differences = differences.divided_by(scale);
     let rms = differences.mean_square().sqrt();
     let noise = differences.noise();
     let (outcome, sd) = match noise {
         Some(noise) if noise.variance > 0.0 => {
-            let excess = rms * rms - noise.explained - (limit / scale).powi(2);
+            let excess = rms * rms - noise.explained - (limit.value / (FACTOR * scale)).powi(2);
             let probability = normal_cdf(excess / noise.variance.sqrt());
-            let state = by_probability(probability, case.limits.confidence);
+            let state = by_probability(excess > 0.0, probability, case.limits.confidence);
             let sd = if rms > 0.0 { noise.variance.sqrt() / (2.0 * rms) } else { noise.explained.sqrt() };
-            (Outcome { state, probability: Some(probability) }, Some(sd * scale))
+            (Outcome { state, probability: Some(probability) }, Some(FACTOR * sd * scale))
         }
-        _ => (Outcome { state: plain(rms * scale, limit), probability: None }, None),
+        _ => (Outcome { state: plain(FACTOR * rms * scale, limit.value), probability: None }, None),
     };
     let finding = Finding::RmsSuccessive {
         since: window[0].at,
-        explained: noise.map(|noise| noise.explained.max(0.0).sqrt() * scale),
+        explained: noise.map(|noise| FACTOR * noise.explained.max(0.0).sqrt() * scale),
     };
-    case.verdict(Rule::RmsSuccessive, limit, Measured { value: rms * scale, sd }, outcome, finding)
+    case.verdict(Rule::RmsSuccessive, limit, Measured { value: FACTOR * rms * scale, sd }, outcome, finding)
 }
+
+/// Records that are left, and their differences.
+const KEPT: usize = RMS_RECORDS - 1;
 
 /// Successive differences d and the tridiagonal covariance V of their errors: sums of two variances on its diagonal,
 /// minus the shared one beside it.
 struct Differences {
-    d: [f64; RMS_RECORDS - 1],
+    d: [f64; KEPT - 1],
     /// Variances of the records themselves.
-    variance: Option<[f64; RMS_RECORDS]>,
+    variance: Option<[f64; KEPT]>,
 }
 
 /// What measurement noise does to the mean square m = d.d/n, to second order in the noise.
@@ -59,10 +70,10 @@ struct Noise {
 }
 
 impl Differences {
-    fn of(case: &Case<'_>, window: &[Sample]) -> Self {
-        let value = |i: usize| case.value(&window[i]);
+    fn of(case: &Case<'_>, window: &[Sample], left_out: usize) -> Self {
+        let value = |i: usize| case.value(&window[if i < left_out { i } else { i + 1 }]);
         let d = std::array::from_fn(|i| value(i + 1).value - value(i).value);
-        let known = window.iter().all(|sample| case.value(sample).sd.is_some());
+        let known = (0..KEPT).all(|i| value(i).sd.is_some());
         let variance = known.then(|| std::array::from_fn(|i| value(i).sd.map_or(0.0, |sd| sd * sd)));
         Self { d, variance }
     }

@@ -1,29 +1,37 @@
-//! `step`: |x_k - x_(k-1)| against the budget.
+//! `step`: the record against the level of the three before it.
 
 use super::Case;
+use crate::core::judge::history::{Measured, Sample};
+use crate::core::judge::limits::Limit;
 use crate::core::judge::{Finding, Rule, Verdict};
 
-/// The value is |x_k - x_(k-1)|, over records since the last repair.
+/// Records whose median is the level before.
+const BEFORE: usize = 3;
+
+/// The value is |x_k - median(x_(k-1), x_(k-2), x_(k-3))|, over records since the last repair; of two records before, the earlier one is the
+/// level.
 ///
-/// A step is one campaign's word. `confirmed` is set on the *next* record, when that still lies beyond the limit, on
-/// the same side, from the record before the step: whatever its own state, it says that the gyro has moved.
-pub(crate) fn step(case: &Case<'_>, limit: f64) -> Verdict {
+/// `confirmed` when the record before exceeded too, on the same side: two campaigns in a row then differ from the level before
+/// both. A single outlier moves no median, so the return from it exceeds nothing.
+pub(crate) fn step(case: &Case<'_>, limit: Limit) -> Verdict {
     let samples = case.since_reset(Rule::Step);
-    let [.., previous, now] = samples else {
+    let Some((level, difference)) = from_level(case, samples) else {
         return case.too_few(Rule::Step, limit, samples.len(), 2);
     };
-    let (now, before) = (case.value(now), case.value(previous));
-    let difference = now.minus(before);
-    let level_before = samples.iter().rev().nth(2).filter(|level| {
-        let level = case.value(level);
-        case.both_exceed(before.minus(level), now.minus(level), limit)
-    });
-    let finding = Finding::Step {
-        since: previous.at,
-        before: before.value,
-        now: now.value,
-        confirms: level_before.map(|level| (level.at, case.value(level).value)),
-    };
-    case.verdict(Rule::Step, limit, difference, case.beyond(difference, limit), finding)
-        .confirmed_if(level_before.is_some())
+    let before = from_level(case, &samples[..samples.len() - 1]);
+    let confirmed = before.is_some_and(|(_, before)| case.both_exceed(before, difference, limit.value));
+    let finding = Finding::Step { level, now: case.value(case.now()).value };
+    case.verdict(Rule::Step, limit, difference, case.beyond(difference, limit.value), finding).confirmed_if(confirmed)
+}
+
+/// The level before the last of some records, and how far that one is from it.
+fn from_level(case: &Case<'_>, samples: &[Sample]) -> Option<(f64, Measured)> {
+    let (now, before) = samples.split_last()?;
+    let mut newest = [Measured::exact(0.0); BEFORE];
+    let count = before.len().min(BEFORE);
+    for (to, from) in newest.iter_mut().zip(&before[before.len() - count..]) {
+        *to = case.value(from);
+    }
+    let level = Measured::median(&newest[..count])?;
+    Some((level.value, case.value(now).minus(level)))
 }

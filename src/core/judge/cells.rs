@@ -1,0 +1,187 @@
+//! Records of one week taken as one: what the control rules look at, so that a gyro calibrated daily is judged like one
+//! calibrated every other week.
+
+use super::history::{Mark, Sample};
+use super::{Rule, Series};
+use crate::core::time::UtcMicros;
+
+/// Length of a cell. Cells are fixed weeks (counted from 1970-01-01T00:00Z); an event that restarts the control rules ends one early.
+const CELL: i64 = 7 * UtcMicros::DAY;
+/// Cells that the rules look back over, the judged record's among them.
+pub(super) const CELLS: usize = 40;
+/// Nor farther than so many days,
+const MOST_DAYS: f64 = 550.0;
+/// but at least over so many cells, where there are so many.
+const LEAST_CELLS: usize = 12;
+/// Cells that are kept beyond those, for records that come a little late.
+pub(super) const SPARE: usize = 4;
+/// D_I and D_S.
+const COLUMNS: usize = 2;
+
+/// The records of one cell, added up in the order of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Cell {
+    /// Its first record.
+    pub first: UtcMicros,
+    last: UtcMicros,
+    records: u32,
+    /// Days since the first record.
+    days: f64,
+    values: [f64; COLUMNS],
+    /// Of the stated standard deviations; none where one is missing.
+    variances: [Option<f64>; COLUMNS],
+}
+
+impl Cell {
+    fn of(sample: &Sample) -> Self {
+        let column = |i: usize| sample.d[i];
+        Self {
+            first: sample.at,
+            last: sample.at,
+            records: 1,
+            days: 0.0,
+            values: [0, 1].map(|i| column(i).value),
+            variances: [0, 1].map(|i| column(i).sd.map(|sd| sd * sd)),
+        }
+    }
+
+    fn add(&mut self, sample: &Sample) {
+        let new = Self::of(sample);
+        self.last = sample.at;
+        self.records += 1;
+        self.days += sample.at.days_since(self.first);
+        for i in 0..COLUMNS {
+            self.values[i] += new.values[i];
+            self.variances[i] = self.variances[i].zip(new.variances[i]).map(|(a, b)| a + b);
+        }
+    }
+
+    /// Mean time in days since its first record, and mean figure.
+    pub fn mean(&self, column: usize) -> (f64, f64) {
+        (self.days / f64::from(self.records), self.values[column] / f64::from(self.records))
+    }
+
+    /// Whether all of its records, and all that belong to it, come before `at`.
+    pub fn ends_before(&self, at: UtcMicros, marks: &[Mark]) -> bool {
+        self.last < at && !self.takes(at, marks)
+    }
+
+    /// Whether a record belongs to it.
+    fn takes(&self, at: UtcMicros, marks: &[Mark]) -> bool {
+        let week = |at: UtcMicros| at.0.div_euclid(CELL);
+        week(self.last) == week(at) && !marks.iter().any(|mark| ends_cell(mark) && self.last < mark.at && mark.at <= at)
+    }
+}
+
+pub(super) fn ends_cell(mark: &Mark) -> bool {
+    mark.event.resets(Rule::Shift) || mark.event.resets(Rule::Trend)
+}
+
+/// Adds a record that is newer than all others.
+pub(super) fn push(cells: &mut Vec<Cell>, sample: &Sample, marks: &[Mark]) {
+    match cells.last_mut().filter(|last| last.takes(sample.at, marks)) {
+        Some(last) => last.add(sample),
+        None => cells.push(Cell::of(sample)),
+    }
+}
+
+/// How many of the cells up to a record (`cells`, its own the last) the rules look at.
+pub(super) fn looked_at(cells: &[Cell], now: UtcMicros) -> usize {
+    let near = cells.iter().rev().take_while(|cell| now.days_since(cell.first) <= MOST_DAYS).count();
+    near.max(LEAST_CELLS).min(CELLS).min(cells.len())
+}
+
+/// How many of the records after `changed` (oldest first) look back to it.
+pub(super) fn reach(changed: UtcMicros, later: &[Sample]) -> usize {
+    let near = later.partition_point(|sample| sample.at.days_since(changed) <= MOST_DAYS);
+    // A mark only makes more cells of them.
+    let (mut cells, mut last) = (1, changed.0.div_euclid(CELL));
+    let beyond = later.iter().position(|sample| {
+        let week = sample.at.0.div_euclid(CELL);
+        cells += usize::from(week != last);
+        last = week;
+        cells > LEAST_CELLS
+    });
+    near.max(beyond.unwrap_or(later.len()))
+}
+
+/// The cells that the control rules see at one record, oldest first: years before it (so t <= 0), mean figures, and the standard
+/// deviations of these means that the stations' own give.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Window {
+    pub len: usize,
+    pub first: [UtcMicros; CELLS],
+    pub t: [f64; CELLS],
+    x: [[f64; CELLS]; COLUMNS],
+    sd: [[Option<f64>; CELLS]; COLUMNS],
+}
+
+/// One column of a [`Window`], or its newest cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Points<'a> {
+    pub first: &'a [UtcMicros],
+    /// Years before the judged record.
+    pub t: &'a [f64],
+    /// deg/(h g0).
+    pub x: &'a [f64],
+    pub sd: &'a [Option<f64>],
+}
+
+impl<'a> Points<'a> {
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    pub fn newest(self, n: usize) -> Self {
+        let start = self.len() - n.min(self.len());
+        Self { first: &self.first[start..], t: &self.t[start..], x: &self.x[start..], sd: &self.sd[start..] }
+    }
+}
+
+impl Window {
+    /// At record `k`. Records after it have no part.
+    pub fn at(samples: &Series, k: usize) -> Self {
+        let now = &samples[k];
+        let reset = [Rule::Shift, Rule::Trend].map(|rule| super::history::reset_before(samples.marks(), now.at, rule));
+        let reset = reset.into_iter().flatten().max();
+        let all = samples.cells();
+        let end = all.partition_point(|cell| cell.first <= now.at);
+        let own = samples[..=k].partition_point(|sample| sample.at < all[end - 1].first);
+        let mut cells = [Cell::of(now); CELLS];
+        let since = all[..end].partition_point(|cell| reset.is_some_and(|reset| cell.first < reset));
+        let len = looked_at(&all[since..end], now.at);
+        cells[..len].copy_from_slice(&all[end - len..end]);
+        // The newest cell may hold records after the judged one.
+        let mut newest = Cell::of(&samples[own]);
+        samples[own + 1..=k].iter().for_each(|sample| newest.add(sample));
+        cells[len - 1] = newest;
+        Self::of(&cells[..len], now.at)
+    }
+
+    fn of(cells: &[Cell], now: UtcMicros) -> Self {
+        let mut window = Self {
+            len: cells.len(),
+            first: [now; CELLS],
+            t: [0.0; CELLS],
+            x: [[0.0; CELLS]; COLUMNS],
+            sd: [[None; CELLS]; COLUMNS],
+        };
+        for (i, cell) in cells.iter().enumerate() {
+            let records = f64::from(cell.records);
+            window.first[i] = cell.first;
+            window.t[i] = (cell.first.days_since(now) + cell.days / records) / DAYS_A_YEAR;
+            for column in 0..COLUMNS {
+                window.x[column][i] = cell.values[column] / records;
+                window.sd[column][i] = cell.variances[column].map(|variance| variance.sqrt() / records);
+            }
+        }
+        window
+    }
+
+    pub fn column(&self, column: usize) -> Points<'_> {
+        let n = self.len;
+        Points { first: &self.first[..n], t: &self.t[..n], x: &self.x[column][..n], sd: &self.sd[column][..n] }
+    }
+}
+
+pub(super) const DAYS_A_YEAR: f64 = 365.25;

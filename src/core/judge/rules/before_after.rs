@@ -1,0 +1,42 @@
+//! `before_after`: the last record before an environmental test against those after it.
+
+use super::Case;
+use crate::core::judge::history::{Event, Mark, Sample};
+use crate::core::judge::limits::Limit;
+use crate::core::judge::{Finding, Rule, Verdict};
+
+/// Records after a test that may be judged by it: the first always, the others only while none has come back to where the gyro was.
+const AFTER: usize = 10;
+/// Records up to the judged one that it looks at: those, and the last one before the test.
+pub const BEFORE_AFTER_RECORDS: usize = AFTER + 2;
+
+/// The value is |x_k - last record before the test|, for the first record after the last environmental test. Where that one is beyond the
+/// limit, the next ones are judged too, until one is within it: `confirmed` when the record before exceeded too, on the same side. None
+/// where there is no test to judge, no record before it, or a reset between.
+///
+/// A record made during the test has no part in it.
+pub(crate) fn before_after(case: &Case<'_>, limit: Limit) -> Option<Verdict> {
+    let samples = case.since_reset(Rule::BeforeAfter);
+    let now = case.now().at;
+    let end = |mark: &Mark| mark.until.map_or(mark.at, |until| until.max(mark.at));
+    let over = |mark: &&Mark| mark.event == Event::EnvironmentalTest && end(mark) <= now;
+    let test = case.history.marks().iter().filter(over).max_by_key(|mark| end(mark))?;
+    let samples = &samples[samples.len().saturating_sub(BEFORE_AFTER_RECORDS)..];
+    let before = samples[..samples.partition_point(|sample| sample.at < test.at)].last()?;
+    let after = &samples[samples.partition_point(|sample| sample.at < end(test))..];
+    let (_, earlier) = after.split_last()?;
+    let difference = |sample: &Sample| case.value(sample).minus(case.value(before));
+    if after.len() > AFTER || !earlier.iter().all(|sample| case.exceeds(difference(sample), limit.value)) {
+        return None;
+    }
+    let own = difference(case.now());
+    let confirmed = earlier.last().is_some_and(|last| case.both_exceed(difference(last), own, limit.value));
+    let finding = Finding::BeforeAfter {
+        before: (before.at, case.value(before).value),
+        from: test.at,
+        until: end(test),
+        now: case.value(case.now()).value,
+    };
+    let outcome = case.beyond(own, limit.value);
+    Some(case.verdict(Rule::BeforeAfter, limit, own, outcome, finding).confirmed_if(confirmed))
+}

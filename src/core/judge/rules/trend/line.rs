@@ -1,0 +1,311 @@
+//! A straight line through cells, its standard deviations under the noise model, and where it leads.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::core::judge::cells::{CELLS, DAYS_A_YEAR, Points};
+use crate::core::judge::decide::normal_quantile;
+use crate::core::judge::history::{BASELINE_RECORDS, Measured};
+use crate::core::judge::noise::{Noise, Prior};
+use crate::core::judge::rules::baseline::Level;
+use crate::core::time::UtcMicros;
+
+/// Cells that may be left out,
+const MOST_LEFT_OUT: usize = 2;
+/// and the standard deviations that each must be off the line through the others.
+const LEFT_OUT_AT: f64 = 4.0;
+/// Standard deviations from the baseline that say that a course had begun.
+const BEGUN: f64 = 2.0;
+/// Confidence of the dates, from both sides.
+const DATES: f64 = 0.975;
+
+type Weights = [f64; CELLS];
+
+/// Least squares through the cells that were not left out. Times in years before the judged record, so the line's value there is the
+/// level now.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line<'a> {
+    noise: &'a Noise,
+    /// Cells that it was asked of.
+    cells: usize,
+    n: usize,
+    first: UtcMicros,
+    times: [UtcMicros; CELLS],
+    t: Weights,
+    x: Weights,
+    mean_t: f64,
+    /// Sum of squared times about their mean.
+    spread: f64,
+    mean_x: f64,
+    slope: f64,
+    /// s^2.
+    variance: f64,
+    /// Degrees of freedom of s^2, the prior's among them.
+    freedom: f64,
+    /// In its standard deviations.
+    bend: f64,
+}
+
+impl<'a> Line<'a> {
+    pub fn through(points: Points<'_>, noise: &'a Noise, prior: Prior) -> Self {
+        let mut line = Self {
+            noise,
+            cells: points.len(),
+            n: points.len(),
+            first: points.first[0],
+            times: [points.first[0]; CELLS],
+            t: [0.0; CELLS],
+            x: [0.0; CELLS],
+            mean_t: 0.0,
+            spread: 0.0,
+            mean_x: 0.0,
+            slope: 0.0,
+            variance: 0.0,
+            freedom: 0.0,
+            bend: 0.0,
+        };
+        line.times[..points.len()].copy_from_slice(points.first);
+        line.t[..points.len()].copy_from_slice(points.t);
+        line.x[..points.len()].copy_from_slice(points.x);
+        line.fit();
+        for _ in 0..MOST_LEFT_OUT {
+            let Some(outlier) = line.outlier(prior) else { break };
+            line.leave_out(outlier);
+            line.fit();
+        }
+        line.weigh(prior);
+        line
+    }
+
+    fn fit(&mut self) {
+        let n = self.n as f64;
+        let (t, x) = (&self.t[..self.n], &self.x[..self.n]);
+        self.mean_t = t.iter().sum::<f64>() / n;
+        self.mean_x = x.iter().sum::<f64>() / n;
+        self.spread = t.iter().map(|t| (t - self.mean_t).powi(2)).sum();
+        let product: f64 = t.iter().zip(x).map(|(t, x)| (t - self.mean_t) * (x - self.mean_x)).sum();
+        self.slope = if self.spread > 0.0 { product / self.spread } else { 0.0 };
+    }
+
+    fn residual(&self, i: usize) -> f64 {
+        self.x[i] - self.mean_x - self.slope * (self.t[i] - self.mean_t)
+    }
+
+    fn squares(&self) -> f64 {
+        (0..self.n).map(|i| self.residual(i).powi(2)).sum()
+    }
+
+    /// The cell that is farthest off the line through the others, if far enough; scatter is that of the others.
+    fn outlier(&self, prior: Prior) -> Option<usize> {
+        let (n, squares) = (self.n as f64, self.squares());
+        let off = |i: usize| {
+            let leverage = 1.0 / n + (self.t[i] - self.mean_t).powi(2) / self.spread;
+            let own = self.residual(i).powi(2) / (1.0 - leverage).max(1e-6);
+            let rest = ((squares - own).max(0.0) / (n - 3.0).max(1.0)).max(prior.least * prior.least);
+            own / rest
+        };
+        let all = (0..self.n).map(|i| (i, off(i)));
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, off)| *off > LEFT_OUT_AT * LEFT_OUT_AT).map(|(i, _)| i)
+    }
+
+    fn leave_out(&mut self, i: usize) {
+        self.t.copy_within(i + 1..self.n, i);
+        self.x.copy_within(i + 1..self.n, i);
+        self.times.copy_within(i + 1..self.n, i);
+        self.n -= 1;
+    }
+
+    /// Scatter, and the bend in its standard deviations.
+    fn weigh(&mut self, prior: Prior) {
+        let n = self.n as f64;
+        let (mean, slope) = (self.mean_weights(), self.slope_weights());
+        let (of_mean, of_slope) = (self.of_scatter(&mean, &mean), self.of_scatter(&slope, &slope));
+        let independent = n - n * of_mean - self.spread * of_slope;
+        self.variance = prior.variance(self.squares(), independent);
+        self.freedom = n + 3.0;
+        let bend = self.bend_weights();
+        let value: f64 = bend.iter().zip(&self.x[..self.n]).map(|(w, x)| w * x).sum();
+        let variance = self.variance * self.of_scatter(&bend, &bend) + self.of_walk(&bend, &bend);
+        self.bend = if variance > 0.0 { value / variance.sqrt() } else { 0.0 };
+    }
+
+    fn mean_weights(&self) -> Weights {
+        let mut weights = [0.0; CELLS];
+        weights[..self.n].fill(1.0 / self.n as f64);
+        weights
+    }
+
+    fn slope_weights(&self) -> Weights {
+        let mut weights = [0.0; CELLS];
+        if self.spread > 0.0 {
+            (0..self.n).for_each(|i| weights[i] = (self.t[i] - self.mean_t) / self.spread);
+        }
+        weights
+    }
+
+    /// Of the line's value at the judged record.
+    fn level_weights(&self) -> Weights {
+        let (mut weights, slope) = (self.mean_weights(), self.slope_weights());
+        (0..self.n).for_each(|i| weights[i] -= self.mean_t * slope[i]);
+        weights
+    }
+
+    /// The part of t^2 that is orthogonal to 1 and t.
+    fn bend_weights(&self) -> Weights {
+        let square = |i: usize| (self.t[i] - self.mean_t).powi(2);
+        let mean = self.spread / self.n as f64;
+        let skew: f64 = (0..self.n).map(|i| (self.t[i] - self.mean_t) * square(i)).sum::<f64>() / self.spread;
+        let mut weights = [0.0; CELLS];
+        (0..self.n).for_each(|i| weights[i] = square(i) - mean - skew * (self.t[i] - self.mean_t));
+        weights
+    }
+
+    fn of_scatter(&self, u: &Weights, w: &Weights) -> f64 {
+        self.noise.of_scatter(&u[..self.n], &w[..self.n])
+    }
+
+    fn of_walk(&self, u: &Weights, w: &Weights) -> f64 {
+        self.noise.of_walk(&self.t[..self.n], &u[..self.n], &w[..self.n])
+    }
+
+    /// Those that were left out among them.
+    pub fn cells(&self) -> usize {
+        self.cells
+    }
+
+    pub fn first(&self) -> UtcMicros {
+        self.first
+    }
+
+    pub fn span_days(&self) -> f64 {
+        -self.t[0] * DAYS_A_YEAR
+    }
+
+    pub fn bend(&self) -> f64 {
+        self.bend
+    }
+
+    /// deg/(h g0) a year.
+    pub fn slope(&self) -> Measured {
+        let weights = self.slope_weights();
+        let variance = self.variance * self.of_scatter(&weights, &weights) + self.of_walk(&weights, &weights);
+        Measured { value: self.slope, sd: Some(variance.sqrt()) }
+    }
+
+    pub fn has_slope(&self, confidence: f64) -> bool {
+        let Measured { value, sd } = self.slope();
+        value.abs() > normal_quantile(0.5 + 0.5 * confidence) * sd.unwrap_or(0.0)
+    }
+
+    /// Its value at the judged record.
+    pub fn now(&self) -> f64 {
+        self.mean_x - self.slope * self.mean_t
+    }
+
+    /// First record of the cell at which a change of level explains the figures better (by least squares) than the line does.
+    pub fn step_that_fits_better(&self) -> Option<UtcMicros> {
+        let (x, n) = (&self.x[..self.n], self.n as f64);
+        let explained_by_line = self.slope * self.slope * self.spread;
+        // A step between two groups explains n1 n2/n (difference of their means)^2 = n/(n1 n2) (sum over one group)^2.
+        let mut sum = 0.0;
+        let explained_by_step = (1..self.n).map(|first| {
+            sum += x[first - 1] - self.mean_x;
+            let n1 = first as f64;
+            (sum * sum * n / (n1 * (n - n1)), first)
+        });
+        let best = explained_by_step.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 > explained_by_line).then_some(self.times[best.1])
+    }
+}
+
+/// The deviation from the baseline, carried on from the judged record: variance v0 + (2 c + q^2) tau + vb tau^2, tau in years.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Forecast {
+    deviation: f64,
+    per_year: f64,
+    v0: f64,
+    v1: f64,
+    vb: f64,
+    freedom: f64,
+}
+
+impl Forecast {
+    /// The scatter's part weighs the cells as the line does, less those that make the baseline. The walk's part weighs them as the line does,
+    /// less the newest: the walk from the baseline to the judged record is no error, the gyro is there.
+    pub fn of(line: &Line<'_>, level: &Level, now: UtcMicros) -> Self {
+        let (slope, of_now) = (line.slope_weights(), line.level_weights());
+        let (in_window, apart) = baseline_weights(line, level, now);
+        let mut of_scatter = of_now;
+        (0..line.n).for_each(|i| of_scatter[i] -= in_window[i]);
+        let mut of_walk = of_now;
+        of_walk[line.n - 1] -= 1.0;
+        let of_level = match level.since {
+            Some(_) => line.variance * (line.noise.of_scatter(&apart, &apart) + line.noise.median_excess()),
+            None => level.level.sd.map_or(0.0, |sd| sd * sd),
+        };
+        let part = |u: &Weights, v: &Weights, walk_u: &Weights, walk_v: &Weights| {
+            line.variance * line.of_scatter(u, v) + line.of_walk(walk_u, walk_v)
+        };
+        let walk = line.noise.walk;
+        Self {
+            deviation: line.now() - level.level.value,
+            per_year: line.slope,
+            v0: part(&of_scatter, &of_scatter, &of_walk, &of_walk) + of_level,
+            v1: 2.0 * part(&of_scatter, &slope, &of_walk, &slope) + walk * walk,
+            vb: part(&slope, &slope, &slope, &slope),
+            freedom: line.freedom,
+        }
+    }
+
+    pub fn at(&self, days: f64) -> Measured {
+        let years = days / DAYS_A_YEAR;
+        let variance = self.v0 + years * (self.v1 + years * self.vb);
+        Measured { value: self.deviation + self.per_year * years, sd: Some(variance.max(0.0).sqrt()) }
+    }
+
+    /// Whether the deviation was there, on the side that it moves to, so many days ago. Of a course that began later, the line starts off on
+    /// the other side of the baseline.
+    pub fn had_begun(&self, days: f64) -> bool {
+        let Measured { value, sd } = self.at(-days);
+        value * self.per_year.signum() > BEGUN * sd.unwrap_or(0.0)
+    }
+
+    /// Days until the deviation reaches the budget on the side that it moves to: by the edge of its 95 % band that comes first, by the line,
+    /// and by the edge that comes last. 0 where it is there already, none where it never is.
+    pub fn reaches(&self, budget: f64) -> [Option<f64>; 3] {
+        let (left, rate) = (budget - self.deviation * self.per_year.signum(), self.per_year.abs());
+        let t = StudentsT::new(0.0, 1.0, self.freedom).map_or(normal_quantile(DATES), |t| t.inverse_cdf(DATES));
+        // (left - rate tau)^2 = t^2 (v0 + v1 tau + vb tau^2): the band's edges meet the budget.
+        let [a, b, c] =
+            [rate * rate - t * t * self.vb, -2.0 * left * rate - t * t * self.v1, left * left - t * t * self.v0];
+        let middle = left / rate;
+        let discriminant = b * b - 4.0 * a * c;
+        let (first, last) = if discriminant < 0.0 {
+            (0.0, f64::INFINITY)
+        } else {
+            // The form without cancellation.
+            let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+            let (one, other) = (c / q, q / a);
+            let (low, high) = (one.min(other), one.max(other));
+            // A slope that is not certain to rise meets the budget late or never.
+            if a > 0.0 { (low, high) } else { (high.min(middle), f64::INFINITY) }
+        };
+        [first, middle, last].map(|years| Some(years.max(0.0) * DAYS_A_YEAR).filter(|days| days.is_finite()))
+    }
+}
+
+/// Weights of the records that make the baseline, on the cells of the line that hold them, and of those that came before it.
+fn baseline_weights(line: &Line<'_>, level: &Level, now: UtcMicros) -> (Weights, [f64; BASELINE_RECORDS]) {
+    let (mut inside, mut apart) = ([0.0; CELLS], [0.0; BASELINE_RECORDS]);
+    if level.since.is_none() {
+        return (inside, apart);
+    }
+    let share = 1.0 / BASELINE_RECORDS as f64;
+    for (place, at) in level.records.iter().enumerate() {
+        let cell = line.times[..line.n].partition_point(|first| first <= at);
+        match cell.checked_sub(1) {
+            Some(cell) if *at <= now => inside[cell] += share,
+            _ => apart[place] = share,
+        }
+    }
+    (inside, apart)
+}

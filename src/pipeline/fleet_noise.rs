@@ -1,0 +1,27 @@
+//! The noise constants of the whole fleet, from its history.
+
+use super::Pipeline;
+use super::line::{Line, marks_of, sample_of};
+use crate::core::judge::{FleetNoise, Series, fit_fleet};
+use crate::store::{Span, StoreError};
+
+/// Gyros whose histories are read at once.
+const AT_ONCE: usize = 64;
+
+impl Pipeline {
+    /// Fits correlation and walk to every gyro's stored history. Reads all of it.
+    pub async fn fleet_noise(&self) -> Result<FleetNoise, StoreError> {
+        let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
+        let method = self.config.judging.method;
+        let mut all: Vec<Series> = Vec::with_capacity(gyros.len());
+        for some in gyros.chunks(AT_ONCE) {
+            let mut marks = marks_of(&self.store, some).await?;
+            let ever: Vec<_> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+            for (gyro, rows) in some.iter().zip(self.store.histories(&ever, i32::MAX as usize).await?) {
+                let samples = rows.iter().map(|figures| sample_of(figures, method)).collect();
+                all.push(Line::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
+            }
+        }
+        Ok(fit_fleet(&all))
+    }
+}

@@ -32,8 +32,8 @@ const E_SD: f64 = 3e-6;
 mod stories {
     /// LFG-0004: D_I rises, and reaches the budget within the year.
     pub const RISING: (usize, f64) = (3, 0.013);
-    /// LFG-0014: D_I ages, well within the budget: the statistics alone warn.
-    pub const AGEING: (usize, f64) = (13, 0.0047);
+    /// LFG-0014: D_I begins to age, well within the budget: the control rules alone warn.
+    pub const AGEING: (usize, f64, f64) = (13, 0.012, 520.0);
     /// LFG-0008: D_S jumps when its IMU is transported.
     pub const JUMPING: (usize, f64, f64) = (7, 430.0, 0.031);
     /// LFG-0011: D_S falls until it is taken out, repaired, and put into another IMU.
@@ -107,7 +107,6 @@ impl Gyro {
         let start = [normal(rng, 2.5), normal(rng, 4.0)];
         match n {
             _ if n == stories::RISING.0 => slope[0] = stories::RISING.1,
-            _ if n == stories::AGEING.0 => slope[0] = stories::AGEING.1,
             _ if n == stories::FALLING.0 => slope[1] = stories::FALLING.1,
             _ if n == stories::RESTLESS.0 => scatter *= stories::RESTLESS.1,
             _ => {}
@@ -120,6 +119,10 @@ impl Gyro {
     /// D_I and D_S on a day, without scatter.
     fn drift(&self, number: usize, day: f64) -> [f64; 2] {
         let [mut d_i, mut d_s] = [0, 1].map(|c| self.start[c] + self.slope[c] * day / 365.25);
+        let (ageing, per_year, since) = stories::AGEING;
+        if number == ageing {
+            d_i += per_year * (day - since).max(0.0) / 365.25;
+        }
         if number == stories::JUMPING.0 && day >= stories::JUMPING.1 {
             d_s += stories::JUMPING.2;
         }

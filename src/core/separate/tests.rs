@@ -61,3 +61,73 @@ fn the_papers_tables_give_the_golden_figures() {
         assert_near("rigid D_O", got.rigid.d_o, want.rigid[2]);
     }
 }
+
+/// A covariance of (E, G) with cross terms: B B^T for a fixed B.
+fn correlated(scale: f64) -> CovarianceEg {
+    let b = CovarianceEg::from_fn(|i, j| scale * (1.0 + ((i * 7 + j * 3 + i * j) % 5) as f64 - 2.2));
+    b * b.transpose()
+}
+
+/// Central differences of some figures of a separation by (E, G), and the covariance that they carry over.
+fn propagated<const N: usize>(
+    slot: Slot,
+    covariance: &CovarianceEg,
+    of: impl Fn(&Separation) -> [f64; N],
+) -> Vec<Vec<f64>> {
+    let (e, g) = TABLES_3_4[slot.index()];
+    let at = |place: usize, step: f64| {
+        let (mut e, mut g) = (Vector3::from(e), Vector3::from(g));
+        if place < 3 {
+            e[place] += step
+        } else {
+            g[place - 3] += step
+        }
+        of(&separate(&Geometry::Skewed, slot, &e, &g, None).expect("near the paper's data"))
+    };
+    let step = 1e-6;
+    let by = |place: usize| {
+        let (up, down) = (at(place, step), at(place, -step));
+        up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * step)).collect::<Vec<f64>>()
+    };
+    let jacobian: Vec<Vec<f64>> = (0..6).map(by).collect();
+    let entry = |a: usize, b: usize| {
+        (0..6)
+            .flat_map(|i| (0..6).map(move |j| (i, j)))
+            .map(|(i, j)| jacobian[i][a] * covariance[(i, j)] * jacobian[j][b])
+            .sum()
+    };
+    (0..N).map(|a| (0..N).map(|b| entry(a, b)).collect()).collect()
+}
+
+#[test]
+fn stated_covariances_are_those_that_central_differences_carry_over() {
+    let covariance = correlated(1e-4);
+    for slot in Slot::ALL {
+        let (e, g) = TABLES_3_4[slot.index()];
+        let found = separate(&Geometry::Skewed, slot, &Vector3::from(e), &Vector3::from(g), Some(&covariance)).unwrap();
+        let near = |what: &str, stated: f64, expected: f64, of: f64| {
+            assert!((stated - expected).abs() < 1e-4 * of, "{slot:?} {what}: {stated} {expected}");
+        };
+        let rigid = propagated(slot, &covariance, |s| [s.rigid.d_i, s.rigid.d_s, s.rigid.d_o]);
+        let stated = found.rigid.covariance.unwrap();
+        for a in 0..3 {
+            for b in 0..3 {
+                near("rigid", stated[(a, b)], rigid[a][b], (rigid[a][a] * rigid[b][b]).sqrt());
+            }
+        }
+        let published = propagated(slot, &covariance, |s| {
+            let published = s.published.as_ref().expect("skewed");
+            [published.d_i, published.d_s]
+        });
+        let stated = found.published.as_ref().unwrap().covariance.unwrap();
+        for a in 0..2 {
+            for b in 0..2 {
+                near("published", stated[(a, b)], published[a][b], (published[a][a] * published[b][b]).sqrt());
+            }
+        }
+        let clocking = propagated(slot, &covariance, |s| [s.rigid.clocking()])[0][0];
+        near("clocking", found.rigid.clocking_sd().unwrap().powi(2), clocking, clocking);
+        let scale = propagated(slot, &covariance, |s| [s.scale_factor])[0][0];
+        near("|E|", found.scale_factor_sd.unwrap().powi(2), scale, scale);
+    }
+}

@@ -18,7 +18,7 @@ const OPEN: [&str; 7] = [
     "GET /preference",
     "GET /assets/{name}",
 ];
-const ENGINEERS: [&str; 41] = [
+const ENGINEERS: [&str; 44] = [
     "POST /v1/diagnoses",
     "DELETE /v1/diagnoses/{id}",
     "POST /diagnoses",
@@ -26,6 +26,7 @@ const ENGINEERS: [&str; 41] = [
     "POST /v1/bench-results/{id}/void",
     "POST /v1/campaigns/{id}/revise",
     "POST /v1/campaigns/{id}/void",
+    "POST /v1/records/{id}/confirm",
     "POST /v1/records/{id}/revise",
     "POST /v1/records/{id}/void",
     "GET /alerts/{id}/{deed}",
@@ -34,6 +35,7 @@ const ENGINEERS: [&str; 41] = [
     "GET /gyros/{serial}/events/new",
     "GET /hooks",
     "GET /hooks/{id}",
+    "GET /records/{id}/confirm",
     "GET /records/{id}/void",
     "POST /alerts/{id}/{deed}",
     "POST /bench-results/{id}/void",
@@ -42,6 +44,7 @@ const ENGINEERS: [&str; 41] = [
     "POST /hooks/{id}/deliveries/{delivery}/redeliver",
     "POST /hooks/{id}/redeliver",
     "POST /hooks/{id}/test",
+    "POST /records/{id}/confirm",
     "POST /records/{id}/void",
     "GET /v1/deliveries/{id}",
     "GET /v1/hooks",

@@ -137,7 +137,7 @@ async fn a_hook_that_cannot_be_is_refused_at_its_place_and_no_secret_is_repeated
         (with("authorization", json!("")), "/authorization", "1 to 4096"),
         (with("name", json!("")), "/name", "empty"),
         (with("filter", json!({ "rules": ["stpe"] })), "/filter/rules/0", "no rule"),
-        (with("filter", json!({ "gyros": [" A"] })), "/filter/gyros/0", "blank"),
+        (with("filter", json!({ "gyros": ["A\u{200b}"] })), "/filter/gyros/0", "U+200B"),
         (with("filter", json!({ "min_severity": "fatal" })), "/filter/min_severity", "critical"),
         (with("filter", json!({ "rule": "step" })), "/filter/rule", "unknown field"),
         (with("enabled", json!("yes")), "/enabled", "boolean"),

@@ -13,6 +13,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::system;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 
 pub const JSON: &str = "application/json";
@@ -57,6 +58,8 @@ pub struct LineAnswer {
     pub status: u16,
     #[serde(default)]
     pub error: Option<Problem>,
+    #[serde(default)]
+    pub notes: Vec<NoteBody>,
 }
 
 #[derive(Debug, Clone)]

@@ -29,6 +29,8 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::history_note;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::SplitBody;
 use crate::wire::time;
@@ -98,13 +100,18 @@ async fn post_campaign(
     };
     let submission = Submission::from(fitted.with_key(key));
     caller.may_submit(&submission)?;
-    let answer_of = |id: Id| CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
+    let answer_of = |id: Id, notes: Vec<NoteBody>| {
+        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
+        answer.notes.extend(notes);
+        answer
+    };
     let late = telling.late_or(Late::Quiet);
     let worded = app.pipeline.submit_late(submission, late, |accepted| {
-        let Accepted::Stored { id, judged } = accepted else { return None };
+        let Accepted::Stored { id, judged, notes } = accepted else { return None };
+        let notes = notes.iter().map(NoteBody::of).collect();
         let answer = match wanted {
-            Wanted::Whole => JustJudged { answer: &answer_of(*id), judged }.into_response(),
-            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged)).into_response(),
+            Wanted::Whole => JustJudged { answer: &answer_of(*id, notes), judged }.into_response(),
+            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
         };
         let location = [(LOCATION, format!("/v1/{place}/{id}"))];
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
@@ -118,11 +125,12 @@ async fn post_campaign(
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
     if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        let answer = AsWanted::of(wanted, answer_of(id), id, std::iter::empty());
+        let answer = AsWanted::of(wanted, answer_of(id, Vec::new()), id, std::iter::empty(), Vec::new());
         return Ok((location, wanted.applied(), Json(answer)).into_response());
     }
     let stored = stored(&app, id).await?;
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states());
+    let notes = history_note::read(stored.row.notes.as_deref());
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states(), notes);
     let standing = standing(&app, id).await?.unless_valid();
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }

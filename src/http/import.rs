@@ -31,6 +31,7 @@ use crate::core::fault::Faults;
 use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use lines::{Line, Longest, lines};
 
@@ -59,6 +60,9 @@ struct LineAnswer {
     id: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<Problem>,
+    /// Of what is new: what was noticed beside what is known of the IMU and its gyros.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<NoteBody>,
 }
 
 /// Stores records, campaigns and bench results, one a line, each by itself: a bad line is named and holds up no other.
@@ -209,10 +213,14 @@ impl Chunk {
                 (None, None) => Err(Problem::new(500, "Internal error", "the line was not read")),
             };
             let answer = match outcome {
-                Ok((status, id)) => LineAnswer { line: line.number, status, id: Some(id), error: None },
-                Err(problem) => {
-                    LineAnswer { line: line.number, status: problem.status, id: None, error: Some(problem) }
-                }
+                Ok((status, id, notes)) => LineAnswer { line: line.number, status, id: Some(id), error: None, notes },
+                Err(problem) => LineAnswer {
+                    line: line.number,
+                    status: problem.status,
+                    id: None,
+                    error: Some(problem),
+                    notes: Vec::new(),
+                },
             };
             serde_json::to_writer(&mut text, &answer).expect("numbers and text can always be written to memory");
             text.push(b'\n');
@@ -226,11 +234,11 @@ fn problem_of(line: &[u8], faults: Faults) -> Problem {
     Document::problem(line, on_a_line(faults))
 }
 
-async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String), Problem> {
+async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String, Vec<NoteBody>), Problem> {
     let accepted = reply?;
-    if let Accepted::Stored { id, .. } = accepted {
-        return Ok((201, id.to_string()));
+    if let Accepted::Stored { id, notes, .. } = &accepted {
+        return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));
     }
     let id = pipeline.settle_document(&accepted, origin).await?;
-    Ok((200, id.to_string()))
+    Ok((200, id.to_string(), Vec::new()))
 }

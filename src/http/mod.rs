@@ -12,6 +12,7 @@ mod audit;
 mod baseline;
 mod bench_results;
 mod campaigns;
+mod confirm;
 mod corrections;
 mod diagnoses;
 mod docs;
@@ -91,6 +92,7 @@ fn answered_soon() -> OpenApiRouter<App> {
         .merge(campaigns::routes())
         .merge(bench_results::routes())
         .merge(corrections::routes())
+        .merge(confirm::routes())
         .merge(diagnoses::routes())
         .merge(gyros::routes())
         .merge(gyro_diagnosis::routes())

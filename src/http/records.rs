@@ -22,6 +22,8 @@ use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::history_note;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::time;
@@ -66,19 +68,21 @@ async fn post_record(
     let body = calibration.body.clone();
     let mut whole = (wanted == Wanted::Whole).then(|| {
         let separations = app.pipeline.separations(&calibration.gyros);
-        RecordAnswer { id: None, separations, verdicts: Vec::new() }
+        RecordAnswer { id: None, separations, notes: Vec::new(), verdicts: Vec::new() }
     });
     let submission = Submission::Calibration(Box::new(calibration));
     caller.may_submit(&submission)?;
     let late = telling.late_or(Late::Quiet);
     let worded = app.pipeline.submit_late(submission, late, |accepted| {
-        let Accepted::Stored { id, judged } = accepted else { return None };
+        let Accepted::Stored { id, judged, notes } = accepted else { return None };
+        let notes: Vec<NoteBody> = notes.iter().map(NoteBody::of).collect();
         let answer = match &mut whole {
             Some(answer) => {
                 answer.id = Some(id.to_string());
+                answer.notes = notes;
                 JustJudged { answer, judged }.into_response()
             }
-            None => Json(MinimalAnswer::just_judged(*id, judged)).into_response(),
+            None => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
         };
         let location = [(LOCATION, format!("/v1/records/{id}"))];
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
@@ -91,7 +95,8 @@ async fn post_record(
     let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states());
+    let notes = history_note::read(stored.row.notes.as_deref());
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states(), notes);
     let location = [(LOCATION, format!("/v1/records/{id}"))];
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }

@@ -26,6 +26,7 @@ impl From<Refused> for Problem {
             Refused::AlreadyCorrected { existing, .. } => {
                 Self::new(409, "Already voided or revised", detail).with_existing(existing)
             }
+            Refused::NotSetAside { .. } => Self::new(409, "Not set aside", detail),
             Refused::AnotherImu => {
                 let place = Place { pointer: "/imu".into(), detail: detail.clone() };
                 Self::new(422, "Cannot be stored as it is", detail).with_place(place)

@@ -8,6 +8,7 @@ mod alerts;
 mod assets;
 mod calibration;
 mod chart;
+mod confirm;
 mod corrections;
 mod course;
 mod diagnoses;
@@ -21,6 +22,7 @@ mod hooks;
 mod import;
 mod imu;
 mod layout;
+mod notes;
 mod parameters;
 mod pieces;
 mod plot;
@@ -77,6 +79,7 @@ pub fn router(pages: Pages) -> Router {
         .route("/hooks/{id}/deliveries/{delivery}/redeliver", post(hooks::redeliver))
         .route("/records/{id}", get(calibration::record))
         .route("/records/{id}/void", get(corrections::ask_record).post(corrections::void_record))
+        .route("/records/{id}/confirm", get(confirm::ask).post(confirm::act))
         .route("/campaigns/{id}", get(calibration::campaign))
         .route("/campaigns/{id}/void", get(corrections::ask_record).post(corrections::void_record))
         .route("/bench-results/{id}/void", get(corrections::ask_bench).post(corrections::void_bench))

@@ -7,7 +7,7 @@ use crate::config::JudgedMethod;
 use crate::core::judge::Limits;
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::time::UtcMicros;
-use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Span, StoreError};
+use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Course {
     pub events: Vec<EventRow>,
     /// What was said of results that do not count any more.
     pub corrections: Vec<GyroCorrection>,
+    /// Records that do not count until somebody confirms their times.
+    pub set_aside: Vec<(Id, UtcMicros)>,
     pub baselines: Vec<Baseline>,
     /// What its newest record is judged against.
     pub limits: Limits,
@@ -38,11 +40,13 @@ impl Pipeline {
         let events = self.store.events(gyro).await?;
         let benches = self.store.bench_results(gyro, Span::EVER).await?;
         let corrections = self.store.corrections_of_gyro(gyro).await?;
+        let set_aside = self.store.set_aside_of_gyro(gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
         let marks: Vec<Mark> = events.iter().map(mark_of).collect();
-        Ok(Course { baselines: baselines(&samples, &marks, &limits), figures, benches, events, corrections, limits })
+        let baselines = baselines(&samples, &marks, &limits);
+        Ok(Course { baselines, figures, benches, events, corrections, set_aside, limits })
     }
 }
 

@@ -50,6 +50,7 @@ use tokio::task::JoinHandle;
 
 use crate::config::Config;
 use crate::core::judge::Verdict;
+use crate::core::note::Note;
 use crate::core::notify::Late;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
@@ -80,7 +81,7 @@ pub use crate::store::{
     AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
     GyroCorrection, Id, Kind, Matchers, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
-pub use read::{BenchTest, CalibratedGyro, Calibration, Corrected, Correction, GyroEvent, Submission};
+pub use read::{BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;
 pub use verify::Verified;
 
@@ -135,9 +136,16 @@ pub type Reply = Result<Accepted, Refused>;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Accepted {
     /// It is new, and on disk once [`Pipeline::submit`] or [`Pipeline::submit_worded`] has returned it.
-    Stored { id: Id, judged: Arc<[Judged]> },
+    Stored { id: Id, judged: Arc<[Judged]>, notes: Arc<[Note]> },
     /// An item with the same key has been there before; whether it says the same is for [`Pipeline::settle`] to find out.
     There { id: Id, same_bytes: bool },
+}
+
+impl Accepted {
+    /// It is new, and there is nothing to be said of it.
+    fn stored(id: Id) -> Self {
+        Self::Stored { id, judged: [].into(), notes: [].into() }
+    }
 }
 
 /// A gyro's verdicts on the record that was submitted.
@@ -162,6 +170,8 @@ pub enum Refused {
     UnknownBench { id: Id },
     #[error("{id} has been voided or revised already: by another author, for another reason or by other content")]
     AlreadyCorrected { id: Id, existing: Id },
+    #[error("{id} is not set aside: there is nothing to confirm")]
+    NotSetAside { id: Id },
     #[error("is of another IMU than what it is to replace")]
     AnotherImu,
     #[error("another calibration of the IMU stands at that time (id {existing})")]

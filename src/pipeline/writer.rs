@@ -12,7 +12,7 @@ use std::time::Instant;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
-use super::admit::Newest;
+use super::admit::{Memory, Newest};
 use super::alerting::AlertBook;
 use super::diagnosing::{DiagnosisOrder, JobDesk};
 use super::hooks::{Found, HookBook, HookDesk, Order};
@@ -39,6 +39,7 @@ pub(super) struct Task {
     clock: Clock,
     config: Arc<Config>,
     newest: Newest,
+    memory: Memory,
     judge: Judge,
     alerts: AlertBook,
     /// Gyros whose methods are to agree.
@@ -100,6 +101,7 @@ impl Task {
             clock,
             config,
             newest,
+            memory: Memory::default(),
             judge,
             alerts,
             benched,
@@ -328,6 +330,9 @@ impl Task {
             match stored {
                 Ok(replies) => {
                     self.judge.tidy();
+                    if self.memory.is_full() {
+                        self.memory.forget();
+                    }
                     return Ok(replies);
                 }
                 Err(error) => {

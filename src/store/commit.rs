@@ -27,6 +27,7 @@ use super::keys::{self, KeyRow};
 use super::model::{self, ModelRow};
 use super::postgres::{Missed, ServerWriter};
 use super::record::{self, RecordRow};
+use super::set_aside::{self, ConfirmationRow, SetAside};
 use super::silence::{self, SilenceRow};
 use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
@@ -44,6 +45,10 @@ pub struct Changes {
     /// What does not count any more.
     pub withdrawn: Withdrawn,
     pub corrections: Vec<CorrectionRow>,
+    /// What is not to count before its time is confirmed.
+    pub set_aside: SetAside,
+    /// What was set aside and counts from now on; its rows are among those of `history`.
+    pub confirmed: Vec<ConfirmationRow>,
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
     pub keys: Vec<KeyRow>,
@@ -66,6 +71,8 @@ pub struct Changes {
 pub struct Rejudged {
     pub history: Vec<HistoryRow>,
     pub sheets: Vec<(Id, VerdictSheet)>,
+    /// What is noted about them.
+    pub notes: Vec<(Id, String)>,
 }
 
 impl Changes {
@@ -77,6 +84,7 @@ impl Changes {
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
             && self.corrections.is_empty()
+            && self.confirmed.is_empty()
             && self.benches.is_empty()
             && self.events.is_empty()
             && self.keys.is_empty()
@@ -251,6 +259,9 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);
+    set_aside::insert(&changes.set_aside, &mut batch);
+    set_aside::confirm(&changes.confirmed, changes.history.iter(), &mut batch);
+    set_aside::note(&changes.rejudged.notes, &mut batch);
     correction::insert(&changes.corrections, &mut batch);
     record::update_verdicts(&changes.rejudged.sheets, &mut batch);
     bench::insert(&changes.benches, &mut batch);

@@ -37,6 +37,7 @@ mod open;
 mod outbox;
 mod postgres;
 mod record;
+mod set_aside;
 mod silence;
 mod tail;
 mod unplaced;
@@ -70,6 +71,7 @@ pub use names::{Names, Table, Tables};
 pub use open::{Options, Store, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use record::{Kind, RecordAt, RecordHead, RecordRow};
+pub use set_aside::{ConfirmationRow, SetAside};
 pub use silence::{Matchers, SilenceRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use super::alert::AlertBody;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
-use crate::core::record::Name;
+use crate::core::name::{Name, normal_form};
 
 /// A hook to be set up.
 #[derive(Deserialize, ToSchema)]
@@ -143,7 +143,7 @@ impl FilterBody {
             }
         }
         for (i, serial) in self.gyros.iter().enumerate() {
-            if let Err(why) = Name::parse(serial) {
+            if let Err(why) = Name::parse(serial).and_then(|name| name.check_seen()) {
                 faults.push(format!("{pointer}/gyros/{i}"), why);
             }
         }
@@ -162,7 +162,7 @@ impl FilterBody {
     pub fn wants(&self, alert: &AlertBody) -> bool {
         let severity = |name: &str| Severity::from_name(name);
         (self.rules.is_empty() || self.rules.iter().any(|rule| *rule == alert.rule))
-            && (self.gyros.is_empty() || self.gyros.contains(&alert.serial))
+            && (self.gyros.is_empty() || self.gyros.iter().any(|gyro| normal_form(gyro) == normal_form(&alert.serial)))
             && self.min_severity.as_deref().is_none_or(|least| severity(&alert.severity) >= severity(least))
     }
 }

@@ -21,6 +21,7 @@ pub mod document;
 pub mod event;
 pub mod geometry;
 pub mod history;
+pub mod history_note;
 pub mod hook;
 pub mod json;
 pub mod located;

@@ -112,6 +112,7 @@ async fn import(files: &[PathBuf], service: &Service, digest: bool, pauses: &[Du
                         bar.suspend(|| eprintln!("{name}:{}{refusal}", if refusal.line.is_some() { "" } else { " " }))
                     }
                     Event::Answered(answer) => gist = Gist(answer).to_string(),
+                    Event::Noted { line, note } => bar.suspend(|| eprintln!("{name}:{line}: note: {note}")),
                 };
                 let carried = Courier::new(service, pauses, &mut tell).carry(content).await;
                 carried.with_context(|| format!("{name}: stopped; import it again to go on"))?

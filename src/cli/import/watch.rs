@@ -129,6 +129,7 @@ impl Folder {
         let mut tell = |event: Event<'_>| match event {
             Event::Refused(refusal) => refusals.push(refusal),
             Event::Answered(answer) => gist = Gist(answer).to_string(),
+            Event::Noted { line, note } => say(&format!("{}:{line}: note: {note}", path.display())),
             Event::Carried { .. } => {}
         };
         let tally = Courier::new(service, &[], &mut tell).carry(content).await?;

@@ -57,6 +57,7 @@ const RULES: &[(&str, &str, Least)] = &[
     ("GET", "/v1/silences/{id}", STATION),
     // What is made of it.
     ("POST", "/v1/records/{id}/void", ENGINEER),
+    ("POST", "/v1/records/{id}/confirm", ENGINEER),
     ("POST", "/v1/records/{id}/revise", ENGINEER),
     ("POST", "/v1/campaigns/{id}/void", ENGINEER),
     ("POST", "/v1/campaigns/{id}/revise", ENGINEER),
@@ -118,6 +119,8 @@ const RULES: &[(&str, &str, Least)] = &[
     ("GET", "/records/{id}", STATION),
     ("GET", "/records/{id}/void", ENGINEER),
     ("POST", "/records/{id}/void", ENGINEER),
+    ("GET", "/records/{id}/confirm", ENGINEER),
+    ("POST", "/records/{id}/confirm", ENGINEER),
     ("GET", "/campaigns/{id}", STATION),
     ("GET", "/campaigns/{id}/void", ENGINEER),
     ("POST", "/campaigns/{id}/void", ENGINEER),

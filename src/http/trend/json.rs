@@ -73,6 +73,9 @@ fn write_point<'t>(
     if let Some(voided) = point.voided {
         write!(text, ",\"voided\":{voided}")?;
     }
+    if let Some(set_aside) = point.set_aside {
+        write!(text, ",\"set_aside\":{set_aside}")?;
+    }
     text.write_all(b"}")
 }
 
@@ -122,6 +125,7 @@ mod tests {
             record: Id(i as i64 * 123_456_789_012),
             state: words[i % words.len()],
             voided: [None, Some(true), Some(false)][i % 3],
+            set_aside: [None, Some(true)][i % 2],
         };
         for count in [0, 1, 200] {
             for next in [None, Some("b3".to_owned())] {

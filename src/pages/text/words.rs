@@ -397,6 +397,11 @@ catalogue! {
     void_bench: "Void this bench result", "作废该单表测试结果";
     void_what: "It counts no more: baselines, trends, verdicts and alerts become what they would be if it had never come. It is kept as it was sent, with your name and reason, and stays to be seen. It cannot be made to count again; what was measured can be sent anew as a revision.", "该结果不再计入：基线、趋势、判定与告警均按从未收到它重新得出。原文连同姓名与原因永久保存，随时可查。作废不可撤销；可以修订的形式重新提交测量结果。";
     voided: "voided", "已作废";
+    set_aside: "set aside", "暂不计入";
+    was_set_aside: "Set aside: its time is in doubt, and it does not count until somebody confirms the time.", "暂不计入：时间存疑，待人工确认时间后计入。";
+    was_confirmed: "Time confirmed:", "时间已确认：";
+    confirm_time: "Confirm the time", "确认时间";
+    confirm_what: "The record counts from now on: baselines, verdicts and alerts become what they would be if it had counted from the first. If the time is wrong, void or revise the record instead.", "该记录自此计入：基线、判定与告警均按其一直计入重新得出。若时间有误，请作废或修订该记录。";
     revised: "revised", "已修订";
     was_voided: "Voided: it counts no more.", "已作废：不再计入。";
     was_revised: "Revised: in its place stands", "已修订，代之以";

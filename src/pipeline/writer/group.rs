@@ -29,7 +29,15 @@ impl Task {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
         let now = self.clock.now();
-        let mut desk = Desk { store: &self.store, ids: self.writer.ids(), newest: Some(&self.newest), now };
+        let mut desk = Desk {
+            store: &self.store,
+            ids: self.writer.ids(),
+            newest: Some(&self.newest),
+            memory: &mut self.memory,
+            judging: &self.config.judging,
+            epochs: &self.config.plausibility.clock_epochs,
+            now,
+        };
         for item in items {
             replies.push(desk.admit(item.sent, &mut group).await);
         }
@@ -62,7 +70,7 @@ impl Task {
             Judged { serial: gyro.serial.as_str().into(), verdicts: verdicts.copied().collect() }
         };
         for (item, reply) in items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
-            if let (Some(sent), Ok(Accepted::Stored { id, judged: entered })) = (item.sent.calibration(), reply) {
+            if let (Some(sent), Ok(Accepted::Stored { id, judged: entered, .. })) = (item.sent.calibration(), reply) {
                 *entered = sent.gyros.iter().map(|gyro| judged(*id, gyro)).collect();
             }
         }
@@ -143,6 +151,7 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
             Submission::Bench(_) => "bench_result",
             Submission::Event(_) => "event",
             Submission::Correction(_) => "correction",
+            Submission::Confirmation(_) => "confirmation",
         };
         let outcome = match reply {
             Ok(Accepted::Stored { .. }) => "stored",

@@ -63,7 +63,8 @@ impl Standing {
         let outbox = &changes.outbox;
         let is_new = [
             !changes.records.is_empty(),
-            [changes.events.len(), changes.benches.len(), withdrawn.records.len(), withdrawn.benches.len()] != [0; 4],
+            [changes.events.len(), changes.benches.len(), withdrawn.records.len(), withdrawn.benches.len()] != [0; 4]
+                || !changes.confirmed.is_empty(),
             !(changes.alerts.is_empty() && changes.alert_steps.is_empty() && changes.silences.is_empty()),
             [changes.hooks.len(), outbox.queued.len(), outbox.replayed.len()] != [0; 3]
                 || [outbox.dropped.len(), outbox.hastened.len(), outbox.heard.len(), outbox.forgotten.len()] != [0; 4],

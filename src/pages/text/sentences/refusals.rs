@@ -27,6 +27,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "{0}已被作废或修订：作者、原因或内容不同",
     ),
     ("{} has been voided or revised already", "{0}已被作废或修订"),
+    ("{} is not set aside: there is nothing to confirm", "{0}并非暂不计入，无需确认"),
     ("alert {} is resolved: there is nothing to acknowledge", "告警{0}已恢复，无需确认"),
     ("hook {} is disabled; enable it first", "通知目标{0}已停用，请先启用"),
     (

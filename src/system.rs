@@ -63,12 +63,62 @@ pub fn hmac_sha256(key: &[u8], parts: &[&[u8]]) -> [u8; 32] {
 
 /// An HTTP client that follows no redirect, uses no proxy from the environment and gives up in time.
 pub fn http_client(connect_timeout: Duration, timeout: Duration) -> reqwest::ClientBuilder {
+    base_client(connect_timeout, timeout).no_proxy()
+}
+
+fn base_client(connect_timeout: Duration, timeout: Duration) -> reqwest::ClientBuilder {
     reqwest::Client::builder()
         .redirect(reqwest::redirect::Policy::none())
-        .no_proxy()
         .connect_timeout(connect_timeout)
         .timeout(timeout)
         .user_agent(concat!("gyrowatch/", env!("CARGO_PKG_VERSION")))
+}
+
+/// By way of which proxies hooks are told.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Proxies {
+    #[default]
+    None,
+    /// One for all targets, `http://host:port`.
+    One(String),
+    /// What HTTPS_PROXY, HTTP_PROXY, ALL_PROXY and NO_PROXY say.
+    Environment,
+}
+
+impl Proxies {
+    /// The names of the proxies' machines.
+    pub fn hosts(&self) -> Vec<String> {
+        let named = match self {
+            Self::None => Vec::new(),
+            Self::One(url) => vec![url.clone()],
+            Self::Environment => {
+                let names = ["HTTPS_PROXY", "HTTP_PROXY", "ALL_PROXY"];
+                let both = names.iter().flat_map(|name| [(*name).to_owned(), name.to_ascii_lowercase()]);
+                both.filter_map(|name| std::env::var(name).ok()).collect()
+            }
+        };
+        let host = |text: &String| {
+            let with_scheme = if text.contains("://") { text.clone() } else { format!("http://{text}") };
+            url::Url::parse(&with_scheme).ok()?.host_str().map(str::to_ascii_lowercase)
+        };
+        named.iter().filter_map(host).collect()
+    }
+}
+
+/// As [`http_client`], by way of proxies.
+///
+/// # Errors
+/// Where the proxy's address cannot be used.
+pub fn http_client_through(
+    proxies: &Proxies,
+    connect_timeout: Duration,
+    timeout: Duration,
+) -> reqwest::Result<reqwest::ClientBuilder> {
+    Ok(match proxies {
+        Proxies::None => http_client(connect_timeout, timeout),
+        Proxies::One(url) => http_client(connect_timeout, timeout).proxy(reqwest::Proxy::all(url)?),
+        Proxies::Environment => base_client(connect_timeout, timeout),
+    })
 }
 
 /// Makes `ring` the process's only TLS provider. Call it first thing in `main`; a second call changes nothing.

@@ -21,6 +21,11 @@ async fn station_posts(server: &Server, serial: &str, history: &[(i64, f64)]) {
     }
 }
 
+/// A service to which nothing is late: stations measure in 2025.
+async fn serving() -> Server {
+    Server::start_with(&[("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000")]).await
+}
+
 async fn sets_up(server: &Server, hook: Value) -> Value {
     let answer = server.post_json("/v1/hooks", &hook).await;
     assert_eq!(answer.status, 201, "{}", answer.text());
@@ -70,8 +75,8 @@ const JUMP: [(i64, f64); 6] = [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.03), (160
 
 #[tokio::test]
 async fn the_life_of_every_alert_is_told_to_a_signed_hook_as_its_history_has_it() {
-    let (server, target) = (Server::start().await, Receiver::start().await);
-    let hook = sets_up(&server, json!({ "kind": "standard-webhooks", "url": target.url() })).await;
+    let (server, target) = (serving().await, Receiver::start().await);
+    let hook = sets_up(&server, json!({ "kind": "standard-webhooks", "url": target.url(), "batch": false })).await;
     station_posts(&server, "A", &JUMP).await;
     all_told(&server, &hook).await;
     let told = target.told();
@@ -93,7 +98,7 @@ async fn the_life_of_every_alert_is_told_to_a_signed_hook_as_its_history_has_it(
 
 #[tokio::test]
 async fn a_hook_hears_only_of_what_its_filter_lets_through() {
-    let (server, target) = (Server::start().await, Receiver::start().await);
+    let (server, target) = (serving().await, Receiver::start().await);
     let mut hooks = Vec::new();
     for (path, filter) in [
         ("/all", json!({})),
@@ -102,7 +107,10 @@ async fn a_hook_hears_only_of_what_its_filter_lets_through() {
         ("/critical", json!({ "min_severity": "critical", "rules": ["step"] })),
     ] {
         let url = format!("http://{}{path}", target.address);
-        hooks.push(sets_up(&server, json!({ "kind": "standard-webhooks", "url": url, "filter": filter })).await);
+        hooks.push(
+            sets_up(&server, json!({ "kind": "standard-webhooks", "url": url, "filter": filter, "batch": false }))
+                .await,
+        );
     }
     let off = json!({ "kind": "standard-webhooks", "url": format!("http://{}/off", target.address), "enabled": false });
     sets_up(&server, off).await;
@@ -128,8 +136,80 @@ async fn a_hook_hears_only_of_what_its_filter_lets_through() {
     same(heard("/step"), among(&|data| data["rule"] == "step"));
     same(heard("/b"), among(&|data| data["serial"] == "B"));
     let critical: Vec<Value> = heard("/critical").iter().map(|body| body["type"].clone()).collect();
-    assert_eq!(critical.iter().filter(|name| *name == "alert.escalated").count(), 2, "{critical:?}");
+    assert_eq!(
+        critical.iter().filter(|name| *name == "alert.fired").count(),
+        2,
+        "that it has become critical: {critical:?}"
+    );
     assert_eq!(critical.iter().filter(|name| *name == "alert.resolved").count(), 2, "who heard of it hears of its end");
     assert_eq!(critical.len(), 4);
     assert!(heard("/off").is_empty());
+}
+
+/// What a message tells, alert by alert: gyro, coefficient, rule and event, in the order of these words.
+fn told_of(body: &Value) -> Vec<String> {
+    let text = |alert: &Value, member: &str| alert[member].as_str().unwrap().to_owned();
+    let alerts = body["alerts"].as_array().unwrap().iter();
+    let mut told: Vec<String> =
+        alerts.map(|a| ["serial", "coefficient", "rule", "event"].map(|member| text(a, member)).join(" ")).collect();
+    told.sort();
+    told
+}
+
+#[tokio::test]
+async fn all_that_a_record_changes_of_all_its_gyros_is_one_message() {
+    let server = serving().await;
+    let kinds = ["standard-webhooks", "cloudevents", "alertmanager-webhook", "alertmanager"];
+    let target = Receiver::start().await;
+    let mut hooks = Vec::new();
+    for kind in kinds {
+        let url = format!("http://{}/{kind}", target.address);
+        let hook = sets_up(&server, json!({ "kind": kind, "url": url })).await;
+        assert_eq!(hook["batch"], true, "new hooks hear so unless they ask otherwise");
+        hooks.push(hook);
+    }
+    let one_by_one = json!({ "kind": "cloudevents", "url": format!("http://{}/one", target.address), "batch": false });
+    hooks.push(sets_up(&server, one_by_one).await);
+    let post = async |at: i64, a: [f64; 2], b: f64| {
+        let gyros = [("G1", "A", a[0], a[1]), ("G2", "B", b, 2.0)];
+        assert_eq!(server.post_json("/v1/records", &record("IMU-1", &day(at), &gyros)).await.status, 201);
+    };
+    for at in [0, 40, 80] {
+        post(at, [1.0, 2.0], 1.0).await;
+    }
+    post(120, [1.05, 2.05], 1.05).await;
+    for hook in &hooks {
+        all_told(&server, hook).await;
+    }
+    let heard = |path: &str| -> Vec<Value> {
+        let of_path = target.told().into_iter().filter(|told| told.path.starts_with(path));
+        of_path.map(|told| told.json()).collect()
+    };
+    let alerts = server.get("/v1/alerts").await.json()["alerts"].as_array().unwrap().len();
+    let [whole] = &heard("/standard-webhooks")[..] else { panic!("{:?}", heard("/standard-webhooks")) };
+    assert_eq!((&whole["type"], told_of(whole).len()), (&json!("alert.fired"), alerts));
+    assert!(alerts >= 6, "{alerts}");
+    assert!(told_of(whole).contains(&"A D_I step alert.fired".to_owned()), "{:?}", told_of(whole));
+    assert!(told_of(whole).iter().any(|told| told.starts_with("B ")), "{:?}", told_of(whole));
+    assert_eq!(whole["data"]["id"], whole["alerts"][0]["id"]);
+    assert_eq!(
+        whole["alerts"][0]["links"]["gyro"],
+        format!("/gyros/{}", whole["alerts"][0]["serial"].as_str().unwrap())
+    );
+    let [event] = &heard("/cloudevents")[..] else { panic!() };
+    assert_eq!(told_of(&event["data"]), told_of(whole));
+    let [webhook] = &heard("/alertmanager-webhook")[..] else { panic!() };
+    assert_eq!(webhook["alerts"].as_array().unwrap().len(), alerts);
+    assert_eq!(heard("/one").len(), alerts, "whoever wants each by itself gets it");
+
+    // A second campaign confirms some, and one gyro recovers: still one message, the gravest first.
+    post(160, [1.05, 2.05], 1.0).await;
+    all_told(&server, &hooks[0]).await;
+    let all = heard("/standard-webhooks");
+    assert_eq!(all.len(), 2);
+    let first = &all[1]["alerts"][0];
+    assert_eq!((&all[1]["type"], &first["severity"]), (&json!("alert.escalated"), &json!("critical")));
+    let delivery = server.get(&format!("/v1/hooks/{}/deliveries", hooks[0]["id"].as_str().unwrap())).await.json();
+    let delivery = &delivery["deliveries"][0];
+    assert_eq!((&delivery["event"], &delivery["alert"]), (&all[1]["type"], &first["id"]));
 }

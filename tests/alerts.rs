@@ -75,6 +75,11 @@ async fn a_step_fires_is_confirmed_and_resolves_while_the_baseline_goes_on_firin
     let step = alert_of(&lab, "step").await;
     assert_eq!((&step["imu"], &step["slot"], &step["station"]), (&json!("IMU-1"), &json!("G1"), &json!("ST-1")));
     assert_eq!(
+        (&step["since"], &step["fired_at"]),
+        (&json!(day(120)), &json!("2026-11-21T12:00:00Z")),
+        "when the gyro did it, and when that was found"
+    );
+    assert_eq!(
         (&step["calibrated_at"], &step["limit"], &step["unit"]),
         (&json!(day(120)), &json!(0.01), &json!("deg/(h g0)"))
     );
@@ -210,6 +215,81 @@ async fn a_silenced_alert_is_followed_without_telling_and_tells_at_its_end_what_
     }
     assert_eq!(story[3..], ["escalate"], "told once the silence has ended");
     assert_eq!(alert_of(&lab, "baseline").await["state"], "firing");
+}
+
+#[tokio::test]
+async fn an_acknowledgement_is_taken_back_with_who_and_why() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let id = alert_of(&lab, "baseline").await["id"].as_str().unwrap().to_owned();
+    let remark = json!({"by": "Li Wei", "reason": "the wrong gyro"});
+    let path = format!("/v1/alerts/{id}/unacknowledge");
+    assert_eq!(lab.post(&path, &remark).await.ok()["state"], "firing", "there is nothing to take back");
+    lab.post(&format!("/v1/alerts/{id}/acknowledge"), &remark).await.ok();
+    let alert = lab.post(&path, &remark).await.ok();
+    assert_eq!((&alert["state"], &alert["acknowledged"]), (&json!("firing"), &Value::Null));
+    assert_eq!(story_of(&lab, "baseline").await, ["fire", "acknowledge (untold)", "unacknowledge (untold)"]);
+    assert_eq!(lab.post(&path, &json!({"by": "", "reason": "x"})).await.refused(422), ["/by"]);
+    assert_eq!(lab.post("/v1/alerts/0000000000000/unacknowledge", &remark).await.status, 404);
+}
+
+#[tokio::test]
+async fn a_silence_of_all_that_match_holds_for_what_fires_and_will_fire_and_ends() {
+    let mut lab = Lab::with(|config| config.alerts.tick_s = 0.02).await;
+    station_posts(&lab, &[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02)]).await;
+    let order = |matchers: Value| json!({"matchers": matchers, "until": "2026-11-23T00:00:00Z", "by": "Li Wei", "reason": "turntable under repair"});
+    for (wrong, place) in [
+        (order(json!({})), "/matchers"),
+        (order(json!({"rule": "stpe"})), "/matchers/rule"),
+        (order(json!({"serial": " A"})), "/matchers/serial"),
+        (order(json!({"gyro": "A"})), "/matchers/gyro"),
+        (json!({"matchers": {"rule": "step"}, "until": "2020-01-01T00:00:00Z", "by": "L", "reason": "r"}), "/until"),
+    ] {
+        assert_eq!(lab.post("/v1/silences", &wrong).await.refused(422), [place], "{wrong}");
+    }
+    let answer = lab.post("/v1/silences", &order(json!({"imu": "IMU-1", "rule": "step"}))).await;
+    let by_imu = answer.created();
+    assert_eq!(answer.header("location"), format!("/v1/silences/{}", by_imu["id"].as_str().unwrap()));
+    assert_eq!(engineer_sees(&lab, "state=silenced").await, ["D_I step silenced warning"]);
+    assert_eq!(alert_of(&lab, "step").await["silenced"]["silence"], by_imu["id"]);
+    let by_station = lab.post("/v1/silences", &order(json!({"station": "ST-1"}))).await.created();
+    station_posts(&lab, &[(160, 1.02)]).await;
+    assert_eq!(engineer_sees(&lab, "state=firing").await, [] as [&str; 0], "of all that this station measures");
+    let of_another = [("G1", "B", 1.0, 2.0)];
+    for (at, gyros) in [(0, of_another), (40, of_another), (80, [("G1", "B", 1.02, 2.0)])] {
+        lab.posts(&record("IMU-2", &day(at), &gyros)).await;
+    }
+    assert!(engineer_sees(&lab, "serial=B&state=firing").await.is_empty(), "and of what begins only now");
+    lab.restart().await;
+    let listed = lab.get("/v1/silences").await.ok()["silences"].clone();
+    let ids: Vec<&Value> = listed.as_array().unwrap().iter().map(|silence| &silence["id"]).collect();
+    assert_eq!(ids, [&by_station["id"], &by_imu["id"]], "the newest first");
+    assert_eq!(story_of(&lab, "step").await, ["fire", "escalate (untold)"]);
+
+    let path = format!("/v1/silences/{}", by_station["id"].as_str().unwrap());
+    let ended = lab.post(&format!("{path}/end"), &json!({"by": "Li Wei", "reason": "repaired"})).await.ok();
+    assert_eq!((&ended["active"], &ended["ended"]["reason"]), (&json!(false), &json!("repaired")));
+    assert_eq!(
+        lab.post(&format!("{path}/end"), &json!({"by": "X", "reason": "again"})).await.ok(),
+        ended,
+        "it is over"
+    );
+    assert_eq!(engineer_sees(&lab, "state=silenced").await, ["D_I step silenced critical"], "the other silence holds");
+    assert_eq!(story_of(&lab, "baseline").await, ["fire", "escalate (untold)", "escalate"], "told at its end");
+    lab.clock_shows("2026-11-23T00:00:00Z");
+    assert_eq!(engineer_sees(&lab, "state=silenced").await, [] as [&str; 0]);
+    let mut story = Vec::new();
+    for _ in 0..200 {
+        story = story_of(&lab, "step").await;
+        if story.len() > 2 {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+    assert_eq!(story[2..], ["escalate"], "at the end of its time");
+    assert_eq!(lab.get("/v1/silences").await.ok(), json!({"silences": []}));
+    assert_eq!(lab.get("/v1/silences?state=all").await.ok()["silences"].as_array().unwrap().len(), 2);
+    assert_eq!(lab.get("/v1/silences?state=old").await.status, 400);
+    assert_eq!(lab.get("/v1/silences/0000000000000").await.status, 404);
 }
 
 #[tokio::test]

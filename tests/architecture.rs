@@ -8,7 +8,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 const PEERS: [&str; 4] = ["store", "http", "alert", "pages"];
-const CORE_CRATES: [&str; 6] = ["std", "core", "alloc", "nalgebra", "thiserror", "statrs"];
+const CORE_CRATES: [&str; 9] = [
+    "std",
+    "core",
+    "alloc",
+    "nalgebra",
+    "thiserror",
+    "statrs",
+    "unicode_normalization",
+    "unicode_properties",
+    "unicode_security",
+];
 const IMPURE_STD: [&str; 7] = ["fs", "io", "net", "env", "process", "thread", "time"];
 const MAX_LINES: usize = 400;
 const LONG_FILE_EXCUSE: &str = "Longer than 400 lines because";

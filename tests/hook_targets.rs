@@ -43,7 +43,7 @@ fn courier(policy: TargetPolicy) -> Courier {
 
 async fn attempt_with(courier: &Courier, url: &str) -> Attempt {
     let payload = Payload { content_type: "application/json", body: b"{}".to_vec() };
-    let to = Destination { kind: HookKind::StandardWebhooks, url, authorization: Some("Bearer hunter2") };
+    let to = Destination { kind: HookKind::StandardWebhooks, url, authorization: Some("Bearer hunter2"), expect: None };
     courier.attempt(to, &sign::headers("evt_1", NOW, b"{}", &[]), payload, NOW).await
 }
 

@@ -137,7 +137,7 @@ async fn a_hook_that_cannot_be_is_refused_at_its_place_and_no_secret_is_repeated
         (with("authorization", json!("")), "/authorization", "1 to 4096"),
         (with("name", json!("")), "/name", "empty"),
         (with("filter", json!({ "rules": ["stpe"] })), "/filter/rules/0", "no rule"),
-        (with("filter", json!({ "gyros": [" A"] })), "/filter/gyros/0", "blank"),
+        (with("filter", json!({ "gyros": ["A\u{200b}"] })), "/filter/gyros/0", "U+200B"),
         (with("filter", json!({ "min_severity": "fatal" })), "/filter/min_severity", "critical"),
         (with("filter", json!({ "rule": "step" })), "/filter/rule", "unknown field"),
         (with("enabled", json!("yes")), "/enabled", "boolean"),
@@ -466,6 +466,82 @@ async fn what_an_address_says_that_its_hook_has_no_longer_is_not_held_against_th
     let path = format!("/v1/hooks/{}", hook["id"].as_str().unwrap());
     assert_eq!(server.get(&path).await.json()["enabled"], true);
     server.sees(&server.tests(&hook).await, &["delivered"]).await;
+}
+
+#[tokio::test]
+async fn what_a_target_answers_is_kept_and_a_200_that_does_not_say_what_it_is_to_say_is_a_failed_attempt() {
+    let server = Server::start_with(&[SHORT]).await;
+    let robot = Receiver::answering(|earlier, _| {
+        let code = if earlier == 0 { 45_009 } else { 0 };
+        format!("{{\"errcode\": {code},\r\n \"errmsg\": \"频道{}\"}}", "x".repeat(2000)).into_response()
+    })
+    .await;
+    let expect = json!({ "json": { "errcode": 0 } });
+    let hook = server.sets_up(json!({ "kind": "cloudevents", "url": robot.url(), "expect": expect })).await;
+    assert_eq!(hook["expect"], expect);
+    let delivery = server.tests(&hook).await;
+    let done = server.sees(&delivery, &["delivered"]).await;
+    let attempts = done["attempts"].as_array().unwrap();
+    assert_eq!(attempts.len(), 2, "{done:#}");
+    assert_eq!(attempts[0]["status"], 200);
+    let detail = attempts[0]["detail"].as_str().unwrap();
+    assert!(
+        detail.starts_with("answered 200 OK, but errcode is 45009, not 0: {\"errcode\": 45009, \"errmsg\": \"频道x"),
+        "{detail}"
+    );
+    let answer = attempts[1]["answer"].as_str().unwrap();
+    assert!(answer.starts_with("{\"errcode\": 0, \"errmsg\": \"频道x") && answer.len() < 1030, "{answer}");
+    assert_eq!(attempts[1]["detail"], "");
+
+    for (wrong, place) in [
+        (json!({ "json": {} }), "/expect/json"),
+        (json!({ "jsn": {} }), "/expect/jsn"),
+        (json!({ "json": [0] }), "/expect/json"),
+    ] {
+        let refused = server.changes(&hook, json!({ "expect": wrong })).await;
+        assert_eq!(
+            (refused.status, &refused.json()["errors"][0]["pointer"]),
+            (422, &json!(place)),
+            "{}",
+            refused.text()
+        );
+    }
+    let changed = server.changes(&hook, json!({ "expect": null, "batch": false })).await.json();
+    assert_eq!((&changed["expect"], &changed["batch"]), (&Value::Null, &json!(false)));
+}
+
+#[tokio::test]
+async fn hooks_are_told_by_way_of_a_proxy_that_somebody_has_named_and_by_none_otherwise() {
+    let proxy = Receiver::start().await;
+    let address = format!("http://{}", proxy.address);
+    let named = json!({ "kind": "cloudevents", "url": "http://alerts.gyrowatch.invalid/x" });
+    for settings in [
+        vec![("GYROWATCH_HOOKS__PROXY", address.as_str()), SHORT],
+        vec![
+            ("GYROWATCH_HOOKS__PROXY", "environment"),
+            ("HTTP_PROXY", address.as_str()),
+            ("NO_PROXY", "127.0.0.1"),
+            SHORT,
+        ],
+    ] {
+        let before = proxy.told().len();
+        let server = Server::start_with(&settings).await;
+        let hook = server.sets_up(named.clone()).await;
+        server.sees(&server.tests(&hook).await, &["delivered"]).await;
+        let told = proxy.told().remove(before);
+        assert_eq!((told.path.as_str(), told.header("host")), ("/x", "alerts.gyrowatch.invalid".to_owned()));
+        let literal = json!({ "kind": "cloudevents", "url": "http://169.254.169.254/" });
+        assert_eq!(server.post_json("/v1/hooks", &literal).await.status, 422, "an address is refused all the same");
+        let own = server.sets_up(json!({ "kind": "cloudevents", "url": "http://localhost:1/" })).await;
+        let seen = server.sees_attempts(&server.tests(&own).await, 1).await;
+        assert!(seen["attempts"][0]["detail"].as_str().unwrap().contains("proxy's own machine"), "{seen}");
+        assert_eq!(proxy.told().len(), before + 1);
+    }
+    let server = Server::start_with(&[("HTTP_PROXY", address.as_str()), SHORT]).await;
+    let hook = server.sets_up(named).await;
+    let seen = server.sees_attempts(&server.tests(&hook).await, 1).await;
+    assert!(seen["attempts"][0]["detail"].as_str().unwrap().contains("does not resolve"), "{seen}");
+    assert_eq!(proxy.told().len(), 2, "the environment alone sends nothing elsewhere");
 }
 
 #[tokio::test]

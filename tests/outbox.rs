@@ -27,6 +27,9 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 const SHORT: (&str, &str) = ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1,0.1");
 
+/// Stations measure in 2025.
+const NEVER_LATE: (&str, &str) = ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000");
+
 /// A number from the environment: long forms of tests are run by `scripts/soak`.
 fn asked(name: &str, otherwise: usize) -> usize {
     std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
@@ -102,12 +105,12 @@ async fn nothing_is_lost_invented_or_overtaken_when_the_service_is_killed_while_
         if earlier % 11 == 7 { StatusCode::BAD_GATEWAY.into_response() } else { ().into_response() }
     })
     .await;
-    let mut server = Server::start_with(&[SHORT, ("GYROWATCH_HOOKS__ATTEMPTS_AT_ONCE", "4")]).await;
+    let mut server = Server::start_with(&[SHORT, NEVER_LATE, ("GYROWATCH_HOOKS__ATTEMPTS_AT_ONCE", "4")]).await;
     let kinds = ["standard-webhooks", "cloudevents"];
     let mut hooks = Vec::new();
     for kind in kinds {
         let url = format!("http://{}/{kind}", target.address);
-        hooks.push(sets_up(&server, json!({ "kind": kind, "url": url })).await);
+        hooks.push(sets_up(&server, json!({ "kind": kind, "url": url, "batch": false })).await);
     }
     server.terminate();
     queue.fill(server.dir(), &hooks).await;
@@ -274,6 +277,7 @@ async fn what_waits_for_an_alertmanager_is_told_when_what_fires_finds_it_back() 
     let server = Server::start_with(&[
         ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.2,3600,3600"),
         ("GYROWATCH_HOOKS__RESEND_S", "0.5"),
+        NEVER_LATE,
     ])
     .await;
     let (target, up) = target_that_is_up(true).await;
@@ -377,7 +381,7 @@ async fn a_real_alertmanager_receives_shows_and_resolves_an_alert() {
     gyrowatch::system::install_crypto();
     let recorder = Receiver::start().await;
     let Some(alertmanager) = Alertmanager::start(&recorder).await else { return };
-    let server = Server::start_with(&[("GYROWATCH_HOOKS__RESEND_S", "0.5")]).await;
+    let server = Server::start_with(&[("GYROWATCH_HOOKS__RESEND_S", "0.5"), NEVER_LATE]).await;
     let station_posts = async |at: i64, d_i: f64| {
         let record = lab::record("IMU-1", &lab::day(at), &[("G1", "LFG-0101", d_i, 2.0)]);
         assert_eq!(server.post_json("/v1/records", &record).await.status, 201);

@@ -888,7 +888,7 @@ async fn what_is_wrong_with_a_campaign_is_said_in_the_viewers_language() {
         ("/measured_at", json!("2026-03-01T08:00:00")),
         ("/site", json!({"latitude_deg": 91.0, "gravity_g0": 9.8})),
         ("/site", json!({"latitude_deg": 34.25})),
-        ("/station", json!(" ST")),
+        ("/station", json!("ST\u{200b}")),
         ("/note", json!("x".repeat(100_000))),
     ];
     let mut documents: Vec<String> =
@@ -995,4 +995,36 @@ fn contrary_to_the_earth() -> Vec<String> {
     unknown["rates"] = json!("both");
     documents.push(unknown);
     documents.iter().map(Value::to_string).collect()
+}
+
+#[tokio::test]
+async fn notes_are_shown_before_and_after_storing_and_a_doubtful_time_is_confirmed_on_a_page() {
+    let server = a_small_fleet().await;
+    let mut early = record("IMU-A", "ST-1", "STEADY", 0, [1.5, -2.25]);
+    early["calibrated_at"] = "2000-01-03T08:00:00Z".into();
+    let sends = async |language: &str| {
+        let headers = [("content-type", "text/plain"), ("accept-language", language)];
+        let text = format!("text={early}\r\n");
+        server.call("POST", "/import/preview", &headers, text).await.text()
+    };
+    let words = "clocks that were never set begin: set aside until somebody confirms the time";
+    assert!(sends("en").await.contains(words));
+    let chinese = sends("zh").await;
+    assert!(chinese.contains("暂不计入，待人工确认时间") && !chinese.contains(words), "{chinese}");
+    let id = server.post_json("/v1/records", &early).await.json()["id"].as_str().unwrap().to_owned();
+    let shown = page(&server, &format!("/records/{id}"), &[]).await;
+    assert!(shown.contains(words) && shown.contains("Set aside: its time is in doubt"), "{shown}");
+    assert!(page(&server, "/gyros/STEADY", &[]).await.contains("<strong>set aside</strong>"));
+    let ask = link(&shown, "/records/", "/confirm");
+    let path = ask.split('?').next().unwrap();
+    assert!(page(&server, &ask, &[]).await.contains(words));
+    let fields = [("by", "Zhao Min"), ("reason", "the log book says so"), ("confirm", "yes")];
+    for wrong in [&fields[..2], &fields[1..]] {
+        assert_eq!(sends_form(&server, path, wrong).await.status, 422, "{wrong:?}");
+    }
+    goes_on_at(&sends_form(&server, path, &fields).await);
+    let confirmed = page(&server, &format!("/records/{id}"), &[]).await;
+    assert!(confirmed.contains("the log book says so") && !confirmed.contains("Set aside:"), "{confirmed}");
+    assert_eq!(sends_form(&server, path, &fields).await.status, 409, "there is nothing left to confirm");
+    assert!(!page(&server, "/gyros/STEADY", &[]).await.contains("<strong>set aside</strong>"));
 }

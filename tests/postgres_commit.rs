@@ -114,7 +114,12 @@ async fn server_behind(url: &str) -> (Server, Between) {
     let there = url.strip_prefix("postgres://postgres@").unwrap().split_once('/').unwrap();
     let between = Between::start(there.0.parse().unwrap()).await;
     let through = format!("postgres://postgres@{}/{}", between.address, there.1);
-    let variables = [("GYROWATCH_DATABASE_URL", through.as_str()), ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1")];
+    let variables = [
+        ("GYROWATCH_DATABASE_URL", through.as_str()),
+        ("GYROWATCH_HOOKS__RETRY_WAITS_S", "0.1,0.1,0.1"),
+        // Stations measure in 2025, and are not late.
+        ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000"),
+    ];
     (Server::start_with(&variables).await, between)
 }
 

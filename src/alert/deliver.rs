@@ -13,7 +13,8 @@ use super::payload::Payload;
 use super::resolver::{GuardedResolver, ResolveError};
 use super::target::TargetPolicy;
 use crate::core::time::UtcMicros;
-use crate::system;
+use crate::system::{self, Proxies};
+use crate::wire::hook::ExpectBody;
 
 /// How long a target may take, and how much of its answer is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +45,8 @@ pub struct Destination<'a> {
     pub url: &'a str,
     /// The whole value of the `Authorization` header.
     pub authorization: Option<&'a str>,
+    /// What a 2xx answer is to say; none where its status is enough.
+    pub expect: Option<&'a ExpectBody>,
 }
 
 /// How an attempt went.
@@ -53,6 +56,8 @@ pub struct Attempt {
     pub status: Option<u16>,
     /// For people; empty where nothing is worth a word.
     pub detail: String,
+    /// The beginning of what the target said, printable; none where it said nothing.
+    pub answer: Option<String>,
     pub took: Duration,
 }
 
@@ -72,12 +77,25 @@ pub struct Courier {
     client: Client,
     policy: TargetPolicy,
     limits: AttemptLimits,
+    /// A proxy resolves the names of targets.
+    proxied: bool,
 }
 
 impl Courier {
     /// `extra_roots`: certificates in PEM that are trusted beside the system's, for a laboratory's own authority.
     pub fn new(policy: TargetPolicy, limits: AttemptLimits, extra_roots: Option<&[u8]>) -> reqwest::Result<Self> {
-        Self::with_resolver(GuardedResolver::system(policy.clone()), policy, limits, extra_roots)
+        Self::through(&Proxies::None, policy, limits, extra_roots)
+    }
+
+    /// By way of proxies, which then decide what names lead to.
+    pub fn through(
+        proxies: &Proxies,
+        policy: TargetPolicy,
+        limits: AttemptLimits,
+        extra_roots: Option<&[u8]>,
+    ) -> reqwest::Result<Self> {
+        let resolver = GuardedResolver::system(policy.clone()).trusting(proxies.hosts());
+        Self::build(proxies, resolver, policy, limits, extra_roots)
     }
 
     pub fn with_resolver(
@@ -86,13 +104,23 @@ impl Courier {
         limits: AttemptLimits,
         extra_roots: Option<&[u8]>,
     ) -> reqwest::Result<Self> {
+        Self::build(&Proxies::None, resolver, policy, limits, extra_roots)
+    }
+
+    fn build(
+        proxies: &Proxies,
+        resolver: GuardedResolver,
+        policy: TargetPolicy,
+        limits: AttemptLimits,
+        extra_roots: Option<&[u8]>,
+    ) -> reqwest::Result<Self> {
         let roots = extra_roots.map(Certificate::from_pem_bundle).transpose()?.unwrap_or_default();
-        let client = system::http_client(limits.connect, limits.whole)
+        let client = system::http_client_through(proxies, limits.connect, limits.whole)?
             .dns_resolver(std::sync::Arc::new(resolver))
             .pool_max_idle_per_host(4)
             .tls_certs_merge(roots)
             .build()?;
-        Ok(Self { client, policy, limits })
+        Ok(Self { client, policy, limits, proxied: *proxies != Proxies::None })
     }
 
     /// Sends one payload. `signature`: the headers that [`super::sign::headers`] made for it.
@@ -104,11 +132,15 @@ impl Courier {
         now: UtcMicros,
     ) -> Attempt {
         let started = Instant::now();
-        let (outcome, status, detail) = match self.exchange(to, signature, payload).await {
-            Ok(response) => self.read_answer(response, now).await,
-            Err(why) => (Outcome::Failed { retry_after: None }, None, why),
+        let mut attempt = match self.exchange(to, signature, payload).await {
+            Ok(response) => self.read_answer(response, to.expect, now).await,
+            Err(why) => {
+                let outcome = Outcome::Failed { retry_after: None };
+                Attempt { outcome, status: None, detail: why, answer: None, took: Duration::ZERO }
+            }
         };
-        Attempt { outcome, status: status.map(|status| status.as_u16()), detail, took: started.elapsed() }
+        attempt.took = started.elapsed();
+        attempt
     }
 
     async fn exchange(
@@ -118,6 +150,9 @@ impl Courier {
         payload: Payload,
     ) -> Result<Response, String> {
         let url = endpoint(to.kind, self.policy.check_url(to.url)?);
+        if self.proxied {
+            self.policy.check_name(&url)?;
+        }
         let mut headers = HeaderMap::new();
         headers.insert(CONTENT_TYPE, HeaderValue::from_static(payload.content_type));
         for (name, value) in signature {
@@ -132,32 +167,37 @@ impl Courier {
         request.send().await.map_err(|error| self.describe(&error))
     }
 
-    async fn read_answer(&self, response: Response, now: UtcMicros) -> (Outcome, Option<StatusCode>, String) {
+    async fn read_answer(&self, response: Response, expect: Option<&ExpectBody>, now: UtcMicros) -> Attempt {
         let status = response.status();
         let retry_after = response.headers().get(RETRY_AFTER).and_then(|value| read_retry_after(value, now));
-        let location = response.headers().get(LOCATION).map(|to| printable(&String::from_utf8_lossy(to.as_bytes())));
-        let (text, cut) = self.read_body(response).await;
-        let detail = match location {
-            _ if status.is_success() => cut.unwrap_or_default(),
-            Some(to) if status.is_redirection() => {
+        let location = response.headers().get(LOCATION);
+        let location = location.map(|to| printable(&String::from_utf8_lossy(to.as_bytes()), MOST_OF_A_LINE));
+        let (bytes, cut) = self.read_body(response).await;
+        let text = String::from_utf8_lossy(&bytes);
+        let unexpected = expect.filter(|_| status.is_success()).and_then(|expect| expect.differs(&bytes));
+        let said = |what: String| {
+            let parts = [what, printable(&text, MOST_OF_A_LINE), cut.clone().unwrap_or_default()];
+            parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ")
+        };
+        let detail = match (&unexpected, location) {
+            (Some(why), _) => said(format!("answered {status}, but {}", printable(why, MOST_OF_A_LINE))),
+            _ if status.is_success() => cut.clone().unwrap_or_default(),
+            (None, Some(to)) if status.is_redirection() => {
                 format!("answered {status} to {to}: redirects are not followed, name the final address")
             }
-            _ => [format!("answered {status}"), text, cut.unwrap_or_default()]
-                .into_iter()
-                .filter(|part| !part.is_empty())
-                .collect::<Vec<_>>()
-                .join(": "),
+            _ => said(format!("answered {status}")),
         };
         let outcome = match status {
             StatusCode::GONE => Outcome::Gone,
-            _ if status.is_success() => Outcome::Delivered,
+            _ if status.is_success() && unexpected.is_none() => Outcome::Delivered,
             _ => Outcome::Failed { retry_after },
         };
-        (outcome, Some(status), detail)
+        let answer = Some(printable(&text, MOST_OF_AN_ANSWER)).filter(|answer| !answer.is_empty());
+        Attempt { outcome, status: Some(status.as_u16()), detail, answer, took: Duration::ZERO }
     }
 
     /// The beginning of the body, and why it is not the whole of it.
-    async fn read_body(&self, mut response: Response) -> (String, Option<String>) {
+    async fn read_body(&self, mut response: Response) -> (Vec<u8>, Option<String>) {
         let mut bytes = Vec::new();
         let reading = async {
             while let Some(chunk) = response.chunk().await? {
@@ -175,7 +215,7 @@ impl Courier {
             Ok(Err(error)) => Some(format!("the answer broke off: {}", self.describe(&error))),
             Err(_) => Some(format!("the answer did not end within {} s", self.limits.body.as_secs_f64())),
         };
-        (printable(&String::from_utf8_lossy(&bytes)), cut)
+        (bytes, cut)
     }
 
     /// What went wrong, without the address: it may hold a secret, and whoever reads this knows the hook.
@@ -184,7 +224,7 @@ impl Courier {
         if let Some(refused) = causes.iter().find_map(|cause| cause.downcast_ref::<ResolveError>()) {
             return refused.to_string();
         }
-        let root = causes.last().map(|cause| printable(&cause.to_string())).unwrap_or_default();
+        let root = causes.last().map(|cause| printable(&cause.to_string(), MOST_OF_A_LINE)).unwrap_or_default();
         match (error.is_timeout(), error.is_connect()) {
             (true, true) => format!("no connection within {} s", self.limits.connect.as_secs_f64()),
             (true, false) => format!("no answer within {} s", self.limits.whole.as_secs_f64()),
@@ -224,13 +264,17 @@ fn read_retry_after(value: &HeaderValue, now: UtcMicros) -> Option<Duration> {
     u64::try_from(date.as_microsecond() - now.0).ok().map(Duration::from_micros)
 }
 
-/// What a target says, fit for one line of a table.
-fn printable(text: &str) -> String {
-    const MOST: usize = 300;
+/// Bytes of what a target says: in the words of what went wrong, and of its answer.
+const MOST_OF_A_LINE: usize = 300;
+const MOST_OF_AN_ANSWER: usize = 1024;
+
+/// What a target says, fit for one line of a table, of `most` bytes at the most.
+fn printable(text: &str, most: usize) -> String {
     let clean = |c: char| if c.is_control() || c == '\u{fffd}' { ' ' } else { c };
     let words: String = text.chars().map(clean).collect();
     let mut line = words.split_whitespace().collect::<Vec<_>>().join(" ");
-    if let Some((end, _)) = line.char_indices().nth(MOST) {
+    if line.len() > most {
+        let end = line.floor_char_boundary(most);
         line.truncate(end);
         line.push('…');
     }
@@ -264,7 +308,8 @@ mod tests {
 
     #[test]
     fn what_a_target_says_becomes_one_short_line() {
-        assert_eq!(printable("a\r\n\x1b[31mb\u{0}\t c"), "a [31mb c");
-        assert_eq!(printable(&"x".repeat(1000)).chars().count(), 301);
+        assert_eq!(printable("a\r\n\x1b[31mb\u{0}\t c", 300), "a [31mb c");
+        assert_eq!(printable(&"x".repeat(1000), 300).chars().count(), 301);
+        assert_eq!(printable(&"é".repeat(10), 5), "éé…", "no character is cut in two");
     }
 }

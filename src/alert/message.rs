@@ -3,6 +3,7 @@
 use crate::core::notify::Action;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
+use crate::wire::hook::DigestBody;
 
 /// The dialect that a hook's target understands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -47,20 +48,41 @@ pub struct Message {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// Never [`Action::Silent`]: that is not told.
-    Alert(Action, Box<AlertBody>),
+    /// What has become of alerts, the gravest first; never none.
+    Alerts(Vec<Change>),
+    /// What an import has left firing since long ago.
+    Digest(DigestBody, Vec<Change>),
     /// Somebody tries the hook out.
     Test,
 }
 
+/// What has become of an alert.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Never [`Action::Silent`]: that is not told.
+    pub action: Action,
+    pub alert: AlertBody,
+}
+
 impl Event {
     pub fn name(&self) -> &'static str {
-        event_name(match self {
-            Event::Alert(action, _) => Some(*action),
-            Event::Test => None,
-        })
+        match self {
+            Event::Alerts(changes) => event_name(changes.first().map(|change| change.action)),
+            Event::Digest(..) => DIGEST_EVENT,
+            Event::Test => event_name(None),
+        }
+    }
+
+    pub fn changes(&self) -> &[Change] {
+        match self {
+            Event::Alerts(changes) | Event::Digest(_, changes) => changes,
+            Event::Test => &[],
+        }
     }
 }
+
+/// Type of a digest's event.
+pub const DIGEST_EVENT: &str = "alerts.digest";
 
 /// Type of an event, as Standard Webhooks names it; CloudEvents puts `gyrowatch.` before it. No action: a test.
 pub fn event_name(action: Option<Action>) -> &'static str {

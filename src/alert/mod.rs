@@ -12,4 +12,4 @@ pub mod resolver;
 pub mod sign;
 pub mod target;
 
-pub use message::{Event, HookKind, Message, event_name};
+pub use message::{Change, DIGEST_EVENT, Event, HookKind, Message, event_name};

@@ -75,6 +75,18 @@ impl TargetPolicy {
         Ok(url)
     }
 
+    /// Checks a name that a proxy will resolve: what it leads to there is not seen here.
+    pub fn check_name(&self, url: &Url) -> Result<(), String> {
+        let Some(Host::Domain(name)) = url.host() else { return Ok(()) };
+        let name = name.trim_end_matches('.');
+        if NEVER_NAMED.contains(&name) || name.ends_with(".localhost") {
+            return Err(format!(
+                "{name} is refused: by way of a proxy it leads to the proxy's own machine or its credentials"
+            ));
+        }
+        Ok(())
+    }
+
     /// An address is never asked of the name service, so it is checked here, at every attempt.
     pub fn check_host(&self, url: &Url) -> Result<(), String> {
         match url.host() {
@@ -85,6 +97,10 @@ impl TargetPolicy {
         }
     }
 }
+
+/// Names that lead to the machine that resolves them, or to its cloud's metadata.
+const NEVER_NAMED: [&str; 5] =
+    ["localhost", "metadata", "metadata.google.internal", "instance-data", "instance-data.ec2.internal"];
 
 /// What no configuration allows.
 fn never(address: IpAddr) -> Option<&'static str> {
@@ -197,6 +213,15 @@ mod tests {
             let url = format!("http://{host}/latest/meta-data");
             assert!(policy(true, &["0.0.0.0/0", "::/0"]).check_url(&url).is_err(), "{url}");
         }
+    }
+
+    #[test]
+    fn names_of_the_machine_itself_are_refused_to_a_proxy() {
+        let check = |url: &str| TargetPolicy::default().check_name(&Url::parse(url).unwrap());
+        for name in ["localhost", "LOCALHOST.", "a.localhost", "metadata.google.internal"] {
+            assert!(check(&format!("http://{name}:9/")).unwrap_err().contains("proxy"), "{name}");
+        }
+        assert_eq!(check("https://alerts.example.org/localhost"), Ok(()));
     }
 
     #[test]

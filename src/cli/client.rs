@@ -13,6 +13,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::system;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 
 pub const JSON: &str = "application/json";
@@ -57,6 +58,8 @@ pub struct LineAnswer {
     pub status: u16,
     #[serde(default)]
     pub error: Option<Problem>,
+    #[serde(default)]
+    pub notes: Vec<NoteBody>,
 }
 
 #[derive(Debug, Clone)]
@@ -64,6 +67,8 @@ pub struct Service {
     base: String,
     token: Option<String>,
     http: reqwest::Client,
+    /// The query of what is sent: who is told of what is found late.
+    telling: &'static str,
 }
 
 impl Service {
@@ -73,7 +78,12 @@ impl Service {
         let url = reqwest::Url::parse(&base).with_context(|| format!("{address} is not an address"))?;
         anyhow::ensure!(matches!(url.scheme(), "http" | "https"), "{address}: the scheme must be http or https");
         let http = system::http_client(CONNECT_TIMEOUT, ANSWER_TIMEOUT).build().context("cannot set up HTTP")?;
-        Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http })
+        Ok(Self { base: base.trim_end_matches('/').to_owned(), token, http, telling: "" })
+    }
+
+    /// Has everything that is sent say who is told of what is found late.
+    pub fn telling(self, query: &'static str) -> Self {
+        Self { telling: query, ..self }
     }
 
     pub fn base(&self) -> &str {
@@ -142,7 +152,12 @@ impl Service {
         content_type: &str,
         body: Bytes,
     ) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {
-        self.answer(self.request(Method::POST, route).body(body).header(CONTENT_TYPE, content_type)).await
+        self.answer(
+            self.request(Method::POST, &format!("{route}{}", self.telling))
+                .body(body)
+                .header(CONTENT_TYPE, content_type),
+        )
+        .await
     }
 
     async fn answer(&self, request: reqwest::RequestBuilder) -> Result<(StatusCode, Option<Duration>, Bytes), Trouble> {

@@ -102,7 +102,7 @@ fn answer(record: &Record, separations: &[Separation], verdicts: &[Requirements]
         verdicts.iter().flatten().map(|verdict| VerdictBody::of(gyro.serial.as_str(), verdict)).collect::<Vec<_>>()
     };
     let verdicts = record.gyros.iter().zip(verdicts).flat_map(said).collect();
-    RecordAnswer { id: None, separations, verdicts }
+    RecordAnswer { id: None, separations, notes: Vec::new(), verdicts }
 }
 
 fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]) -> String {

@@ -12,12 +12,13 @@ pub struct Alerts {
     pub resolve_below: f64,
     pub resolve_after: u32,
     pub tick_s: f64,
+    pub backfill_days: f64,
 }
 
 impl Alerts {
     pub fn policy(&self) -> Policy {
-        let Self { repeat_days, resolve_below, resolve_after, tick_s: _ } = *self;
-        Policy { repeat_days, resolve_below, resolve_after }
+        let Self { repeat_days, resolve_below, resolve_after, backfill_days, tick_s: _ } = *self;
+        Policy { repeat_days, resolve_below, resolve_after, backfill_days }
     }
 
     pub(super) fn check(&self) -> Result<(), ConfigError> {
@@ -33,6 +34,9 @@ impl Alerts {
         }
         if !(0.01..=86400.0).contains(&self.tick_s) {
             return wrong("tick_s", format!("must lie between 0.01 and 86400, is {}", self.tick_s));
+        }
+        if !(self.backfill_days.is_finite() && self.backfill_days >= 0.0) {
+            return wrong("backfill_days", format!("must be 0 or more, is {}", self.backfill_days));
         }
         Ok(())
     }

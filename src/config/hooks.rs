@@ -14,6 +14,7 @@ use super::ConfigError;
 use crate::alert::deliver::AttemptLimits;
 use crate::alert::ladder::{LONGEST_WAIT, Ladder};
 use crate::core::time::UtcMicros;
+use crate::system::Proxies;
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,6 +22,7 @@ pub struct Hooks {
     #[serde(deserialize_with = "list")]
     pub allow: Vec<IpNet>,
     pub external_url: String,
+    pub proxy: String,
     pub connect_timeout_s: f64,
     pub attempt_timeout_s: f64,
     pub attempts_at_once: usize,
@@ -52,6 +54,15 @@ impl Hooks {
         Some(self.external_url.trim_end_matches('/')).filter(|url| !url.is_empty())
     }
 
+    /// By way of which proxies targets are told.
+    pub fn proxies(&self) -> Proxies {
+        match self.proxy.as_str() {
+            "" => Proxies::None,
+            "environment" => Proxies::Environment,
+            url => Proxies::One(url.to_owned()),
+        }
+    }
+
     pub fn resend_every(&self) -> Duration {
         Duration::from_secs_f64(self.resend_s)
     }
@@ -80,6 +91,14 @@ impl Hooks {
         if !(0.0..=24.0 * 365.0).contains(&self.old_secret_hours) {
             let detail = format!("must lie between 0 and a year, is {}", self.old_secret_hours);
             return Err(ConfigError::Key { key: "hooks.old_secret_hours".into(), detail });
+        }
+        if let Proxies::One(url) = self.proxies() {
+            let parsed = url::Url::parse(&url).ok();
+            if !parsed.is_some_and(|url| matches!(url.scheme(), "http" | "https") && url.host().is_some()) {
+                // It may hold a password, so that it is not repeated.
+                let detail = "must be http://host:port, `environment`, or empty for no proxy".to_owned();
+                return Err(ConfigError::Key { key: "hooks.proxy".into(), detail });
+            }
         }
         match self.external_url() {
             Some(url) if !(url.starts_with("http://") || url.starts_with("https://")) => {

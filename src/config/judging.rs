@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requirement};
 use crate::core::judge::{Noise, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
-use crate::core::record::Name;
+use crate::core::name::{Name, normal_form};
 
 use super::ConfigError;
 use super::requirement::SlotRequirements;
@@ -146,6 +146,15 @@ impl Judging {
         requirement(&required, e, g, e_sd, g_sd, self.confidence)
     }
 
+    /// The budget of D_I and D_S of the gyro `serial`, mounted in `imu`; the larger one where they have two.
+    pub fn budget_of(&self, imu: &str, serial: &str) -> f64 {
+        let matching = self.overrides.iter().rev().filter(|o| o.matches(imu, serial));
+        matching
+            .filter_map(|o| o.budget)
+            .fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b))))
+            .unwrap_or(self.budget)
+    }
+
     /// Whether any gyro may become overdue.
     pub fn has_intervals(&self) -> bool {
         let of_overrides = self.overrides.iter().any(|change| change.interval_days.is_some());
@@ -175,6 +184,12 @@ impl Judging {
             return wrong(format!("judging.rules.{key}"), detail);
         }
         for (i, change) in self.overrides.iter().enumerate() {
+            for (key, name) in [("imu", &change.imu), ("serial", &change.serial)] {
+                let read = name.as_deref().map(|name| Name::parse(name).and_then(|name| name.check_seen()));
+                if let Some(Err(detail)) = read {
+                    return wrong(format!("judging.overrides[{i}].{key}"), detail);
+                }
+            }
             if let Some((key, detail)) = change.rules.fault() {
                 return wrong(format!("judging.overrides[{i}].rules.{key}"), detail);
             }
@@ -200,6 +215,9 @@ fn interval(days: f64, place: Option<u16>) -> Option<Limit> {
 
 impl Override {
     fn matches(&self, imu: &str, serial: &str) -> bool {
-        self.imu.as_deref().is_none_or(|name| name == imu) && self.serial.as_deref().is_none_or(|name| name == serial)
+        let is = |wanted: &Option<String>, name: &str| {
+            wanted.as_deref().is_none_or(|wanted| normal_form(wanted) == normal_form(name))
+        };
+        is(&self.imu, imu) && is(&self.serial, serial)
     }
 }

@@ -140,6 +140,8 @@ pub struct PlausibilityKeys {
     pub max_drift_deg_per_h_g0: f64,
     #[serde(deserialize_with = "values::instant")]
     pub earliest: UtcMicros,
+    #[serde(deserialize_with = "values::instants")]
+    pub clock_epochs: Vec<UtcMicros>,
     pub max_future_hours: f64,
 }
 

@@ -28,9 +28,18 @@ pub(super) fn address<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Sock
 
 /// A date, which begins at midnight UTC, or an RFC 3339 time.
 pub(super) fn instant<'de, D: Deserializer<'de>>(deserializer: D) -> Result<UtcMicros, D::Error> {
-    let text = as_written(deserializer)?;
+    parsed(as_written(deserializer)?)
+}
+
+/// A list of them.
+pub(super) fn instants<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<UtcMicros>, D::Error> {
+    let texts = Vec::<String>::deserialize(deserializer)?;
+    texts.into_iter().map(parsed).collect()
+}
+
+fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
     time::parse(&text).or_else(|_| time::parse(&format!("{text}T00:00:00Z"))).map_err(|_| {
-        de::Error::custom(format!(
+        E::custom(format!(
             "must be a date or an RFC 3339 time, such as \"1950-01-01\" or \"1950-01-01T00:00:00Z\", is {text:?}"
         ))
     })

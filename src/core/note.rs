@@ -2,6 +2,7 @@
 //! are made at the edge ([`crate::wire::note`]).
 
 use super::campaign::CampaignNote;
+use super::history_note::HistoryNote;
 
 /// One thing worth knowing about an accepted item.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +15,8 @@ pub enum Note {
     NoTemperatures,
     /// Of a campaign's dwells and their fit.
     Campaign(CampaignNote),
+    /// Beside what is known of its IMU and gyros.
+    History(HistoryNote),
 }
 
 impl Note {
@@ -24,6 +27,7 @@ impl Note {
             Note::NoSite => "no_site",
             Note::NoTemperatures => "no_temperatures",
             Note::Campaign(note) => note.code(),
+            Note::History(note) => note.code(),
         }
     }
 }

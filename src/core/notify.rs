@@ -16,12 +16,30 @@ pub struct Policy {
     pub resolve_below: f64,
     /// and otherwise so many campaigns in a row that lie within.
     pub resolve_after: u32,
+    /// What a gyro did longer ago than so many days, when it is found, is history: see [`Late`].
+    pub backfill_days: f64,
 }
 
 impl Default for Policy {
     fn default() -> Self {
-        Self { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2 }
+        Self { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2, backfill_days: 30.0 }
     }
+}
+
+/// What is told of what is found late: longer than [`Policy::backfill_days`] after the gyro did it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Late {
+    /// Everything, as though it had just been done.
+    Told,
+    /// Nothing by a record that is old; a recent record that exceeds is told, however long the gyro has done so.
+    #[default]
+    Quiet,
+    /// An import: what fires since long ago waits for the digest at its end.
+    Digest,
+    /// An import: what fires since long ago is told to nobody.
+    Never,
+    /// The clock judges, and no record: what was hushed stays so.
+    Clock,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -76,7 +94,9 @@ impl Standing {
 pub struct Alert {
     pub status: Status,
     pub severity: Severity,
-    /// When it began to fire, this time.
+    /// When the gyro began to do this: the time of the record that began the episode.
+    pub since: UtcMicros,
+    /// When that was found.
     pub fired_at: UtcMicros,
     pub resolved_at: Option<UtcMicros>,
     /// The record that was judged last.
@@ -85,6 +105,10 @@ pub struct Alert {
     pub within: u32,
     pub acknowledged: bool,
     pub silenced_until: Option<UtcMicros>,
+    /// Until when a silence of many alerts holds for this one.
+    pub muted_until: Option<UtcMicros>,
+    /// Nobody is told that it fires, or that it has become worse: it was found late.
+    pub hushed: Option<Hushed>,
     /// What the world believes: that it fires, as it was last told; none where it believes that all is well.
     pub told: Option<Told>,
 }
@@ -98,6 +122,25 @@ impl Alert {
             Status::Firing => Standing::Firing,
         }
     }
+}
+
+/// An alert was found so late that it is not told by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hushed {
+    pub at: UtcMicros,
+    /// It waits for the digest of an import.
+    pub digest: bool,
+}
+
+/// A verdict on the newest record of a gyro comes in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrival {
+    /// When the record was calibrated.
+    pub record_at: UtcMicros,
+    pub now: UtcMicros,
+    pub late: Late,
+    /// Until when a silence of many alerts holds for this one.
+    pub muted_until: Option<UtcMicros>,
 }
 
 /// The last that was told of a firing alert.
@@ -160,16 +203,74 @@ pub fn follow(
     now: UtcMicros,
     policy: &Policy,
 ) -> Decision {
+    let muted_until = earlier.and_then(|alert| alert.muted_until);
+    hear(earlier, verdict, &Arrival { record_at, now, late: Late::Told, muted_until }, policy)
+}
+
+/// As [`follow`], where what is found late is not told like the rest.
+pub fn hear(earlier: Option<&Alert>, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Decision {
+    let Arrival { record_at, now, muted_until, .. } = *arrival;
     let firing = earlier.filter(|alert| alert.status == Status::Firing);
-    match (firing, verdict.severity()) {
-        (Some(alert), _) => announce(go_on(alert, verdict, record_at, now, policy), now),
-        (None, Some(severity)) => announce(begin(earlier, severity, record_at, now), now),
-        (None, None) => Decision { alert: earlier.copied(), action: Action::Silent },
+    let alert = match (firing, verdict.severity()) {
+        (Some(alert), _) => go_on(alert, verdict, record_at, now, policy),
+        (None, Some(severity)) => begin(earlier, verdict, severity, record_at, now),
+        (None, None) => return Decision { alert: earlier.copied(), action: Action::Silent },
+    };
+    let hushed = hush(&alert, verdict, arrival, policy);
+    announce(Alert { muted_until, hushed, ..alert }, now)
+}
+
+/// Whether nobody is told what a verdict has made of an alert.
+fn hush(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) -> Option<Hushed> {
+    let is_news = alert.told.is_none_or(|told| alert.severity > told.severity);
+    if alert.status == Status::Resolved || !is_news {
+        return None;
     }
+    let old = |at: UtcMicros| arrival.now.days_since(at) > policy.backfill_days;
+    let did = if verdict.rule == Rule::Overdue { alert.since } else { arrival.record_at };
+    let began = if alert.told.is_some() { did } else { alert.since };
+    let exceeds = verdict.severity().is_some();
+    let (hush, digest) = match arrival.late {
+        Late::Told => (false, false),
+        Late::Clock => (alert.hushed.is_some(), false),
+        Late::Quiet => (old(did) || !exceeds && alert.hushed.is_some(), false),
+        Late::Digest => (old(began), true),
+        Late::Never => (old(began), false),
+    };
+    let waits = alert.hushed.is_some_and(|hushed| hushed.digest);
+    let at = alert.hushed.filter(|hushed| hushed.digest && !digest).map_or(arrival.now, |hushed| hushed.at);
+    hush.then_some(Hushed { at, digest: digest || waits })
+}
+
+/// What a hook is told of an alert that has changed or is repeated, where it has heard last that the alert fires with the severity
+/// `heard`, or that all is well.
+///
+/// It never hears more of what it did not hear fire, and always hears the end of what it did.
+pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: UtcMicros) -> Option<Action> {
+    if is_silenced(alert, now) {
+        return None;
+    }
+    match (alert.status, heard) {
+        (Status::Resolved, Some(_)) => Some(Action::Resolve),
+        (Status::Resolved, None) => None,
+        (Status::Firing, None) => alert.hushed.is_none().then_some(Action::Fire),
+        (Status::Firing, Some(heard)) if alert.severity > heard && alert.hushed.is_none() => Some(Action::Escalate),
+        (Status::Firing, Some(_)) => (action == Action::Repeat).then_some(Action::Repeat),
+    }
+}
+
+/// The digest of an import tells of an alert that waited for it. None where it does not fire, did not wait, or is silenced: then the
+/// end of the silence tells it.
+pub fn digest(alert: &Alert, now: UtcMicros) -> Option<Decision> {
+    alert.hushed.filter(|hushed| hushed.digest)?;
+    Some(announce(Alert { hushed: None, ..*alert }, now))
 }
 
 /// Follows the clock: repeats what fires, and tells at the end of a silence what it held back.
 pub fn tick(alert: &Alert, now: UtcMicros, policy: &Policy) -> Decision {
+    let going_on = |until: &UtcMicros| now < *until;
+    let (silenced_until, muted_until) = (alert.silenced_until.filter(going_on), alert.muted_until.filter(going_on));
+    let alert = &Alert { silenced_until, muted_until, ..*alert };
     let decision = announce(*alert, now);
     let (Action::Silent, Some(told)) = (decision.action, alert.told) else { return decision };
     if alert.status == Status::Resolved || alert.acknowledged || is_silenced(alert, now) {
@@ -198,22 +299,38 @@ pub fn acknowledge(alert: &Alert) -> Alert {
     Alert { acknowledged: true, ..*alert }
 }
 
+/// Nobody does, after all: repeats go on.
+pub fn unacknowledge(alert: &Alert) -> Alert {
+    Alert { acknowledged: false, ..*alert }
+}
+
 /// Nothing is told before `until`; what is then still untold is told by the next [`tick`].
 pub fn silence(alert: &Alert, until: Option<UtcMicros>) -> Alert {
     Alert { silenced_until: until, ..*alert }
 }
 
 /// A silence, and what the world believes, outlive the episode that they began in; an acknowledgement does not.
-fn begin(earlier: Option<&Alert>, severity: Severity, record_at: UtcMicros, now: UtcMicros) -> Alert {
+fn begin(
+    earlier: Option<&Alert>,
+    verdict: &Verdict,
+    severity: Severity,
+    record_at: UtcMicros,
+    now: UtcMicros,
+) -> Alert {
+    // Overdue is whoever was calibrated longer ago than the interval, which is the limit.
+    let since = if verdict.rule == Rule::Overdue { record_at.plus_days(verdict.limit) } else { record_at };
     Alert {
         status: Status::Firing,
         severity,
+        since,
         fired_at: now,
         resolved_at: None,
         record_at,
         within: 0,
         acknowledged: false,
         silenced_until: earlier.and_then(|alert| alert.silenced_until),
+        muted_until: earlier.and_then(|alert| alert.muted_until),
+        hushed: None,
         told: earlier.and_then(|alert| alert.told),
     }
 }
@@ -249,17 +366,18 @@ fn escalate(alert: Alert, severity: Option<Severity>) -> Alert {
 }
 
 fn end(alert: Alert, now: UtcMicros) -> Alert {
-    Alert { status: Status::Resolved, resolved_at: Some(now), ..alert }
+    Alert { status: Status::Resolved, resolved_at: Some(now), hushed: None, ..alert }
 }
 
 fn is_silenced(alert: &Alert, now: UtcMicros) -> bool {
-    alert.silenced_until.is_some_and(|until| now < until)
+    alert.silenced_until.max(alert.muted_until).is_some_and(|until| now < until)
 }
 
 /// Tells the difference between what is and what the world believes, unless silenced.
 fn announce(alert: Alert, now: UtcMicros) -> Decision {
     let action = match (alert.status, alert.told) {
         _ if is_silenced(&alert, now) => Action::Silent,
+        (Status::Firing, _) if alert.hushed.is_some() => Action::Silent,
         (Status::Firing, None) => Action::Fire,
         (Status::Firing, Some(told)) if alert.severity > told.severity => Action::Escalate,
         (Status::Resolved, Some(_)) => Action::Resolve,

@@ -6,43 +6,10 @@ use super::fault::Faults;
 use super::mounting::{Geometry, Slot};
 use super::time::UtcMicros;
 
-/// Longest identifier (IMU, station, serial, operator, campaign) in characters.
-pub const MAX_NAME_CHARS: usize = 64;
+pub use super::name::{MAX_NAME_CHARS, Name};
+
 /// Longest free text.
 pub const MAX_NOTE_CHARS: usize = 4096;
-
-/// A non-empty identifier without control characters or surrounding blanks.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Name(String);
-
-impl Name {
-    pub fn parse(text: &str) -> Result<Self, String> {
-        if text.is_empty() {
-            return Err("must not be empty".into());
-        }
-        let chars = text.chars().count();
-        if chars > MAX_NAME_CHARS {
-            return Err(format!("must have at most {MAX_NAME_CHARS} characters, has {chars}"));
-        }
-        if let Some(c) = text.chars().find(|c| c.is_control()) {
-            return Err(format!("must not contain the control character U+{:04X}", c as u32));
-        }
-        if text.trim() != text {
-            return Err("must not begin or end with a blank".into());
-        }
-        Ok(Self(text.to_owned()))
-    }
-
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-}
-
-impl std::fmt::Display for Name {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
 
 /// One gyro's row of model (6), and who the gyro is.
 #[derive(Debug, Clone, PartialEq)]

@@ -27,6 +27,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .routes(routes!(get_alerts))
         .routes(routes!(get_alert))
         .routes(routes!(post_acknowledge))
+        .routes(routes!(post_unacknowledge))
         .routes(routes!(post_silence))
 }
 
@@ -163,7 +164,8 @@ struct AlertDetail {
 struct StepBody {
     id: String,
     at: String,
-    /// `fire`, `escalate`, `repeat`, `resolve`; or what somebody did: `acknowledge`, `silence`.
+    /// `fire`, `escalate`, `repeat`, `resolve`, `digest` (told at the end of an import); or what somebody did: `acknowledge`,
+    /// `unacknowledge`, `silence`.
     action: String,
     /// Whether hooks were told.
     told: bool,
@@ -237,12 +239,34 @@ async fn post_acknowledge(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<AlertBody>, Problem> {
+    remarked(&app, &id, AlertChange::Acknowledge, &body.0).await
+}
+
+/// Nobody knows, after all: repeats go on.
+#[utoipa::path(post, path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = AcknowledgeBody,
+    params(("id" = String, Path, description = "identifier of the alert")),
+    responses(
+        (status = 200, description = "the alert, not acknowledged", body = AlertBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_unacknowledge(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<AlertBody>, Problem> {
+    remarked(&app, &id, AlertChange::Unacknowledge, &body.0).await
+}
+
+async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Result<Json<AlertBody>, Problem> {
     let read = |bytes: &[u8]| {
         let AcknowledgeBody { by, reason } = json::parse(bytes)?;
-        order(&id, AlertChange::Acknowledge, by, reason, Faults::default())
+        order(id, change, by, reason, Faults::default())
     };
-    let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(&id))?).await?))
+    let order = read(bytes).map_err(|faults| Document::problem(bytes, faults))?;
+    Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(id))?).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
@@ -270,7 +294,7 @@ async fn post_silence(
     Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(&id))?).await?))
 }
 
-fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {
+pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {
     let at = time::parse(text).unwrap_or_else(|detail| {
         faults.push(pointer, detail);
         UtcMicros(i64::MAX)

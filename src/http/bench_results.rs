@@ -14,6 +14,8 @@ use utoipa_axum::routes;
 use super::App;
 use super::corrections::{StandingBody, standing};
 use super::document::{Document, idempotency_key};
+use super::telling::Telling;
+use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Id, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
@@ -34,7 +36,10 @@ struct BenchAnswer {
 
 /// Stores a bench result; the same rules as for records.
 #[utoipa::path(post, path = "/v1/bench-results", tag = "bench results", request_body = BenchBody,
-    params(("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again")),
+    params(
+        ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
+        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows")),
     responses(
         (status = 201, description = "stored", body = BenchAnswer, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "was stored before with the same content", body = BenchAnswer),
@@ -49,6 +54,7 @@ async fn post_bench_result(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
+    telling: Telling,
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
@@ -58,7 +64,9 @@ async fn post_bench_result(
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
     let submission = Submission::Bench(Box::new(bench));
     caller.may_submit(&submission)?;
-    let accepted = app.pipeline.submit(submission).await?;
+    let late = telling.late_or(Late::Quiet);
+    let (accepted, ()) = app.pipeline.submit_late(submission, late, |_| ()).await?;
+    telling.end(&app, late).await;
     let status = match accepted {
         Accepted::Stored { .. } => StatusCode::CREATED,
         Accepted::There { .. } => StatusCode::OK,

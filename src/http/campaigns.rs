@@ -20,6 +20,8 @@ use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
 use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use super::query::{Parameters, bad};
+use super::telling::Telling;
+use crate::core::notify::Late;
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
 };
@@ -27,6 +29,8 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::history_note;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::SplitBody;
 use crate::wire::time;
@@ -57,6 +61,8 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
     request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
     params(
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
+        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
         (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>,
@@ -74,6 +80,7 @@ async fn post_campaign(
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
     wanted: Wanted,
+    telling: Telling,
     body: Dwells,
 ) -> Result<Response, Problem> {
     let Dwells(bytes, form) = body;
@@ -93,17 +100,24 @@ async fn post_campaign(
     };
     let submission = Submission::from(fitted.with_key(key));
     caller.may_submit(&submission)?;
-    let answer_of = |id: Id| CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
-    let worded = app.pipeline.submit_worded(submission, |accepted| {
-        let Accepted::Stored { id, judged } = accepted else { return None };
+    let answer_of = |id: Id, notes: Vec<NoteBody>| {
+        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
+        answer.notes.extend(notes);
+        answer
+    };
+    let late = telling.late_or(Late::Quiet);
+    let worded = app.pipeline.submit_late(submission, late, |accepted| {
+        let Accepted::Stored { id, judged, notes } = accepted else { return None };
+        let notes = notes.iter().map(NoteBody::of).collect();
         let answer = match wanted {
-            Wanted::Whole => JustJudged { answer: &answer_of(*id), judged }.into_response(),
-            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged)).into_response(),
+            Wanted::Whole => JustJudged { answer: &answer_of(*id, notes), judged }.into_response(),
+            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
         };
         let location = [(LOCATION, format!("/v1/{place}/{id}"))];
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
     });
     let (accepted, created) = worded.await?;
+    telling.end(&app, late).await;
     if let Some(created) = created {
         return Ok(created);
     }
@@ -111,11 +125,12 @@ async fn post_campaign(
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
     if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        let answer = AsWanted::of(wanted, answer_of(id), id, std::iter::empty());
+        let answer = AsWanted::of(wanted, answer_of(id, Vec::new()), id, std::iter::empty(), Vec::new());
         return Ok((location, wanted.applied(), Json(answer)).into_response());
     }
     let stored = stored(&app, id).await?;
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states());
+    let notes = history_note::read(stored.row.notes.as_deref());
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states(), notes);
     let standing = standing(&app, id).await?.unless_valid();
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }

@@ -37,13 +37,16 @@ pub fn routes() -> OpenApiRouter<App> {
 /// How a record, campaign or bench result stands.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct StandingBody {
-    /// `valid`, `voided` or `revised`; only what is valid counts.
+    /// `valid`, `voided`, `revised`, or `set_aside` until somebody confirms its time; only what is valid counts.
     state: &'static str,
     voided: Option<RemarkBody>,
     /// What stands in its place.
     revised_by: Option<RevisionBody>,
     /// In whose place it stands.
     revises: Option<RevisionBody>,
+    /// Who confirmed the time of a record that was set aside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confirmed: Option<RemarkBody>,
 }
 
 /// Who said so, when and why.
@@ -99,12 +102,17 @@ pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
     let link = |row: &CorrectionRow, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
     let revised_by = said.iter().filter(|row| row.item == id).find_map(|row| Some(link(row, row.replaced_by?)));
     let revises = said.iter().find(|row| row.replaced_by == Some(id)).map(|row| link(row, row.item));
+    let store = app.pipeline.store();
+    let confirmed = store.confirmation(id).await?;
+    let confirmed =
+        confirmed.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
     let state = match (&revised_by, &voided) {
         (Some(_), _) => "revised",
         (None, Some(_)) => "voided",
+        (None, None) if store.is_set_aside(id).await? => "set_aside",
         (None, None) => "valid",
     };
-    Ok(StandingBody { state, voided, revised_by, revises })
+    Ok(StandingBody { state, voided, revised_by, revises, confirmed })
 }
 
 /// Who says so, and why.

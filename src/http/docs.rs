@@ -24,11 +24,12 @@ pub fn head() -> OpenApi {
 }
 
 /// Answers that name what other operations are about.
-const NAMED: [Named; 9] = [
+const NAMED: [Named; 10] = [
     Named { by: "/v1/records", status: "201", at: "/id", parameter: "id", of: "/v1/records/{id}" },
     Named { by: "/v1/campaigns", status: "201", at: "/id", parameter: "id", of: "/v1/campaigns/{id}" },
     Named { by: "/v1/bench-results", status: "201", at: "/id", parameter: "id", of: "/v1/bench-results/{id}" },
     Named { by: "/v1/hooks", status: "201", at: "/id", parameter: "id", of: "/v1/hooks/{id}" },
+    Named { by: "/v1/silences", status: "201", at: "/id", parameter: "id", of: "/v1/silences/{id}" },
     Named { by: "/v1/tokens", status: "201", at: "/id", parameter: "id", of: "/v1/tokens/{id}" },
     Named { by: "/v1/hooks/{id}/test", status: "202", at: "/id", parameter: "id", of: "/v1/deliveries/{id}" },
     Named { by: "/v1/diagnoses", status: "202", at: "/id", parameter: "id", of: "/v1/diagnoses/{id}" },

@@ -26,9 +26,12 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type};
+use super::telling::Telling;
 use crate::core::fault::Faults;
+use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use lines::{Line, Longest, lines};
 
@@ -57,17 +60,27 @@ struct LineAnswer {
     id: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<Problem>,
+    /// Of what is new: what was noticed beside what is known of the IMU and its gyros.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<NoteBody>,
 }
 
 /// Stores records, campaigns and bench results, one a line, each by itself: a bad line is named and holds up no other.
+///
+/// What a gyro did long ago and is found now (`alerts.backfill_days`) is told in one message a hook when the import ends, as far as it fires still.
 #[utoipa::path(post, path = "/v1/import", tag = "records",
+    params(
+        ("notify" = Option<String>, Query, description = "`digest` (unless given): what fires since long ago is told in one message; `all`: every change of every alert by itself; `none`: nothing of it"),
+        ("more" = Option<bool>, Query, description = "`true`: more requests of the same import follow; the digest comes after the last, which may be empty, or a quarter of an hour after nothing has come")),
     request_body(content = String, content_type = "application/x-ndjson", description = "one JSON document a line"),
     responses(
         (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson"),
+        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "not application/x-ndjson", body = Problem, content_type = "application/problem+json")))]
 async fn post_import(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    telling: Telling,
     request: Request,
 ) -> Result<Response, Problem> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
@@ -79,7 +92,14 @@ async fn post_import(
     }
     let (sender, receiver) = mpsc::unbounded_channel();
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
-    tokio::spawn(import(app, caller, body, Answers { sender, room }));
+    tokio::spawn(async move {
+        let late = telling.late_or(Late::Digest);
+        let answers = Answers { sender, room };
+        import(&app, caller, late, body, &answers).await;
+        // Whoever has read the last answer finds the digest queued.
+        telling.end(&app, late).await;
+        drop(answers);
+    });
     let stream = futures::stream::unfold(receiver, |mut receiver| async {
         let (text, _room): (Bytes, OwnedSemaphorePermit) = receiver.recv().await?;
         Some((Ok::<_, std::convert::Infallible>(text), receiver))
@@ -108,7 +128,7 @@ impl Answers {
     }
 }
 
-async fn import(app: App, caller: Caller, body: Peekable<BodyDataStream>, answers: Answers) {
+async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataStream>, answers: &Answers) {
     let server = &app.config.server;
     let lines = lines(body, Longest { line: server.max_import_line_bytes, body: server.max_import_bytes });
     let pipeline = app.pipeline.clone();
@@ -118,7 +138,7 @@ async fn import(app: App, caller: Caller, body: Peekable<BodyDataStream>, answer
     });
     let pipeline = app.pipeline.clone();
     // Queued one after the other, so that of two lines with the same key the first is the one that counts.
-    let queued = read.buffered(CHUNKS_READ_AT_ONCE).then(move |chunk| queue(chunk.ok(), pipeline.clone()));
+    let queued = read.buffered(CHUNKS_READ_AT_ONCE).then(move |chunk| queue(chunk.ok(), pipeline.clone(), late));
     let mut stored = pin!(queued.buffered(CHUNKS_UNDER_WAY));
     while let Some(answered) = stored.next().await {
         let Some((text, _room)) = answered else {
@@ -133,9 +153,9 @@ async fn import(app: App, caller: Caller, body: Peekable<BodyDataStream>, answer
 }
 
 /// Puts a chunk into the queue of writes; what is returned waits for the disk and gives the answers as text.
-async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>) -> BoxFuture<'static, Option<(Bytes, Room)>> {
+async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>, late: Late) -> BoxFuture<'static, Option<(Bytes, Room)>> {
     let Some(mut chunk) = chunk else { return async { None }.boxed() };
-    let replies = pipeline.enqueue(std::mem::take(&mut chunk.items)).await;
+    let replies = pipeline.enqueue(std::mem::take(&mut chunk.items), late).await;
     async move { Some(chunk.answered(replies.await, &pipeline).await) }.boxed()
 }
 
@@ -193,10 +213,14 @@ impl Chunk {
                 (None, None) => Err(Problem::new(500, "Internal error", "the line was not read")),
             };
             let answer = match outcome {
-                Ok((status, id)) => LineAnswer { line: line.number, status, id: Some(id), error: None },
-                Err(problem) => {
-                    LineAnswer { line: line.number, status: problem.status, id: None, error: Some(problem) }
-                }
+                Ok((status, id, notes)) => LineAnswer { line: line.number, status, id: Some(id), error: None, notes },
+                Err(problem) => LineAnswer {
+                    line: line.number,
+                    status: problem.status,
+                    id: None,
+                    error: Some(problem),
+                    notes: Vec::new(),
+                },
             };
             serde_json::to_writer(&mut text, &answer).expect("numbers and text can always be written to memory");
             text.push(b'\n');
@@ -210,11 +234,11 @@ fn problem_of(line: &[u8], faults: Faults) -> Problem {
     Document::problem(line, on_a_line(faults))
 }
 
-async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String), Problem> {
+async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(u16, String, Vec<NoteBody>), Problem> {
     let accepted = reply?;
-    if let Accepted::Stored { id, .. } = accepted {
-        return Ok((201, id.to_string()));
+    if let Accepted::Stored { id, notes, .. } = &accepted {
+        return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));
     }
     let id = pipeline.settle_document(&accepted, origin).await?;
-    Ok((200, id.to_string()))
+    Ok((200, id.to_string(), Vec::new()))
 }

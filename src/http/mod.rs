@@ -12,6 +12,7 @@ mod audit;
 mod baseline;
 mod bench_results;
 mod campaigns;
+mod confirm;
 mod corrections;
 mod diagnoses;
 mod docs;
@@ -32,6 +33,8 @@ mod records;
 mod refusal;
 mod said;
 pub mod server;
+mod silences;
+mod telling;
 pub mod tls;
 mod tokens;
 mod trend;
@@ -89,6 +92,7 @@ fn answered_soon() -> OpenApiRouter<App> {
         .merge(campaigns::routes())
         .merge(bench_results::routes())
         .merge(corrections::routes())
+        .merge(confirm::routes())
         .merge(diagnoses::routes())
         .merge(gyros::routes())
         .merge(gyro_diagnosis::routes())
@@ -99,6 +103,7 @@ fn answered_soon() -> OpenApiRouter<App> {
         .merge(hooks::routes())
         .merge(events::routes())
         .merge(alerts::routes())
+        .merge(silences::routes())
         .merge(tokens::routes())
         .merge(audit::routes())
 }

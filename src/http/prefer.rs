@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 
 use crate::core::judge::State;
 use crate::pipeline::{Id, Judged};
+use crate::wire::note::NoteBody;
 
 /// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,10 +61,13 @@ fn outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
 }
 
 /// The answer to `Prefer: return=minimal`.
-#[derive(Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Debug, PartialEq, Serialize, ToSchema)]
 pub struct MinimalAnswer {
     id: String,
     states: VerdictCounts,
+    /// What was noticed beside what is known of the IMU and its gyros.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<NoteBody>,
 }
 
 /// How many verdicts there are of each state.
@@ -75,11 +79,11 @@ struct VerdictCounts {
 }
 
 impl MinimalAnswer {
-    pub fn just_judged(id: Id, judged: &[Judged]) -> Self {
-        Self::of(id, judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state))
+    pub fn just_judged(id: Id, judged: &[Judged], notes: Vec<NoteBody>) -> Self {
+        Self::of(id, judged.iter().flat_map(|gyro| &gyro.verdicts).map(|verdict| verdict.state), notes)
     }
 
-    fn of(id: Id, states: impl Iterator<Item = State>) -> Self {
+    fn of(id: Id, states: impl Iterator<Item = State>, notes: Vec<NoteBody>) -> Self {
         let mut counts = VerdictCounts::default();
         for state in states {
             *match state {
@@ -88,7 +92,7 @@ impl MinimalAnswer {
                 State::Exceeded => &mut counts.exceeded,
             } += 1;
         }
-        Self { id: id.to_string(), states: counts }
+        Self { id: id.to_string(), states: counts, notes }
     }
 }
 
@@ -101,11 +105,11 @@ pub enum AsWanted<T> {
 }
 
 impl<T> AsWanted<T> {
-    /// `whole`, or what is left of it: the identifier and the `states` of its verdicts.
-    pub fn of(wanted: Wanted, whole: T, id: Id, states: impl Iterator<Item = State>) -> Self {
+    /// `whole`, or what is left of it: the identifier, the `states` of its verdicts and its notes.
+    pub fn of(wanted: Wanted, whole: T, id: Id, states: impl Iterator<Item = State>, notes: Vec<NoteBody>) -> Self {
         match wanted {
             Wanted::Whole => Self::Whole(whole),
-            Wanted::Minimal => Self::Minimal(MinimalAnswer::of(id, states)),
+            Wanted::Minimal => Self::Minimal(MinimalAnswer::of(id, states, notes)),
         }
     }
 }

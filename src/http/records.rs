@@ -16,10 +16,14 @@ use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use super::prefer::{AsWanted, MinimalAnswer, Wanted};
+use super::telling::Telling;
+use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
+use crate::wire::history_note;
+use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::time;
@@ -35,6 +39,8 @@ pub fn routes() -> OpenApiRouter<App> {
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
     params(
         ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
+        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
+        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows"),
         ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
     responses(
         (status = 201, description = "stored and judged", body = AsWanted<RecordAnswer>,
@@ -52,6 +58,7 @@ async fn post_record(
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
     wanted: Wanted,
+    telling: Telling,
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
@@ -61,30 +68,35 @@ async fn post_record(
     let body = calibration.body.clone();
     let mut whole = (wanted == Wanted::Whole).then(|| {
         let separations = app.pipeline.separations(&calibration.gyros);
-        RecordAnswer { id: None, separations, verdicts: Vec::new() }
+        RecordAnswer { id: None, separations, notes: Vec::new(), verdicts: Vec::new() }
     });
     let submission = Submission::Calibration(Box::new(calibration));
     caller.may_submit(&submission)?;
-    let worded = app.pipeline.submit_worded(submission, |accepted| {
-        let Accepted::Stored { id, judged } = accepted else { return None };
+    let late = telling.late_or(Late::Quiet);
+    let worded = app.pipeline.submit_late(submission, late, |accepted| {
+        let Accepted::Stored { id, judged, notes } = accepted else { return None };
+        let notes: Vec<NoteBody> = notes.iter().map(NoteBody::of).collect();
         let answer = match &mut whole {
             Some(answer) => {
                 answer.id = Some(id.to_string());
+                answer.notes = notes;
                 JustJudged { answer, judged }.into_response()
             }
-            None => Json(MinimalAnswer::just_judged(*id, judged)).into_response(),
+            None => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
         };
         let location = [(LOCATION, format!("/v1/records/{id}"))];
         Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
     });
     let (accepted, created) = worded.await?;
+    telling.end(&app, late).await;
     if let Some(created) = created {
         return Ok(created);
     }
     let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states());
+    let notes = history_note::read(stored.row.notes.as_deref());
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states(), notes);
     let location = [(LOCATION, format!("/v1/records/{id}"))];
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }

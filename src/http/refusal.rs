@@ -26,6 +26,7 @@ impl From<Refused> for Problem {
             Refused::AlreadyCorrected { existing, .. } => {
                 Self::new(409, "Already voided or revised", detail).with_existing(existing)
             }
+            Refused::NotSetAside { .. } => Self::new(409, "Not set aside", detail),
             Refused::AnotherImu => {
                 let place = Place { pointer: "/imu".into(), detail: detail.clone() };
                 Self::new(422, "Cannot be stored as it is", detail).with_place(place)
@@ -52,6 +53,8 @@ impl From<Refused> for Problem {
             Refused::NoSuchDiagnoses { .. } => Self::new(404, "No such diagnoses", detail),
             Refused::DiagnosesEnded { .. } => Self::new(409, "Diagnoses have ended", detail),
             Refused::UnknownAlert { .. } => Self::new(404, "Unknown alert", detail),
+            Refused::UnknownSilence { .. } => Self::new(404, "Unknown silence", detail),
+            Refused::TooManySilences { .. } => Self::new(409, "Too many silences", detail),
             Refused::AlertResolved { .. } => Self::new(409, "Alert is resolved", detail),
             Refused::Busy | Refused::Stopping => Self::new(503, "Try again", detail),
             Refused::Store(error) => Self::from(&*error),

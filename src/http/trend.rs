@@ -110,6 +110,9 @@ struct Point<'a> {
     /// True where it does not count any more; shown where voided points are asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     voided: Option<bool>,
+    /// Of these one that counts again when somebody confirms its time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    set_aside: Option<bool>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -211,6 +214,7 @@ struct Request {
 struct Row {
     figures: Figures,
     voided: Option<bool>,
+    set_aside: bool,
 }
 
 impl Row {
@@ -278,13 +282,16 @@ impl Request {
             false => store.history(gyro, self.span, self.limit + 1).await?,
         };
         let flag = |voided: bool| self.voided.then_some(voided);
-        let mut rows: Vec<Row> = counting.into_iter().map(|figures| Row { figures, voided: flag(false) }).collect();
+        let row = |figures, voided, set_aside| Row { figures, voided: flag(voided), set_aside };
+        let mut rows: Vec<Row> = counting.into_iter().map(|figures| row(figures, false, false)).collect();
         if self.voided {
             // What lies beyond the last row of a page that is full belongs to a later page.
             let full = !self.newest && rows.len() > self.limit;
             let end = rows.last().filter(|_| full).map_or(self.span.to, |last| last.figures.at);
             let voided = store.voided_history(gyro, Span { to: end, ..self.span }).await?;
-            rows.extend(voided.into_iter().map(|figures| Row { figures, voided: flag(true) }));
+            let aside = store.set_aside_of_gyro(gyro).await?;
+            let is_aside = |figures: &Figures| aside.iter().any(|(id, _)| *id == figures.record);
+            rows.extend(voided.into_iter().map(|figures| row(figures, true, is_aside(&figures))));
             rows.sort_by_key(|row| (row.figures.at, row.figures.record));
         }
         let next = self.page(&mut rows, |row| row.figures.at);
@@ -349,7 +356,7 @@ fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Opti
 }
 
 fn separated_point<'t>(
-    Row { figures, voided }: &Row,
+    Row { figures, voided, set_aside }: &Row,
     (column, statuses): (usize, &Statuses),
     method: JudgedMethod,
     tables: &'t Tables,
@@ -371,6 +378,7 @@ fn separated_point<'t>(
         state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
         status: Some(statuses.get(figures, column).name()),
         voided: *voided,
+        set_aside: set_aside.then_some(true),
     }
 }
 
@@ -393,5 +401,6 @@ fn bench_point<'t>(
         state: None,
         status: None,
         voided,
+        set_aside: None,
     })
 }

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
+use super::silences;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -25,7 +26,7 @@ const ROWS: usize = 60;
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;
 /// Longest silence, days.
-const LONGEST_SILENCE: f64 = 365.0;
+pub(super) const LONGEST_SILENCE: f64 = 365.0;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -78,6 +79,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let mut found = if nobody { Vec::new() } else { pages.pipeline.alerts(&filter, before, ROWS as u32 + 1).await? };
     let more = found.len() > ROWS;
     found.truncate(ROWS);
+    let silences = silences::list(pages, viewer).await?;
     let body = html! {
         h1 { (t.alerts) }
         nav.tabs aria-label=(t.state) {
@@ -93,6 +95,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
         @if more && let Some((last, _)) = found.last() {
             nav.pager aria-label=(t.alerts) { a rel="next" href=(filters.address(filters.state(), &last.to_string())) { (t.older) } }
         }
+        (silences)
     };
     Ok(Page { title: t.alerts.into(), section: Section::Alerts, plots: false, body })
 }
@@ -151,7 +154,7 @@ fn by_gyro_and_record<'a>(viewer: &Viewer, alerts: impl Iterator<Item = &'a Aler
             (heading(viewer, false))
             @for group in groups(alerts) {
                 tbody {
-                    tr.group { th.words scope="rowgroup" colspan="5" { (group_heading(viewer, &group)) } }
+                    tr.group { th.words scope="rowgroup" colspan="6" { (group_heading(viewer, &group)) } }
                     @for alert in group { (line(viewer, alert, false, Some(&viewer.here))) }
                 }
             }
@@ -185,7 +188,7 @@ fn heading(viewer: &Viewer, gyros: bool) -> Markup {
         thead { tr {
             th { (t.severity) }
             @if gyros { th { (t.serial) } }
-            th { (t.violates) } th { (t.reason_word) } th { (t.fired) } th { (t.state) }
+            th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.state) }
         } }
     }
 }
@@ -221,6 +224,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
                     " " a href={ "/records/" (record) } { (t.record) }
                 }
             }
+            td data-label=(t.since) { @if let Some(since) = &alert.since { (written(since)) } }
             td data-label=(t.fired) { (written(&alert.fired_at)) }
             td.words {
                 (t.standing(&alert.state))
@@ -230,6 +234,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
                 @if let Some(here) = here.filter(|_| open && viewer.may(Role::Engineer)) {
                     span.actions.no-print {
                         @if alert.acknowledged.is_none() { a href=(deed("acknowledge", here)) { (t.acknowledge) } }
+                        @else { a href=(deed("unacknowledge", here)) { (t.unacknowledge) } }
                         a href=(deed("silence", here)) { (t.silence) }
                     }
                 }
@@ -238,7 +243,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     }
 }
 
-fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
+pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
 }
 
@@ -261,12 +266,30 @@ pub(super) struct Said {
     days: String,
 }
 
-/// What can be done about an alert, by its name in the address.
-fn is_silence(deed: &str) -> Result<bool, Problem> {
-    match deed {
-        "acknowledge" => Ok(false),
-        "silence" => Ok(true),
-        _ => Err(Problem::new(404, "No such page", format!("an alert cannot be told to {deed}"))),
+/// What can be done about an alert.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Doing {
+    Acknowledge,
+    Unacknowledge,
+    Silence,
+}
+
+impl Doing {
+    /// By its name in the address.
+    fn of(deed: &str) -> Result<Self, Problem> {
+        let unknown = || Problem::new(404, "No such page", format!("an alert cannot be told to {deed}"));
+        [Self::Acknowledge, Self::Unacknowledge, Self::Silence]
+            .into_iter()
+            .find(|one| one.name() == deed)
+            .ok_or_else(unknown)
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Acknowledge => "acknowledge",
+            Self::Unacknowledge => "unacknowledge",
+            Self::Silence => "silence",
+        }
     }
 }
 
@@ -276,20 +299,20 @@ async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
     Ok((number, pages.pipeline.alert(number).await?.ok_or_else(unknown)?.alert))
 }
 
-/// The page on which an alert is acknowledged or silenced.
+/// The page on which something is done about an alert.
 pub(super) async fn ask(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path((id, deed)): Path<(String, String)>,
     Query(word): Query<Word>,
 ) -> Response {
-    let found = match is_silence(&deed) {
-        Ok(silence) => known(&pages, &id).await.map(|(_, alert)| (silence, alert)),
+    let found = match Doing::of(&deed) {
+        Ok(doing) => known(&pages, &id).await.map(|(_, alert)| (doing, alert)),
         Err(problem) => Err(problem),
     };
     let said = Said { word, ..Said::default() };
-    viewer.show(found.map(|(silence, alert)| {
-        with_form(&viewer, &alert, silence, &said, |deed| deed.page(&viewer, &said.word, &Faults::default()))
+    viewer.show(found.map(|(doing, alert)| {
+        with_form(&viewer, &alert, doing, &said, |deed| deed.page(&viewer, &said.word, &Faults::default()))
     }))
 }
 
@@ -303,7 +326,8 @@ pub(super) async fn act(
 }
 
 async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &Said) -> Result<Response, Problem> {
-    let silence = is_silence(deed)?;
+    let doing = Doing::of(deed)?;
+    let silence = doing == Doing::Silence;
     let (number, alert) = known(pages, id).await?;
     let mut faults = Faults::default();
     said.word.check(viewer, &mut faults);
@@ -312,40 +336,40 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
         faults.push("days", format!("0 … {LONGEST_SILENCE}"));
     }
     if !faults.is_empty() {
-        return Ok(with_form(viewer, &alert, silence, said, |deed| deed.again(viewer, &said.word, &faults)));
+        return Ok(with_form(viewer, &alert, doing, said, |deed| deed.again(viewer, &said.word, &faults)));
     }
     let until = pages.clock.now().plus_days(days.unwrap_or_default());
-    let change = if silence { AlertChange::Silence { until } } else { AlertChange::Acknowledge };
+    let change = match doing {
+        Doing::Acknowledge => AlertChange::Acknowledge,
+        Doing::Unacknowledge => AlertChange::Unacknowledge,
+        Doing::Silence => AlertChange::Silence { until },
+    };
     let Word { by, reason, .. } = said.word.clone();
     pages.pipeline.change_alert(AlertOrder { alert: number, change, by, reason }).await?;
     Ok(see_other(said.word.back_or("/alerts")))
 }
 
-fn with_form<T>(
-    viewer: &Viewer,
-    alert: &AlertBody,
-    silence: bool,
-    said: &Said,
-    show: impl FnOnce(&Deed<'_>) -> T,
-) -> T {
+fn with_form<T>(viewer: &Viewer, alert: &AlertBody, doing: Doing, said: &Said, show: impl FnOnce(&Deed<'_>) -> T) -> T {
     let t = viewer.text();
-    let what = html! {
-        (table(viewer, std::iter::once(alert), true, None))
-        p.lead { (if silence { t.silence_what } else { t.acknowledge_what }) }
+    let (title, does, button) = match doing {
+        Doing::Acknowledge => (t.acknowledge_title, t.acknowledge_what, t.acknowledge),
+        Doing::Unacknowledge => (t.unacknowledge_title, t.unacknowledge_what, t.unacknowledge),
+        Doing::Silence => (t.silence_title, t.silence_what, t.silence),
     };
+    let what = html! { (table(viewer, std::iter::once(alert), true, None)) p.lead { (does) } };
     let days = if said.days.is_empty() { "7" } else { &said.days };
     let fields = html! {
-        @if silence {
+        @if doing == Doing::Silence {
             label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
         }
     };
     show(&Deed {
         section: Section::Alerts,
-        title: if silence { t.silence_title } else { t.acknowledge_title },
+        title,
         what,
         fields,
-        action: &format!("/alerts/{}/{}", alert.id, if silence { "silence" } else { "acknowledge" }),
-        button: if silence { t.silence } else { t.acknowledge },
+        action: &format!("/alerts/{}/{}", alert.id, doing.name()),
+        button,
         back: said.word.back_or("/alerts"),
         reasoned: true,
     })

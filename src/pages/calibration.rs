@@ -8,6 +8,7 @@ use super::Pages;
 use super::corrections;
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
+use super::notes::noted;
 use super::parameters::{self, Parameters};
 use super::residuals;
 use super::separation;
@@ -17,6 +18,7 @@ use super::viewer::Viewer;
 use crate::core::diagnose::ClosureDiagnosis;
 use crate::core::judge::Verdict;
 use crate::core::mounting::Slot;
+use crate::core::name::normal_form;
 use crate::pipeline::{Id, Kind, StoredCampaign, StoredRecord};
 use crate::wire::answer::VerdictBody;
 use crate::wire::calibration::GyroFitBody;
@@ -59,6 +61,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
     let StoredRecord { row, answer, seen, closures } = stored;
     let body: RecordBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
     let gyros: Vec<Parameters> = body.gyros.iter().map(Parameters::stated).collect();
+    let serials: Vec<_> = body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), normal_form(&gyro.serial))).collect();
     let title = format!("{} · {}", t.record, body.imu);
     let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
     let markup = html! {
@@ -72,7 +75,8 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         }
         @if let Some(note) = &body.note { p translate="no" { (note) } }
         (standing.said)
-        (judged(viewer, body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
+        (noted(t, &answer.notes))
+        (judged(viewer, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
         (closure(t, row.id, closures))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }

@@ -15,6 +15,7 @@ use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::mounting::Slot;
+use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
 use crate::wire::problem::Problem;
 
@@ -151,7 +152,8 @@ async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem
 }
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
-    if pages.pipeline.counts(id).await? {
+    let aside = pages.pipeline.store().is_set_aside(id).await?;
+    if aside || pages.pipeline.counts(id).await? {
         return Ok(());
     }
     Err(Problem::new(409, "Already voided or revised", format!("{id} has been voided or revised already")))
@@ -182,11 +184,22 @@ pub(super) struct Standing {
 pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Standing, Problem> {
     let t = viewer.text();
     let said = pages.pipeline.store().corrections(id).await?;
-    let counts = said.iter().all(|row| row.item != id);
+    let aside = pages.pipeline.store().is_set_aside(id).await?;
+    let confirmed = pages.pipeline.store().confirmation(id).await?;
+    let counts = !aside && said.iter().all(|row| row.item != id);
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
     let said = html! {
         @for row in &said { (remark(viewer, row, id)) }
-        @if counts && viewer.may(Role::Engineer) {
+        @if let Some(row) = confirmed {
+            p.sound { strong { (t.was_confirmed) } " " (instant(row.at)) " · " (t.said_by) " " span translate="no" { (row.author) ": " (row.reason) } }
+        }
+        @if aside {
+            p.fault { strong { (t.was_set_aside) } }
+            @if viewer.may(Role::Engineer) {
+                p.actions { a.action href={ "/records/" (id) "/confirm?back=" (encoded(&viewer.here)) } { (t.confirm_time) } }
+            }
+        }
+        @if (counts || aside) && viewer.may(Role::Engineer) {
             p.actions { a.action href={ "/" (place) "/" (id) "/void?back=" (encoded(&viewer.here)) } {
                 (if kind == Kind::Campaign { t.void_campaign } else { t.void_record })
             } }
@@ -211,6 +224,15 @@ fn remark(viewer: &Viewer, row: &CorrectionRow, id: Id) -> Markup {
 
 fn said(by: &str, row: &CorrectionRow) -> Markup {
     html! { (by) " " span translate="no" { (row.author) ": " (row.reason) } }
+}
+
+/// A record that is set aside, as a line of a gyro's course.
+pub(super) fn aside(viewer: &Viewer, id: Id, at: UtcMicros) -> Markup {
+    let t = viewer.text();
+    html! {
+        td { strong { (t.set_aside) } }
+        td { (t.calibration_of) " " a href={ "/records/" (id) } { (instant(at)) } }
+    }
 }
 
 /// What does not count any more, as a line of a gyro's course: what it was, who said so and why.

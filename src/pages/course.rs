@@ -281,6 +281,7 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
             (change.at, html! { td { (what) } td { (change.from) " → " (change.to) } })
         }))
         .chain(course.corrections.iter().map(|one| (one.said.at, corrections::happening(viewer, one))))
+        .chain(course.set_aside.iter().map(|&(id, at)| (at, corrections::aside(viewer, id, at))))
         .collect();
     all.sort_by_key(|(at, _)| std::cmp::Reverse(*at));
     html! {

@@ -4,6 +4,8 @@
 //! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no larger on
 //! the way than it is.
 
+use std::sync::Arc;
+
 use axum::Extension;
 use axum::extract::State as Held;
 use axum::response::Response;
@@ -12,14 +14,18 @@ use maud::{Markup, html};
 use super::Pages;
 use super::figure;
 use super::layout::{Page, Section, encoded, instant, symbol};
+use super::notes::noted;
 use super::off_the_loop;
 use super::pieces::{Piece, pieces};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::fault::{Fault, Faults};
+use crate::core::note::Note;
+use crate::core::notify::Late;
 use crate::pipeline::{Accepted, Caller, Foreseen, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
+use crate::wire::note::NoteBody;
 
 /// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against what is stored, each
 /// with queries of its own: all that are shown, and no more, for a file may hold tens of thousands.
@@ -53,7 +59,7 @@ enum Prospect {
     Refused(Refused),
     /// Another document of the text, on this line, holds its place with other content.
     Contradicts(usize),
-    Sound(Submission),
+    Sound(Submission, Arc<[Note]>),
 }
 
 /// Every document with its line, and what storing it would come to: what is stored already may stand in the way of the first
@@ -70,7 +76,8 @@ async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Fa
         Ok(ReadDocument { submission, .. }) => match outcomes.next() {
             Some(Foreseen::Refused(why)) => Prospect::Refused(why),
             Some(Foreseen::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
-            Some(Foreseen::Taken) | None => Prospect::Sound(submission),
+            Some(Foreseen::Taken { notes }) => Prospect::Sound(submission, notes),
+            None => Prospect::Sound(submission, [].into()),
         },
     };
     read.into_iter().map(|(line, read)| (line, prospect(read))).collect()
@@ -110,7 +117,7 @@ fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocum
 
 fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Page {
     let t = viewer.text();
-    let is_sound = |(_, prospect): &&(usize, Prospect)| matches!(prospect, Prospect::Sound(_));
+    let is_sound = |(_, prospect): &&(usize, Prospect)| matches!(prospect, Prospect::Sound(..));
     let sound = prospects.iter().filter(is_sound).count();
     let faulty = prospects.len() - sound;
     let read = prospects.iter().filter(|(_, prospect)| !matches!(prospect, Prospect::Faulty(_))).count();
@@ -128,11 +135,11 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Pa
                     Prospect::Faulty(faults) => (refused(t, *line, faults)),
                     Prospect::Refused(why) => (hindered(t, *line, &t.spoken(&why.to_string()))),
                     Prospect::Contradicts(earlier) => (hindered(t, *line, &format!("{} {earlier}", t.contradicts_line))),
-                    Prospect::Sound(_) => {}
+                    Prospect::Sound(..) => {}
                 }
             }
             @for (line, prospect) in prospects.iter().take(MOST_SHOWN) {
-                @if let Prospect::Sound(submission) = prospect { (sound_document(t, *line, submission)) }
+                @if let Prospect::Sound(submission, notes) = prospect { (sound_document(t, *line, submission, notes)) }
             }
             @if sound > 0 {
                 form.confirm action="/import/store" method="post" enctype="text/plain" {
@@ -171,7 +178,10 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
             Err(faults) => outcomes.push((line, Outcome::Faulty(faults))),
         }
     }
-    let replies = pipeline.enqueue(submissions).await.await;
+    let replies = pipeline.enqueue(submissions, Late::Digest).await.await;
+    if let Err(error) = pipeline.end_import().await {
+        tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
+    }
     for ((line, origin, place), reply) in sound.into_iter().zip(replies) {
         let outcome = match settle(pipeline, reply, &origin).await {
             Ok((id, is_new)) => Outcome::Stored { id, is_new, place },
@@ -246,7 +256,8 @@ fn hindered(t: &Text, line: usize, why: &str) -> Markup {
     }
 }
 
-fn sound_document(t: &Text, line: usize, submission: &Submission) -> Markup {
+fn sound_document(t: &Text, line: usize, submission: &Submission, notes: &[Note]) -> Markup {
+    let notes: Vec<NoteBody> = notes.iter().map(NoteBody::of).collect();
     html! {
         article.sound {
             @match submission {
@@ -278,6 +289,7 @@ fn sound_document(t: &Text, line: usize, submission: &Submission) -> Markup {
                 }
                 _ => {}
             }
+            (noted(t, &notes))
         }
     }
 }

@@ -9,6 +9,7 @@ mod assets;
 mod before_after;
 mod calibration;
 mod chart;
+mod confirm;
 mod corrections;
 mod course;
 mod diagnoses;
@@ -22,6 +23,7 @@ mod hooks;
 mod import;
 mod imu;
 mod layout;
+mod notes;
 mod parameters;
 mod pieces;
 mod plot;
@@ -29,6 +31,7 @@ mod report;
 mod residuals;
 mod separation;
 mod sign_in;
+mod silences;
 mod spark;
 mod standing;
 mod stations;
@@ -65,6 +68,8 @@ pub fn router(pages: Pages) -> Router {
         .route("/imus/{imu}/report", get(report::imu))
         .route("/alerts", get(alerts::page))
         .route("/alerts/{id}/{deed}", get(alerts::ask).post(alerts::act))
+        .route("/silences/new", get(silences::ask_new).post(silences::begin))
+        .route("/silences/{id}/end", get(silences::ask_end).post(silences::end))
         .route("/hooks", get(hooks::page))
         .route("/hooks/new", get(hooks::ask_add).post(hooks::add))
         .route("/hooks/{id}", get(hooks::one))
@@ -75,6 +80,7 @@ pub fn router(pages: Pages) -> Router {
         .route("/hooks/{id}/deliveries/{delivery}/redeliver", post(hooks::redeliver))
         .route("/records/{id}", get(calibration::record))
         .route("/records/{id}/void", get(corrections::ask_record).post(corrections::void_record))
+        .route("/records/{id}/confirm", get(confirm::ask).post(confirm::act))
         .route("/campaigns/{id}", get(calibration::campaign))
         .route("/campaigns/{id}/void", get(corrections::ask_record).post(corrections::void_record))
         .route("/bench-results/{id}/void", get(corrections::ask_bench).post(corrections::void_bench))

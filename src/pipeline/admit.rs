@@ -1,7 +1,10 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
 mod benching;
+mod checking;
+mod confirming;
 mod correcting;
+mod memory;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,14 +12,21 @@ use std::sync::Arc;
 use super::judging;
 use super::read::{Calibration, GyroEvent, Submission};
 use super::{Accepted, Refused};
+use crate::config::Judging;
 use crate::core::bench::BenchMethod;
+use crate::core::history_note::FAR_DAYS;
+use crate::core::name::look_keys;
+use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
-    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Names, PublishedFigures, RecordRow, Span, States,
-    Store, StoreError, StoredVerdict, Tables, VerdictSheet,
+    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, PublishedFigures, RecordRow, Span, States, Store,
+    StoreError, StoredVerdict, Tables, VerdictSheet,
 };
-use crate::wire::time;
+use crate::wire::{history_note, time};
+use checking::Checked;
+pub(super) use memory::Memory;
+use memory::Remembered;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
 #[derive(Debug, Default)]
@@ -29,6 +39,8 @@ pub(super) struct Group {
     rows: HashMap<(u32, UtcMicros), Id>,
     benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
     keys: HashMap<String, (Id, [u8; 32])>,
+    /// New names by what they look like.
+    looks: HashMap<(Table, String), String>,
 }
 
 /// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
@@ -50,15 +62,18 @@ impl Newest {
         self.imus.get(&imu).is_none_or(|newest| *newest < at)
     }
 
-    /// Whether a calibration is of a known IMU, station and gyros, and newer than all there is of them: then nothing that is stored
-    /// can stand in its way.
+    /// Whether a calibration is of a known IMU, station and gyros, and newer than all there is of them, but not by decades: then nothing
+    /// that is stored can stand in its way.
     pub fn passed_by(&self, sent: &Calibration, tables: &Tables) -> bool {
         let at = sent.calibrated_at;
         let imu = tables.imus.number(sent.imu.as_str()).and_then(|imu| self.imus.get(&imu));
         let newest = |serial| tables.gyros.number(serial).and_then(|gyro| self.gyros.get(&gyro));
         imu.is_some_and(|newest| *newest < at)
             && tables.stations.number(sent.station.as_str()).is_some()
-            && sent.gyros.iter().all(|gyro| newest(gyro.serial.as_str()).is_some_and(|(newest, _)| *newest < at))
+            && sent.gyros.iter().all(|gyro| {
+                newest(gyro.serial.as_str())
+                    .is_some_and(|(newest, _)| *newest < at && at.days_since(*newest) <= FAR_DAYS)
+            })
     }
 
     /// What is known of the IMUs and gyros that `changes` are of.
@@ -116,6 +131,10 @@ pub(super) struct Desk<'a> {
     pub ids: &'a mut IdSource,
     /// None where the database is to be asked each time.
     pub newest: Option<&'a Newest>,
+    pub memory: &'a mut Memory,
+    pub judging: &'a Judging,
+    /// Where clocks that were never set begin.
+    pub epochs: &'a [UtcMicros],
     pub now: UtcMicros,
 }
 
@@ -127,6 +146,7 @@ impl Desk<'_> {
             Submission::Bench(bench) => self.bench(bench, group).await,
             Submission::Event(event) => self.event(event, group).await,
             Submission::Correction(correction) => self.correction(correction, group).await,
+            Submission::Confirmation(confirmation) => self.confirmation(confirmation, group).await,
         }
     }
 
@@ -148,12 +168,12 @@ impl Desk<'_> {
         if let Some(id) = stands {
             return Ok(Accepted::There { id, same_bytes: false });
         }
-        let id = self.enter(sent, group).await?;
-        Ok(Accepted::Stored { id, judged: [].into() })
+        let (id, notes) = self.enter(sent, group).await?;
+        Ok(Accepted::Stored { id, judged: [].into(), notes })
     }
 
     /// Takes a calibration in at an instant at which its IMU has none.
-    async fn enter(&mut self, sent: &Calibration, group: &mut Group) -> Result<Id, Refused> {
+    async fn enter(&mut self, sent: &Calibration, group: &mut Group) -> Result<(Id, Arc<[Note]>), Refused> {
         let at = sent.calibrated_at;
         for gyro in &sent.gyros {
             let known = self.number(Table::Gyros, gyro.serial.as_str(), group);
@@ -162,6 +182,7 @@ impl Desk<'_> {
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
         }
+        let Checked { notes, set_aside } = self.check(sent, group).await?;
         let id = self.ids.next(self.now);
         let imu = self.take_number(Table::Imus, sent.imu.as_str(), group);
         let station = self.take_number(Table::Stations, sent.station.as_str(), group);
@@ -169,8 +190,13 @@ impl Desk<'_> {
         for gyro in &sent.gyros {
             let number = self.take_number(Table::Gyros, gyro.serial.as_str(), group);
             let figures = figures_of(&gyro.separation, id, at, imu, station);
-            group.changes.history.push(HistoryRow { gyro: number, figures });
-            group.rows.insert((number, at), id);
+            if set_aside {
+                group.changes.set_aside.history.push(HistoryRow { gyro: number, figures });
+            } else {
+                group.changes.history.push(HistoryRow { gyro: number, figures });
+                group.rows.insert((number, at), id);
+                self.memory.add(number, Remembered { shown: checking::shown(gyro), ..Remembered::from(&figures) });
+            }
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }
         group.records.insert((imu, at), (id, sent.body_sha256));
@@ -186,8 +212,10 @@ impl Desk<'_> {
             body: Arc::clone(&sent.body),
             body_sha256: sent.body_sha256,
             verdicts: sheet,
+            voided: set_aside,
+            notes: history_note::kept(&notes).map(Into::into),
         });
-        Ok(id)
+        Ok((id, notes.into()))
     }
 
     async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
@@ -223,7 +251,7 @@ impl Desk<'_> {
             author: sent.author.clone(),
             received_at: self.now,
         });
-        Ok(Accepted::Stored { id, judged: [].into() })
+        Ok(Accepted::stored(id))
     }
 
     async fn by_key(&self, key: Option<&str>, hash: &[u8; 32], group: &Group) -> Result<Option<Accepted>, Refused> {
@@ -253,7 +281,7 @@ impl Desk<'_> {
     }
 
     fn number(&self, table: Table, name: &str, group: &Group) -> Option<u32> {
-        table.stored(self.store.names(), name).or_else(|| table.of(group).get(name).copied())
+        table.of_store(&self.store.names().read()).number(name).or_else(|| table.of(group).get(name).copied())
     }
 
     /// The name's number; a new one where it has none yet.
@@ -261,8 +289,11 @@ impl Desk<'_> {
         if let Some(number) = self.number(table, name, group) {
             return number;
         }
-        let number = (table.stored_len(self.store.names()) + table.of(group).len() + 1) as u32;
+        let number = (table.of_store(&self.store.names().read()).len() + table.of(group).len() + 1) as u32;
         table.of_mut(group).insert(name.to_owned(), number);
+        for key in look_keys(name) {
+            group.looks.entry((table, key)).or_insert_with(|| name.to_owned());
+        }
         table.new_rows(&mut group.changes).push((number, name.to_owned()));
         number
     }
@@ -277,7 +308,7 @@ impl Group {
     }
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Table {
     Imus,
     Stations,
@@ -285,21 +316,11 @@ enum Table {
 }
 
 impl Table {
-    fn stored(self, names: &Names, name: &str) -> Option<u32> {
-        let tables = names.read();
+    fn of_store(self, tables: &Tables) -> &crate::store::Table {
         match self {
-            Self::Imus => tables.imus.number(name),
-            Self::Stations => tables.stations.number(name),
-            Self::Gyros => tables.gyros.number(name),
-        }
-    }
-
-    fn stored_len(self, names: &Names) -> usize {
-        let tables = names.read();
-        match self {
-            Self::Imus => tables.imus.len(),
-            Self::Stations => tables.stations.len(),
-            Self::Gyros => tables.gyros.len(),
+            Self::Imus => &tables.imus,
+            Self::Stations => &tables.stations,
+            Self::Gyros => &tables.gyros,
         }
     }
 

@@ -9,9 +9,11 @@ use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
+use crate::core::name::Name;
 use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
+use crate::wire::history_note;
 
 /// A stored record with its answer.
 #[derive(Debug, Clone)]
@@ -46,7 +48,8 @@ impl Pipeline {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
         let separations = self.separations(&calibration.gyros);
-        let answer = RecordAnswer { id: Some(id.to_string()), separations, verdicts };
+        let notes = history_note::read(row.notes.as_deref());
+        let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
         Ok(Some(StoredRecord { row, answer, seen, closures }))
     }
 
@@ -79,12 +82,13 @@ impl Pipeline {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    /// Whether a record, campaign or bench result counts: it has neither been voided nor revised.
+    /// Whether a record, campaign or bench result counts: it has neither been voided nor revised, and is not set aside.
     ///
     /// # Errors
     /// [`StoreError`], where what was said of it cannot be read.
     pub async fn counts(&self, id: Id) -> Result<bool, StoreError> {
-        Ok(self.store.corrections(id).await?.iter().all(|correction| correction.item != id))
+        let corrected = self.store.corrections(id).await?.iter().any(|correction| correction.item == id);
+        Ok(!corrected && !self.store.is_set_aside(id).await?)
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
@@ -96,7 +100,8 @@ impl Pipeline {
         calibration: &Calibration,
     ) -> Result<(Vec<VerdictBody>, Vec<Option<Verdict>>), StoreError> {
         let mut bodies = Vec::new();
-        let counts = self.counts(row.id).await?;
+        let why = if row.voided && self.store.is_set_aside(row.id).await? { SET_ASIDE } else { VOIDED };
+        let counts = !row.voided;
         for (number, stored) in &row.verdicts.0 {
             let serial = self.store.names().read().gyros.name(*number).cloned();
             let Some(serial) = serial else {
@@ -104,7 +109,9 @@ impl Pipeline {
             };
             let limits = self.config.judging.limits(calibration.imu.as_str(), &serial);
             let (need, method) = (Need::of(&limits), self.config.judging.method);
-            let gyro = calibration.gyros.iter().find(|gyro| gyro.serial.as_str() == serial.as_ref());
+            let named = |name: &Name| self.store.names().read().gyros.number(name.as_str());
+            let gyro = calibration.gyros.iter().find(|gyro| named(&gyro.serial) == Some(*number));
+            let serial = gyro.map_or_else(|| serial.to_string(), |gyro| gyro.serial.to_string());
             let line = match gyro {
                 Some(gyro) if !counts => {
                     let figures = figures_of(&gyro.separation, row.id, row.calibrated_at, row.imu, row.station);
@@ -115,7 +122,7 @@ impl Pipeline {
             let mut again = line.judge_newest(&limits, Older::NONE);
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
             let in_words = stored.iter().map(|verdict| in_words(&serial, verdict, &again));
-            bodies.extend(in_words.map(|(body, seen)| (if counts { body } else { voided(body) }, seen)));
+            bodies.extend(in_words.map(|(body, seen)| (if counts { body } else { uncounted(body, why) }, seen)));
         }
         Ok(bodies.into_iter().unzip())
     }
@@ -129,9 +136,11 @@ fn closures_of(calibration: &Calibration) -> ClosureDiagnosis {
 const CHANGED: &str = "As it was decided when the record was judged; the limits or the history have changed since.";
 const VOIDED: &str = "It does not count any more: the record was voided or revised.";
 
-/// With the words that it does not count any more.
-fn voided(body: VerdictBody) -> VerdictBody {
-    VerdictBody { reason: format!("{} {VOIDED}", body.reason), ..body }
+const SET_ASIDE: &str = "It does not count: the record is set aside until somebody confirms its time.";
+
+/// With the words that it does not count.
+fn uncounted(body: VerdictBody, why: &str) -> VerdictBody {
+    VerdictBody { reason: format!("{} {why}", body.reason), ..body }
 }
 
 fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {

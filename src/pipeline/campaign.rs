@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Pipeline;
 use super::answer::Reread;
 use super::models::InForce;
-use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, kept};
+use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept};
 use crate::config::JudgedMethod;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
@@ -17,6 +17,7 @@ use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
+use crate::wire::history_note;
 
 /// A campaign that can be stored.
 #[derive(Debug, Clone)]
@@ -88,6 +89,8 @@ impl Pipeline {
                 (campaign, Some(serde_json::to_vec(&body).expect("strings and finite numbers always serialise")))
             }
         };
+        let serials = campaign.gyros.iter().map(|gyro| &gyro.serial);
+        check_names(&[("/imu", &campaign.imu), ("/station", &campaign.station)], serials)?;
         self.check_time("/measured_at", campaign.measured_at)?;
         let in_force = self.in_force(campaign.imu.as_str());
         let options = in_force.model.options_as_asked(&campaign);
@@ -184,6 +187,7 @@ impl Pipeline {
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let mut answer = self.campaign_answer(&fitted);
         answer.id = Some(id.to_string());
+        answer.notes.extend(history_note::read(row.notes.as_deref()));
         answer.verdicts = verdicts;
         Ok(Some(StoredCampaign { row, answer, seen }))
     }

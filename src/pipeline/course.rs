@@ -9,7 +9,7 @@ use crate::config::JudgedMethod;
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::judge::{Coefficient, Event, Limits, Rule};
 use crate::core::time::UtcMicros;
-use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Span, StoreError, StoredVerdict};
+use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Course {
     pub events: Vec<EventRow>,
     /// What was said of results that do not count any more.
     pub corrections: Vec<GyroCorrection>,
+    /// Records that do not count until somebody confirms their times.
+    pub set_aside: Vec<(Id, UtcMicros)>,
     pub baselines: Vec<Baseline>,
     /// Environmental tests, with what the gyro was before and after.
     pub tests: Vec<Tested>,
@@ -67,13 +69,14 @@ impl Pipeline {
         let events = self.store.events(gyro).await?;
         let benches = self.store.bench_results(gyro, Span::EVER).await?;
         let corrections = self.store.corrections_of_gyro(gyro).await?;
+        let set_aside = self.store.set_aside_of_gyro(gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
         let marks: Vec<Mark> = events.iter().map(mark_of).collect();
         let tests = self.tests(gyro, &events, &figures).await?;
         let baselines = baselines(&samples, &marks, &limits);
-        Ok(Course { baselines, figures, benches, events, corrections, tests, limits })
+        Ok(Course { baselines, figures, benches, events, corrections, set_aside, tests, limits })
     }
 
     async fn tests(&self, gyro: u32, events: &[EventRow], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {

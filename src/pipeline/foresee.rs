@@ -1,9 +1,11 @@
 //! What storing would come to, without storing.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
-use super::admit::{Desk, Group};
+use super::admit::{Desk, Group, Memory};
 use super::{Accepted, Id, Pipeline, ReadDocument, Refused};
+use crate::core::note::Note;
 use crate::store::IdSource;
 
 /// Beyond every identifier of this century.
@@ -12,8 +14,10 @@ const NEVER_STORED: i64 = i64::MAX - (1 << 40);
 /// What would become of a document.
 #[derive(Debug, Clone)]
 pub enum Foreseen {
-    /// It would be stored, or is there already and says the same.
-    Taken,
+    /// It would be stored with these notes, or is there already and says the same.
+    Taken {
+        notes: Arc<[Note]>,
+    },
     Refused(Refused),
     /// An earlier one of these documents, counted from 0, holds its place with other content.
     Contradicts(usize),
@@ -25,7 +29,16 @@ impl Pipeline {
     pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {
         // Its identifiers are seen by nobody; they only have to differ from those that are stored.
         let mut ids = IdSource::after(NEVER_STORED);
-        let mut desk = Desk { store: &self.store, ids: &mut ids, newest: None, now: self.clock.now() };
+        let mut memory = Memory::default();
+        let mut desk = Desk {
+            store: &self.store,
+            ids: &mut ids,
+            newest: None,
+            memory: &mut memory,
+            judging: &self.config.judging,
+            epochs: &self.config.plausibility.clock_epochs,
+            now: self.clock.now(),
+        };
         let (mut group, mut new) = (Group::default(), HashMap::new());
         let mut foreseen = Vec::with_capacity(documents.len());
         for (place, document) in documents.iter().enumerate() {
@@ -47,14 +60,14 @@ impl Pipeline {
         new: &HashMap<Id, usize>,
     ) -> Foreseen {
         match admitted {
-            Ok(Accepted::Stored { .. }) => Foreseen::Taken,
+            Ok(Accepted::Stored { notes, .. }) => Foreseen::Taken { notes },
             Ok(there @ Accepted::There { id, same_bytes }) => match new.get(&id) {
                 Some(&first) if same_bytes || documents[first].origin.says_the_same_as(&document.origin) => {
-                    Foreseen::Taken
+                    Foreseen::Taken { notes: [].into() }
                 }
                 Some(&first) => Foreseen::Contradicts(first),
                 None => match self.settle_document(&there, &document.origin).await {
-                    Ok(_) => Foreseen::Taken,
+                    Ok(_) => Foreseen::Taken { notes: [].into() },
                     Err(refused) => Foreseen::Refused(refused),
                 },
             },

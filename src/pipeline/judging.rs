@@ -90,6 +90,7 @@ impl Judge {
                 self.insert(gyro, &indices, remembered, changes, &mut judged, &mut sheets).await?;
             }
         }
+        self.enter_confirmed(&judged.verdicts, changes, &mut sheets).await?;
         changes.rejudged.sheets = sheets.into_iter().collect();
         enter(&judged.verdicts, changes);
         self.undo(changes, &mut judged).await?;

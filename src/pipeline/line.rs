@@ -129,7 +129,9 @@ impl Line {
         };
         let until = Span { to: voided.at, ..Span::EVER };
         let mut rows = store.history(gyro, until, usize::MAX).await?;
-        rows.extend(store.voided_history(gyro, until).await?);
+        let withdrawn = store.voided_history(gyro, until).await?.into_iter();
+        // What is set aside has never counted.
+        rows.extend(withdrawn.filter(|row| left.contains_key(&row.record)));
         rows.retain(counted);
         rows.push(voided);
         let samples = rows.iter().map(|row| sample_of(row, method)).collect();

@@ -51,6 +51,8 @@ use tokio::task::JoinHandle;
 
 use crate::config::Config;
 use crate::core::judge::Verdict;
+use crate::core::note::Note;
+use crate::core::notify::Late;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
@@ -61,7 +63,7 @@ pub use access::{
     revoke_beside,
 };
 pub use agreement::{Compared, Comparison};
-pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep};
+pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder};
 pub use answer::StoredRecord;
 pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
 pub use compare::Sent;
@@ -78,9 +80,9 @@ pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
     AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
-    GyroCorrection, Id, Kind, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
+    GyroCorrection, Id, Kind, Matchers, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
-pub use read::{BenchTest, CalibratedGyro, Calibration, Corrected, Correction, GyroEvent, Submission};
+pub use read::{BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;
 pub use status::Statuses;
 pub use verify::Verified;
@@ -104,8 +106,9 @@ pub struct Pipeline {
 /// What the writer is asked to do.
 #[derive(Debug)]
 enum Job {
-    /// Submissions that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk.
-    Store { items: Vec<Submission>, with_verdicts: bool, reply: reply::Teller },
+    /// Submissions that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
+    /// late is told.
+    Store { items: Vec<Submission>, with_verdicts: bool, late: Late, reply: reply::Teller },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
@@ -118,6 +121,10 @@ enum Job {
     Diagnosed { made: diagnosing::Made, reply: oneshot::Sender<Result<(), Refused>> },
     /// What somebody says of an alert.
     Alert { order: AlertOrder, by: Actor, reply: oneshot::Sender<Result<AlertBody, Refused>> },
+    /// A silence of many alerts is to begin or to end.
+    Silence { order: SilenceOrder, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
+    /// An import has come to its end: what waits for its digest is told.
+    Digest(oneshot::Sender<Result<(), Refused>>),
     /// Who may use the service is to change.
     Access { order: AccessOrder, by: Actor, reply: oneshot::Sender<Result<Option<access::Secret>, Refused>> },
     /// Whether it could.
@@ -131,9 +138,16 @@ pub type Reply = Result<Accepted, Refused>;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Accepted {
     /// It is new, and on disk once [`Pipeline::submit`] or [`Pipeline::submit_worded`] has returned it.
-    Stored { id: Id, judged: Arc<[Judged]> },
+    Stored { id: Id, judged: Arc<[Judged]>, notes: Arc<[Note]> },
     /// An item with the same key has been there before; whether it says the same is for [`Pipeline::settle`] to find out.
     There { id: Id, same_bytes: bool },
+}
+
+impl Accepted {
+    /// It is new, and there is nothing to be said of it.
+    fn stored(id: Id) -> Self {
+        Self::Stored { id, judged: [].into(), notes: [].into() }
+    }
 }
 
 /// A gyro's verdicts on the record that was submitted.
@@ -158,6 +172,8 @@ pub enum Refused {
     UnknownBench { id: Id },
     #[error("{id} has been voided or revised already: by another author, for another reason or by other content")]
     AlreadyCorrected { id: Id, existing: Id },
+    #[error("{id} is not set aside: there is nothing to confirm")]
+    NotSetAside { id: Id },
     #[error("is of another IMU than what it is to replace")]
     AnotherImu,
     #[error("another calibration of the IMU stands at that time (id {existing})")]
@@ -192,6 +208,10 @@ pub enum Refused {
     UnknownAlert { id: Id },
     #[error("alert {id} is resolved: there is nothing to acknowledge")]
     AlertResolved { id: Id },
+    #[error("there is no silence {id}")]
+    UnknownSilence { id: Id },
+    #[error("there are {most} silences in force already, and no more can be")]
+    TooManySilences { most: usize },
     #[error("too many writes are waiting")]
     Busy,
     #[error("the service is stopping")]
@@ -292,11 +312,24 @@ impl Pipeline {
     pub async fn submit_worded<T>(
         &self,
         item: Submission,
+        put_into_words: impl FnMut(&Accepted) -> T,
+    ) -> Result<(Accepted, T), Refused> {
+        self.submit_late(item, Late::Quiet, put_into_words).await
+    }
+
+    /// As [`Pipeline::submit_worded`], with a say in how what is found late is told.
+    ///
+    /// # Errors
+    /// As [`Pipeline::submit`].
+    pub async fn submit_late<T>(
+        &self,
+        item: Submission,
+        late: Late,
         mut put_into_words: impl FnMut(&Accepted) -> T,
     ) -> Result<(Accepted, T), Refused> {
         self.bustle.stir();
         let (reply, listener) = reply::channel();
-        self.offer(Job::Store { items: vec![item], with_verdicts: true, reply })?;
+        self.offer(Job::Store { items: vec![item], with_verdicts: true, late, reply })?;
         let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
         let (mut replies, words) = heard.ok_or(Refused::Stopping)?;
         let accepted = replies.pop().unwrap_or(Err(Refused::Stopping))?;
@@ -305,15 +338,25 @@ impl Pipeline {
 
     /// As [`Pipeline::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in the queue; what it then returns waits
     /// for the disk, so that the next items can be made ready meanwhile.
-    pub async fn enqueue(&self, items: Vec<Submission>) -> impl Future<Output = Vec<Reply>> + use<> {
+    pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
         self.bustle.stir();
         let count = items.len();
         let (reply, listener) = reply::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-        let _queued = self.jobs.send(Job::Store { items, with_verdicts: false, reply }).await;
+        let _queued = self.jobs.send(Job::Store { items, with_verdicts: false, late, reply }).await;
         async move {
             let heard = listener.hear(|_| ()).await;
             heard.map_or_else(|| vec![Err(Refused::Stopping); count], |(replies, ())| replies)
         }
+    }
+
+    /// An import has come to its end: hooks are told in one message each what it has left firing since long ago.
+    ///
+    /// # Errors
+    /// [`Refused`]; then it is told when nothing has come for a while.
+    pub async fn end_import(&self) -> Result<(), Refused> {
+        let (reply, answer) = oneshot::channel();
+        self.jobs.send(Job::Digest(reply)).await.map_err(|_| Refused::Stopping)?;
+        answer.await.map_err(|_| Refused::Stopping)?
     }
 }

@@ -93,7 +93,7 @@ pub(super) async fn adopt(
     let changes = Changes { models: vec![row], access, ..Changes::default() };
     writer.commit(&changes).await?;
     book.note(&changes.models[0])?;
-    Ok(Accepted::Stored { id, judged: [].into() })
+    Ok(Accepted::stored(id))
 }
 
 impl Pipeline {

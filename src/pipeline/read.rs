@@ -6,6 +6,7 @@ use super::{Actor, Pipeline};
 use crate::config::PlausibilityKeys;
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
+use crate::core::history_note::is_unset;
 use crate::core::judge::{Event, FixedLevels, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
@@ -25,6 +26,7 @@ pub enum Submission {
     Bench(Box<BenchTest>),
     Event(GyroEvent),
     Correction(Box<Correction>),
+    Confirmation(Confirmation),
 }
 
 impl Submission {
@@ -33,7 +35,7 @@ impl Submission {
         match self {
             Self::Calibration(calibration) => Some(calibration),
             Self::Correction(correction) => correction.replacement.as_ref(),
-            Self::Bench(_) | Self::Event(_) => None,
+            Self::Bench(_) | Self::Event(_) | Self::Confirmation(_) => None,
         }
     }
 
@@ -43,7 +45,7 @@ impl Submission {
             Self::Calibration(calibration) => Some(calibration.station.as_str()),
             Self::Bench(bench) => Some(bench.result.station.as_str()),
             Self::Correction(correction) => correction.replacement.as_ref().map(|new| new.station.as_str()),
-            Self::Event(_) => None,
+            Self::Event(_) | Self::Confirmation(_) => None,
         }
     }
 }
@@ -55,6 +57,15 @@ pub struct Correction {
     pub author: String,
     pub reason: String,
     pub replacement: Option<Calibration>,
+    pub by: Actor,
+}
+
+/// The time of a record that was set aside is right: it counts from now on.
+#[derive(Debug, Clone)]
+pub struct Confirmation {
+    pub id: Id,
+    pub author: String,
+    pub reason: String,
     pub by: Actor,
 }
 
@@ -136,6 +147,8 @@ impl Pipeline {
     /// Every fault, by its pointer.
     pub fn read_record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
         let record = parse_record(bytes, &self.config.plausibility.limits())?;
+        let serials = record.gyros.iter().map(|gyro| &gyro.serial);
+        check_names(&[("/imu", &record.imu), ("/station", &record.station)], serials)?;
         self.check_time("/calibrated_at", record.calibrated_at)?;
         self.separated(record, bytes)
     }
@@ -190,6 +203,7 @@ impl Pipeline {
     /// Every fault, by its pointer.
     pub fn read_bench_result(&self, bytes: &[u8]) -> Result<BenchTest, Faults> {
         let result = parse_bench_result(bytes, self.config.plausibility.max_drift_deg_per_h_g0)?;
+        check_names(&[("/serial", &result.serial), ("/station", &result.station)], [].into_iter())?;
         self.check_time("/measured_at", result.measured_at)?;
         let (body, body_sha256) = kept(bytes)?;
         Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
@@ -198,16 +212,30 @@ impl Pipeline {
     /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock would stay the newest
     /// for as long, what lies long before all else would become the baseline.
     pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
-        let PlausibilityKeys { max_future_hours: hours, earliest, .. } = &self.config.plausibility;
+        let PlausibilityKeys { max_future_hours: hours, earliest, clock_epochs, .. } = &self.config.plausibility;
         let detail = if at > self.clock.now().plus_days(hours / 24.0) {
             format!("lies more than {hours} hours in the future of the service's clock")
         } else if at < *earliest {
             format!("lies before {}, the earliest time that `plausibility.earliest` accepts", time::format(*earliest))
+        } else if is_unset(at) && clock_epochs.contains(&UtcMicros(0)) {
+            "is that of a clock that was never set and counts from 1970-01-01; set the station's clock and send the true time, or take the date out of `plausibility.clock_epochs`".to_owned()
         } else {
             return Ok(());
         };
         Err(Fault { pointer: pointer.to_owned(), detail }.into())
     }
+}
+
+/// Refuses new names in which something cannot be seen; what is stored under such a name is read all the same.
+pub(super) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<Item = &'a Name>) -> Result<(), Faults> {
+    let mut faults = Faults::default();
+    for (pointer, name) in named {
+        name.check_seen().unwrap_or_else(|detail| faults.push(*pointer, detail));
+    }
+    for (i, serial) in serials.enumerate() {
+        serial.check_seen().unwrap_or_else(|detail| faults.push(format!("/gyros/{i}/serial"), detail));
+    }
+    faults.or(())
 }
 
 /// The body as it is kept, without a byte-order mark, and its hash.

@@ -83,7 +83,7 @@ mod tests {
     use crate::pipeline::{Accepted, Id, Refused};
 
     fn stored(id: i64) -> Vec<Reply> {
-        vec![Ok(Accepted::Stored { id: Id(id), judged: [].into() })]
+        vec![Ok(Accepted::stored(Id(id)))]
     }
 
     fn id(replies: &[Reply]) -> Option<i64> {

@@ -5,14 +5,14 @@ mod following;
 mod group;
 mod turns;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::time::Instant;
 
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
-use super::admit::Newest;
+use super::admit::{Memory, Newest};
 use super::alerting::AlertBook;
 use super::diagnosing::{DiagnosisOrder, JobDesk};
 use super::hooks::{Found, HookBook, HookDesk, Order};
@@ -22,6 +22,7 @@ use super::read::Submission;
 use super::reply::Teller;
 use super::{Accepted, Job, Refused, Reply};
 use crate::config::Config;
+use crate::core::notify::Late;
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
@@ -38,6 +39,7 @@ pub(super) struct Task {
     clock: Clock,
     config: Arc<Config>,
     newest: Newest,
+    memory: Memory,
     judge: Judge,
     alerts: AlertBook,
     /// Gyros whose methods are to agree.
@@ -56,10 +58,12 @@ struct Item<'a> {
     sent: &'a Submission,
     /// Whether its answer is to hold the verdicts on it.
     with_verdicts: bool,
+    /// How what is found late is told.
+    late: Late,
 }
 
-fn items_of((sent, with_verdicts, _): &StoreJob) -> impl Iterator<Item = Item<'_>> {
-    sent.iter().map(|sent| Item { sent, with_verdicts: *with_verdicts })
+fn items_of((sent, with_verdicts, late, _): &StoreJob) -> impl Iterator<Item = Item<'_>> {
+    sent.iter().map(|sent| Item { sent, with_verdicts: *with_verdicts, late: *late })
 }
 
 /// Who is told of what has been written.
@@ -74,8 +78,8 @@ pub(super) struct After {
 
 /// Orders that concern hooks, and where their answers go.
 type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
-/// Submissions, whether they are answered with verdicts and ahead of the disk, and where the answers go.
-type StoreJob = (Vec<Submission>, bool, Teller);
+/// Submissions, whether they are answered with verdicts and ahead of the disk, how what is found late is told, and where the answers go.
+type StoreJob = (Vec<Submission>, bool, Late, Teller);
 type Findings = Vec<(Found, oneshot::Sender<Result<(), Refused>>)>;
 
 impl Task {
@@ -89,7 +93,7 @@ impl Task {
         let newest = Newest::load(&store).await?;
         let hooks = HookBook::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
-        let alerts = AlertBook::load(&store, config.alerts.policy()).await?;
+        let alerts = AlertBook::load(&store, config.alerts.policy(), clock.now()).await?;
         let benched = store.gyros_on_benches().await?.into_iter().collect();
         Ok(Self {
             store,
@@ -97,6 +101,7 @@ impl Task {
             clock,
             config,
             newest,
+            memory: Memory::default(),
             judge,
             alerts,
             benched,
@@ -139,10 +144,10 @@ impl Task {
             }
             let (mut group, mut items) = (Vec::new(), 0);
             let most = if self.writer.committer().is_some() { beside::MAX_ITEMS } else { MAX_ITEMS };
-            let (mut orders, mut findings) = (Orders::new(), Findings::new());
+            let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
             for job in jobs.drain(..) {
                 let job = match job {
-                    Job::Store { items, with_verdicts, reply } => (items, with_verdicts, reply),
+                    Job::Store { items, with_verdicts, late, reply } => (items, with_verdicts, late, reply),
                     Job::Hook { order, by, reply } => {
                         orders.push((order, by, reply));
                         continue;
@@ -175,6 +180,15 @@ impl Task {
                         let _gone = reply.send(done);
                         continue;
                     }
+                    Job::Silence { order, by, reply } => {
+                        let done = in_turn!(self, self.order_silence(&order, &by));
+                        let _gone = reply.send(done);
+                        continue;
+                    }
+                    Job::Digest(reply) => {
+                        digests.push(reply);
+                        continue;
+                    }
                     Job::Access { order, by, reply } => {
                         let done = in_turn!(self, self.register(&order, &by));
                         let _gone = reply.send(done);
@@ -201,6 +215,11 @@ impl Task {
             if mixed {
                 self.finish().await;
             }
+            // After what was queued before.
+            for reply in digests {
+                let told = in_turn!(self, self.tell_digest());
+                let _gone = reply.send(told);
+            }
             self.carry_out(orders, findings).await;
         }
         self.store.close().await;
@@ -220,11 +239,11 @@ impl Task {
         let is_gone = |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.gone.is_some());
         let changed = !orders.is_empty() || findings.iter().any(|(found, _)| is_gone(found));
         for (order, by, reply) in orders {
-            let done = in_turn!(self, self.hook_desk().carry_out(&order, &by));
+            let done = in_turn!(self, self.order_hook(&order, &by));
             let _gone = reply.send(done);
         }
         if !findings.is_empty() {
-            let written = in_turn!(self, self.hook_desk().write_down(findings.iter().map(|(found, _)| found)));
+            let written = in_turn!(self, self.hook_desk(None).write_down(findings.iter().map(|(found, _)| found)));
             for (_, reply) in findings {
                 let _gone = reply.send(written.clone());
             }
@@ -234,10 +253,23 @@ impl Task {
         }
     }
 
-    fn hook_desk(&mut self) -> HookDesk<'_> {
+    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
+        let now = self.clock.now();
+        self.alerts.refresh(&self.store, now).await?;
+        self.hooks.refresh(&self.store).await?;
+        self.hook_desk(Some(order)).carry_out(order, by).await
+    }
+
+    /// `order`: what it is about to carry out; none where no hook is to hear anything new.
+    fn hook_desk(&mut self, order: Option<&Order>) -> HookDesk<'_> {
         let now = self.clock.now();
         let old_secret_until = self.config.hooks.old_secret_until(now);
-        HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until }
+        let (alerts, heard) = match order {
+            Some(Order::Create(_)) => (self.standings(now), HashMap::new()),
+            Some(Order::Change(hook, _)) => (self.standings(now), self.hooks.has_heard(*hook)),
+            Some(Order::Delete(_) | Order::Test(_) | Order::Redeliver(_)) | None => Default::default(),
+        };
+        HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until, alerts, heard }
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
@@ -298,6 +330,9 @@ impl Task {
             match stored {
                 Ok(replies) => {
                     self.judge.tidy();
+                    if self.memory.is_full() {
+                        self.memory.forget();
+                    }
                     return Ok(replies);
                 }
                 Err(error) => {

@@ -6,7 +6,7 @@ use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::notify::{Alert, Standing, Status, Told};
+use crate::core::notify::{Alert, Hushed, Standing, Status, Told};
 use crate::core::time::UtcMicros;
 
 /// Who said so, why and when.
@@ -29,6 +29,8 @@ pub struct AlertRow {
     pub acknowledged: Option<Remark>,
     /// Of [`Alert::silenced_until`].
     pub silenced: Option<Remark>,
+    /// Of [`Alert::muted_until`]: the silence, and what was said of it.
+    pub muted: Option<(Id, Remark)>,
     /// The last verdict as clients read it, JSON.
     pub finding: String,
 }
@@ -50,7 +52,7 @@ pub struct StepRow {
 
 pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
     let mut rows = Rows::default();
-    for AlertRow { id, gyro, coefficient, rule, alert, acknowledged, silenced, finding } in alerts {
+    for AlertRow { id, gyro, coefficient, rule, alert, acknowledged, silenced, muted, finding } in alerts {
         let mut row = rows.row();
         row.integer(id.0)
             .integer(i64::from(*gyro))
@@ -69,22 +71,29 @@ pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
                 .optional_text(remark.as_ref().map(|remark| remark.reason.as_str()))
                 .optional_integer(remark.as_ref().map(|remark| remark.at.0));
         }
-        row.optional_integer(alert.silenced_until.map(|until| until.0)).bytes(finding.as_bytes());
+        row.optional_integer(alert.silenced_until.map(|until| until.0))
+            .bytes(finding.as_bytes())
+            .integer(alert.since.0)
+            .optional_integer(alert.hushed.map(|hushed| hushed.at.0))
+            .integer(i64::from(alert.hushed.is_some_and(|hushed| hushed.digest)))
+            .optional_integer(muted.as_ref().map(|(silence, _)| silence.0))
+            .optional_integer(alert.muted_until.map(|until| until.0));
     }
     batch.add(
         insert!(
             "alert (id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within,
              told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at,
-             silenced_by, silenced_reason, silenced_at, silenced_until, finding)",
+             silenced_by, silenced_reason, silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until)",
             [int 0, int 1, text 2, text 3, text 4, text 5, int 6, int 7, int 8, int 9, int 10, text 11, text 12, text 13,
-             int 14, text 15, text 16, int 17, int 18, words 19 20],
+             int 14, text 15, text 16, int 17, int 18, words 19 20, int 21, int 22, int 23, int 24, int 25],
             "ON CONFLICT (id) DO UPDATE SET (status, severity, fired_at, resolved_at, record_at, within, told_at,
              told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, silenced_by, silenced_reason,
-             silenced_at, silenced_until, finding) =
+             silenced_at, silenced_until, finding, since, hushed_at, digest, muted_by, muted_until) =
             (excluded.status, excluded.severity, excluded.fired_at, excluded.resolved_at, excluded.record_at,
              excluded.within, excluded.told_at, excluded.told_severity, excluded.acknowledged_by,
              excluded.acknowledged_reason, excluded.acknowledged_at, excluded.silenced_by, excluded.silenced_reason,
-             excluded.silenced_at, excluded.silenced_until, excluded.finding)"
+             excluded.silenced_at, excluded.silenced_until, excluded.finding, excluded.since,
+             excluded.hushed_at, excluded.digest, excluded.muted_by, excluded.muted_until)"
         ),
         rows,
     );
@@ -112,9 +121,11 @@ pub(super) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
     );
 }
 
-const COLUMNS: &str = "SELECT id, gyro, coefficient, rule, status, severity, fired_at, resolved_at, record_at, within, \
-                       told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
-                       silenced_by, silenced_reason, silenced_at, silenced_until, finding FROM alert";
+const COLUMNS: &str = "SELECT alert.id, gyro, coefficient, alert.rule, status, severity, fired_at, resolved_at, record_at, within, \
+     told_at, told_severity, acknowledged_by, acknowledged_reason, acknowledged_at, \
+     silenced_by, silenced_reason, silenced_at, silenced_until, finding, coalesce(since, fired_at) AS since, hushed_at, digest, \
+     muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
+     FROM alert LEFT JOIN silence ON silence.id = alert.muted_by";
 
 fn alert(row: &impl Cells) -> Result<AlertRow, StoreError> {
     let id = Id(row.cell("id")?);
@@ -131,6 +142,8 @@ fn alert(row: &impl Cells) -> Result<AlertRow, StoreError> {
         Ok::<_, sqlx::Error>(known.map(|((by, reason), at)| Remark { by, reason, at }))
     };
     let told_at = instant("told_at")?;
+    let digest = row.cell::<i64>("digest")? != 0;
+    let muted_by: Option<i64> = row.cell("muted_by")?;
     let acknowledged = remark("acknowledged_by", "acknowledged_reason", "acknowledged_at")?;
     Ok(AlertRow {
         id,
@@ -140,16 +153,20 @@ fn alert(row: &impl Cells) -> Result<AlertRow, StoreError> {
         alert: Alert {
             status: Status::from_name(&text("status")?).ok_or_else(|| damaged("status"))?,
             severity: severity("severity")?.ok_or_else(|| damaged("severity"))?,
+            since: UtcMicros(row.cell("since")?),
             fired_at: UtcMicros(row.cell("fired_at")?),
             resolved_at: instant("resolved_at")?,
             record_at: UtcMicros(row.cell("record_at")?),
             within: row.cell::<Whole<u32>>("within")?.0,
             acknowledged: acknowledged.is_some(),
             silenced_until: instant("silenced_until")?,
+            muted_until: instant("muted_until")?,
+            hushed: instant("hushed_at")?.map(|at| Hushed { at, digest }),
             told: told_at.zip(severity("told_severity")?).map(|(at, severity)| Told { at, severity }),
         },
         acknowledged,
         silenced: remark("silenced_by", "silenced_reason", "silenced_at")?,
+        muted: muted_by.map(Id).zip(remark("muted_author", "muted_reason", "muted_at")?),
         finding: text("finding")?,
     })
 }
@@ -177,14 +194,14 @@ impl Store {
     ) -> Result<Vec<AlertRow>, StoreError> {
         let imu = self.readers.words(Sql { sqlite: "finding->>'imu'", postgres: "CAST(finding AS JSONB)->>'imu'" });
         let sql = sqlx::AssertSqlSafe(format!(
-            "{COLUMNS} WHERE id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
-                 AND ($4 IS NULL OR rule = $4) AND ($5 IS NULL OR severity = $5)
+            "{COLUMNS} WHERE alert.id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
+                 AND ($4 IS NULL OR alert.rule = $4) AND ($5 IS NULL OR severity = $5)
                  AND ($6 IS NULL OR {imu} = $6)
                  AND ($7 IS NULL OR $7 = CASE WHEN status = 'resolved' THEN 'resolved'
-                                              WHEN silenced_until > $8 THEN 'silenced'
+                                              WHEN silenced_until > $8 OR muted_until > $8 THEN 'silenced'
                                               WHEN acknowledged_at IS NOT NULL THEN 'acknowledged'
                                               ELSE 'firing' END)
-             ORDER BY id DESC LIMIT $9"
+             ORDER BY alert.id DESC LIMIT $9"
         ));
         on!(self.readers, db => sqlx::query(sql)
             .bind(before.map_or(i64::MAX, |id| id.0))
@@ -202,7 +219,7 @@ impl Store {
 
     /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
     pub async fn alerts(&self) -> Result<Vec<AlertRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY alert.id"));
         on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
     }
 
@@ -210,7 +227,9 @@ impl Store {
     pub async fn unresolved(&self, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
         // Not in one condition: that of a single gyro is to find its index.
         let of_gyro = if gyro.is_some() { "gyro = $3" } else { "$3 IS NULL" };
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE rule = $1 AND status = $2 AND {of_gyro} ORDER BY id"));
+        let sql = sqlx::AssertSqlSafe(format!(
+            "{COLUMNS} WHERE alert.rule = $1 AND status = $2 AND {of_gyro} ORDER BY alert.id"
+        ));
         on!(self.readers, db => sqlx::query(sql)
             .bind(rule.name())
             .bind(Status::Firing.name())
@@ -220,7 +239,7 @@ impl Store {
     }
 
     pub async fn alert(&self, id: Id) -> Result<Option<AlertRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1"));
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id = $1"));
         on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())
     }
 
@@ -234,12 +253,13 @@ impl Store {
 }
 
 impl Store {
-    /// The alerts of which hooks were last told that they fire, as they were then told (JSON).
-    pub async fn firing_as_told(&self) -> Result<Vec<String>, StoreError> {
-        let sql = "SELECT step.body FROM alert JOIN alert_step AS step
-                   ON step.id = (SELECT max(id) FROM alert_step WHERE alert_step.alert = alert.id AND told = 1)
-                   WHERE alert.told_at IS NOT NULL ORDER BY alert.id";
-        Ok(on!(self.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?))
+    /// The alerts that a hook has heard fire, as they were last told (JSON), each with the severity that it has heard.
+    pub async fn heard_firing(&self, hook: Id) -> Result<Vec<(String, String)>, StoreError> {
+        let sql = "SELECT heard.severity, step.body FROM hook_heard AS heard JOIN alert_step AS step
+                   ON step.id = coalesce((SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert AND told = 1),
+                                         (SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert))
+                   WHERE heard.hook = $1 ORDER BY heard.alert";
+        Ok(on!(self.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?))
     }
 }
 

@@ -101,7 +101,7 @@ impl Calendar {
         let mut newest: HashMap<u32, UtcMicros> = HashMap::new();
         for record in &changes.records {
             let (imu, at) = (record.imu, record.calibrated_at);
-            if newest.get(&imu).is_some_and(|newest| at <= *newest) || !self.is_newest(imu, at) {
+            if record.voided || newest.get(&imu).is_some_and(|newest| at <= *newest) || !self.is_newest(imu, at) {
                 at_once.insert(imu);
             } else {
                 newest.insert(imu, at);
@@ -124,13 +124,17 @@ impl Calendar {
     /// After the records themselves have been written.
     pub fn write(&self, entering: &Entering, changes: &Changes, batch: &mut Batch) {
         let waiting =
-            entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry)));
+            entering.imus.iter().flat_map(|imu| self.waiting.of(*imu).iter().map(move |entry| (*imu, *entry, 0)));
         enter(waiting, batch);
         batch.add(Sql::of_sqlite(WITHDRAW), Rows::of(changes.withdrawn.records.iter().map(|record| record.0)));
         let (at_once, later): (Vec<_>, Vec<_>) =
             changes.records.iter().partition(|record| entering.at_once.contains(&record.imu));
-        let entry = |record: &&RecordRow| (record.imu, Entry { at: record.calibrated_at, record: record.id });
+        let entry = |record: &&RecordRow| {
+            let voided = if record.voided { record.id.0 } else { 0 };
+            (record.imu, Entry { at: record.calibrated_at, record: record.id }, voided)
+        };
         enter(at_once.iter().map(entry), batch);
+        batch.add(Sql::of_sqlite(CONFIRM), Rows::of(changes.confirmed.iter().map(|confirmed| confirmed.record.0)));
         let first = self.waiting.first_without(&entering.imus);
         let first = first.or_else(|| later.first().map(|record| record.id.0));
         // Where nothing waits any more.
@@ -163,10 +167,14 @@ impl Calendar {
 const WITHDRAW: &str = "UPDATE calendar SET voided = record
     WHERE record = $C0 AND (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, 0 FROM record WHERE id = $C0)";
 
-fn enter(entries: impl Iterator<Item = (u32, Entry)>, batch: &mut Batch) {
+/// What was set aside takes its place.
+const CONFIRM: &str = "UPDATE calendar SET voided = 0
+    WHERE record = $C0 AND (imu, calibrated_at, voided) = (SELECT imu, calibrated_at, id FROM record WHERE id = $C0)";
+
+fn enter(entries: impl Iterator<Item = (u32, Entry, i64)>, batch: &mut Batch) {
     let mut rows = Rows::default();
-    for (imu, entry) in entries {
-        rows.row().integer(i64::from(imu)).integer(entry.at.0).integer(0).integer(entry.record.0);
+    for (imu, entry, voided) in entries {
+        rows.row().integer(i64::from(imu)).integer(entry.at.0).integer(voided).integer(entry.record.0);
     }
     batch.add(insert!("calendar (imu, calibrated_at, voided, record)", [int 0, int 1, int 2, int 3]), rows);
 }

@@ -27,6 +27,8 @@ use super::keys::{self, KeyRow};
 use super::model::{self, ModelRow};
 use super::postgres::{Missed, ServerWriter};
 use super::record::{self, RecordRow};
+use super::set_aside::{self, ConfirmationRow, SetAside};
+use super::silence::{self, SilenceRow};
 use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
 
@@ -43,11 +45,16 @@ pub struct Changes {
     /// What does not count any more.
     pub withdrawn: Withdrawn,
     pub corrections: Vec<CorrectionRow>,
+    /// What is not to count before its time is confirmed.
+    pub set_aside: SetAside,
+    /// What was set aside and counts from now on; its rows are among those of `history`.
+    pub confirmed: Vec<ConfirmationRow>,
     pub benches: Vec<BenchRow>,
     pub events: Vec<EventRow>,
     pub keys: Vec<KeyRow>,
     pub alerts: Vec<AlertRow>,
     pub alert_steps: Vec<StepRow>,
+    pub silences: Vec<SilenceRow>,
     pub hooks: Vec<HookRow>,
     pub models: Vec<ModelRow>,
     /// Campaigns of `records` that were fitted with an adopted model, and which.
@@ -64,6 +71,8 @@ pub struct Changes {
 pub struct Rejudged {
     pub history: Vec<HistoryRow>,
     pub sheets: Vec<(Id, VerdictSheet)>,
+    /// What is noted about them.
+    pub notes: Vec<(Id, String)>,
 }
 
 impl Changes {
@@ -75,12 +84,14 @@ impl Changes {
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
             && self.corrections.is_empty()
+            && self.confirmed.is_empty()
             && self.benches.is_empty()
             && self.events.is_empty()
             && self.keys.is_empty()
             && self.rejudged.history.is_empty()
             && self.alerts.is_empty()
             && self.alert_steps.is_empty()
+            && self.silences.is_empty()
             && self.hooks.is_empty()
             && self.models.is_empty()
             && self.diagnoses.is_empty()
@@ -248,11 +259,15 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);
+    set_aside::insert(&changes.set_aside, &mut batch);
+    set_aside::confirm(&changes.confirmed, changes.history.iter(), &mut batch);
+    set_aside::note(&changes.rejudged.notes, &mut batch);
     correction::insert(&changes.corrections, &mut batch);
     record::update_verdicts(&changes.rejudged.sheets, &mut batch);
     bench::insert(&changes.benches, &mut batch);
     event::insert(&changes.events, &mut batch);
     keys::insert(&changes.keys, &mut batch);
+    silence::upsert(&changes.silences, &mut batch);
     alerts::upsert(&changes.alerts, &mut batch);
     alerts::insert_steps(&changes.alert_steps, &mut batch);
     hook::upsert(&changes.hooks, &mut batch);

@@ -48,7 +48,7 @@ const TABLES: &[Table] = tables! {
     "imu" by "id": Whole id, Text name;
     "station" by "id": Whole id, Text name;
     "gyro" by "id": Whole id, Text serial;
-    "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided;
+    "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided, Text notes;
     "history" by "gyro, calibrated_at": Whole gyro calibrated_at record, Bytes figures;
     "voided_history" by "gyro, calibrated_at, record": Whole gyro calibrated_at record, Bytes figures;
     "bench_result" by "id": Whole id gyro station measured_at, Text method, Real d_i d_s d_i_sd d_s_sd, Whole received_at,
@@ -56,14 +56,20 @@ const TABLES: &[Table] = tables! {
     "event" by "id": Whole id gyro at, Text kind reason author, Whole received_at, Real d_i d_i_sd d_s d_s_sd, Whole until, Text test;
     "idempotency_key" by "key": Text key, Whole item, Bytes body_sha256;
     "correction" by "item, replaced_by": Whole item replaced_by at, Text author reason;
+    "confirmation" by "record": Whole record at, Text author reason;
     "alert" by "id": Whole id gyro, Text coefficient rule status severity, Whole fired_at resolved_at record_at within told_at,
         Text told_severity acknowledged_by acknowledged_reason, Whole acknowledged_at, Text silenced_by silenced_reason,
-        Whole silenced_at silenced_until, Text finding;
+        Whole silenced_at silenced_until, Text finding, Whole since hushed_at digest muted_by muted_until;
+    "silence" by "id": Whole id, Text serial imu station rule, Whole until, Text author reason, Whole at ended_at,
+        Text ended_by ended_reason;
     "alert_step" by "id": Whole id alert at, Text action, Whole told, Text author reason body;
     "hook" by "id": Whole id, Text name kind url authorization secret old_secret, Whole old_secret_until, Text filter,
-        Whole enabled, Text disabled_because, Whole created_at changed_at deleted_at;
-    "delivery" by "id": Whole id hook step alert queued_at, Text state, Whole due_at attempts first_attempt_at finished_at;
-    "delivery_attempt" by "delivery, id": Whole delivery id at status, Text detail, Whole took_us;
+        Whole enabled, Text disabled_because, Whole created_at changed_at deleted_at batch, Text expect;
+    "hook_heard" by "hook, alert": Whole hook alert, Text severity;
+    "delivery" by "id": Whole id hook step alert queued_at, Text state, Whole due_at attempts first_attempt_at finished_at,
+        Text action digest;
+    "delivery_part" by "delivery, place": Whole delivery place hook alert, Text action, Whole step, Text body;
+    "delivery_attempt" by "delivery, id": Whole delivery id at status, Text detail, Whole took_us, Text answer;
     "imu_model" by "id": Whole id imu adopted_at, Text author reason body;
     "campaign_model" by "record": Whole record model;
     "diagnosis" by "record": Whole record model, Text program, Whole refused, Text body;

@@ -1,11 +1,16 @@
 //! The outbox: what hooks are still to be told, and what became of what they were told.
 //!
-//! Deliveries of one hook and alert form a line: the first that is not done is `waiting`, those after it are `behind`.
+//! Deliveries of one hook and alert form a line: the first that is not done is `waiting`, those after it are `behind`. One that tells
+//! of many alerts stands in the line of each, and waits when it is the first in all of them.
 //! Whatever ends one moves the next up, in the same transaction.
 
+use std::collections::BTreeMap;
+
 use super::batch::{Batch, Rows};
-use super::db::{Sql, cell, insert};
+use super::db::{Sql, among, cell, insert};
+use super::delivery_line::move_up;
 use super::id::Id;
+use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +22,7 @@ pub enum DeliveryState {
     Delivered,
     /// Given up after the whole ladder, or because the target is gone.
     Dead,
-    /// Its hook was deleted.
+    /// Its hook was deleted, or was told of everything that fires instead.
     Dropped,
 }
 
@@ -48,7 +53,12 @@ impl DeliveryState {
 /// What a delivery tells of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subject {
-    Step { step: Id, alert: Id },
+    Step {
+        step: Id,
+        alert: Id,
+    },
+    /// What its [parts](Part) say.
+    Many,
     Test,
 }
 
@@ -56,21 +66,37 @@ impl Subject {
     fn columns(self) -> [Option<i64>; 2] {
         match self {
             Subject::Step { step, alert } => [Some(step.0), Some(alert.0)],
-            Subject::Test => [None, None],
+            Subject::Many | Subject::Test => [None, None],
         }
     }
 }
 
+/// One alert of a delivery of many.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    pub alert: Id,
+    /// Name of an action of `core::notify`.
+    pub action: &'static str,
+    pub step: Option<Id>,
+    /// The alert as it is told (JSON), where no step says so.
+    pub body: Option<String>,
+}
+
 /// A delivery as it is queued.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewDelivery {
     pub id: Id,
     pub hook: Id,
     pub subject: Subject,
     pub queued_at: UtcMicros,
+    /// What is told, where that is not what the step says; of many, of the gravest.
+    pub action: Option<&'static str>,
+    pub parts: Vec<Part>,
+    /// What an import has left firing, counted (JSON).
+    pub digest: Option<String>,
 }
 
-/// A delivery that is due: its step with the message's content, none for a test.
+/// A delivery that is due, with what it tells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DueDelivery {
     pub id: Id,
@@ -79,8 +105,11 @@ pub struct DueDelivery {
     pub queued_at: UtcMicros,
     pub attempts: u32,
     pub first_attempt_at: Option<UtcMicros>,
-    /// Instant, action and body of the step.
-    pub content: Option<(UtcMicros, String, String)>,
+    /// Instant of the step; none for what tells of none.
+    pub at: Option<UtcMicros>,
+    /// Action and body of each alert; none for a test.
+    pub content: Vec<(String, String)>,
+    pub digest: Option<String>,
 }
 
 /// An attempt was made.
@@ -91,6 +120,8 @@ pub struct AttemptRow {
     pub at: UtcMicros,
     pub status: Option<u16>,
     pub detail: String,
+    /// What the target said.
+    pub answer: Option<String>,
     pub took_us: i64,
 }
 
@@ -108,7 +139,10 @@ pub struct DeliveryRow {
     pub id: Id,
     pub hook: Id,
     pub subject: Subject,
+    /// Of a delivery of many, the gravest; `digest` of one that ends an import.
     pub action: Option<String>,
+    /// The first of many.
+    pub alert: Option<Id>,
     pub queued_at: UtcMicros,
     pub state: DeliveryState,
     pub due_at: UtcMicros,
@@ -136,16 +170,34 @@ pub struct OutboxChanges {
     pub dropped: Vec<(Id, UtcMicros)>,
     /// Hooks whose waiting deliveries are due now: their target is back.
     pub hastened: Vec<(Id, UtcMicros)>,
+    /// What a hook (first) has heard of an alert, in order: that it fires with a severity, or that all is well.
+    pub heard: Vec<(Id, Id, Option<Severity>)>,
+    /// Hooks that have heard nothing but what [`OutboxChanges::heard`] says.
+    pub forgotten: Vec<Id>,
 }
 
 impl OutboxChanges {
     pub fn is_empty(&self) -> bool {
-        let Self { queued, attempts, replayed, dropped, hastened } = self;
-        queued.is_empty() && attempts.is_empty() && replayed.is_empty() && dropped.is_empty() && hastened.is_empty()
+        let Self { queued, attempts, replayed, dropped, hastened, heard, forgotten } = self;
+        let nothing_sent = queued.is_empty() && attempts.is_empty() && replayed.is_empty();
+        nothing_sent && dropped.is_empty() && hastened.is_empty() && heard.is_empty() && forgotten.is_empty()
     }
 }
 
 pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
+    // What comes in place of what is dropped comes after it.
+    instants(
+        Sql {
+            sqlite: "UPDATE delivery SET state = 'dropped', finished_at = $C1
+                     WHERE hook = $C0 AND state IN ('behind', 'waiting')",
+            postgres: "UPDATE delivery SET state = 'dropped', finished_at = CAST(j.value->>1 AS BIGINT)
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state IN ('behind', 'waiting')",
+        },
+        &changes.dropped,
+        batch,
+    );
+    hear(changes, batch);
     insert(&changes.queued, batch);
     attempted(&changes.attempts, batch);
     instants(
@@ -162,17 +214,6 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     );
     instants(
         Sql {
-            sqlite: "UPDATE delivery SET state = 'dropped', finished_at = $C1
-                     WHERE hook = $C0 AND state IN ('behind', 'waiting')",
-            postgres: "UPDATE delivery SET state = 'dropped', finished_at = CAST(j.value->>1 AS BIGINT)
-                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE delivery.hook = CAST(j.value->>0 AS BIGINT) AND state IN ('behind', 'waiting')",
-        },
-        &changes.dropped,
-        batch,
-    );
-    instants(
-        Sql {
             sqlite: "UPDATE delivery SET due_at = $C1 WHERE hook = $C0 AND state = 'waiting' AND due_at > $C1",
             postgres: "UPDATE delivery SET due_at = CAST(j.value->>1 AS BIGINT)
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
@@ -184,28 +225,79 @@ pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     );
 }
 
-/// A test is due before whatever waits: somebody looks at it.
-fn insert(queued: &[NewDelivery], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for NewDelivery { id, hook, subject, queued_at } in queued {
-        let [step, alert] = subject.columns();
-        let state = if alert.is_some() { DeliveryState::Behind } else { DeliveryState::Waiting };
-        rows.row()
-            .integer(id.0)
-            .integer(hook.0)
-            .optional_integer(step)
-            .optional_integer(alert)
-            .integer(queued_at.0)
-            .text(state.name())
-            .integer(if alert.is_some() { queued_at.0 } else { 0 })
-            .integer(0);
+fn hear(changes: &OutboxChanges, batch: &mut Batch) {
+    batch.add(among!("DELETE FROM hook_heard WHERE hook"), Rows::of(changes.forgotten.iter().map(|hook| hook.0)));
+    let last: BTreeMap<(Id, Id), Option<Severity>> =
+        changes.heard.iter().map(|(hook, alert, severity)| ((*hook, *alert), *severity)).collect();
+    let (mut fires, mut is_well) = (Rows::default(), Rows::default());
+    for ((hook, alert), severity) in last {
+        match severity {
+            Some(severity) => drop(fires.row().integer(hook.0).integer(alert.0).text(severity.name())),
+            None => drop(is_well.row().integer(hook.0).integer(alert.0)),
+        }
     }
     batch.add(
         insert!(
-            "delivery (id, hook, step, alert, queued_at, state, due_at, attempts)",
-            [int 0, int 1, int 2, int 3, int 4, text 5, int 6, int 7]
+            "hook_heard (hook, alert, severity)",
+            [int 0, int 1, text 2],
+            "ON CONFLICT (hook, alert) DO UPDATE SET severity = excluded.severity"
+        ),
+        fires,
+    );
+    batch.add(
+        Sql {
+            sqlite: "DELETE FROM hook_heard WHERE hook = $C0 AND alert = $C1",
+            postgres: "DELETE FROM hook_heard WHERE (hook, alert) IN
+                           (SELECT CAST(j.value->>0 AS BIGINT), CAST(j.value->>1 AS BIGINT)
+                            FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value))",
+        },
+        is_well,
+    );
+}
+
+/// A test is due before whatever waits: somebody looks at it.
+fn insert(queued: &[NewDelivery], batch: &mut Batch) {
+    let (mut rows, mut parts) = (Rows::default(), Rows::default());
+    for new in queued {
+        let [step, alert] = new.subject.columns();
+        let is_test = new.subject == Subject::Test;
+        let state = if is_test { DeliveryState::Waiting } else { DeliveryState::Behind };
+        rows.row()
+            .integer(new.id.0)
+            .integer(new.hook.0)
+            .optional_integer(step)
+            .optional_integer(alert)
+            .integer(new.queued_at.0)
+            .text(state.name())
+            .integer(if is_test { 0 } else { new.queued_at.0 })
+            .integer(0)
+            .optional_text(new.action)
+            .optional_text(new.digest.as_deref());
+        for (place, part) in (0..).zip(&new.parts) {
+            parts
+                .row()
+                .integer(new.id.0)
+                .integer(place)
+                .integer(new.hook.0)
+                .integer(part.alert.0)
+                .text(part.action)
+                .optional_integer(part.step.map(|step| step.0))
+                .optional(part.body.as_deref());
+        }
+    }
+    batch.add(
+        insert!(
+            "delivery (id, hook, step, alert, queued_at, state, due_at, attempts, action, digest)",
+            [int 0, int 1, int 2, int 3, int 4, text 5, int 6, int 7, text 8, text 9]
         ),
         rows,
+    );
+    batch.add(
+        insert!(
+            "delivery_part (delivery, place, hook, alert, action, step, body)",
+            [int 0, int 1, int 2, int 3, text 4, int 5, words 6 7]
+        ),
+        parts,
     );
     let lines = queued.iter().map(|new| (new.id, new.queued_at));
     move_up(lines, batch);
@@ -221,7 +313,8 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
             .integer(attempt.at.0)
             .optional_integer(attempt.status.map(i64::from))
             .text(&attempt.detail)
-            .integer(attempt.took_us);
+            .integer(attempt.took_us)
+            .optional_text(attempt.answer.as_deref());
         let (state, due_at, finished_at) = match *progress {
             Progress::RetryAt(due) => (DeliveryState::Waiting, Some(due.0), None),
             Progress::Done(state) => (state, None, Some(attempt.at.0)),
@@ -235,8 +328,8 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     }
     batch.add(
         insert!(
-            "delivery_attempt (delivery, id, at, status, detail, took_us)",
-            [int 0, int 1, int 2, int 3, text 4, int 5]
+            "delivery_attempt (delivery, id, at, status, detail, took_us, answer)",
+            [int 0, int 1, int 2, int 3, text 4, int 5, text 6]
         ),
         history,
     );
@@ -259,31 +352,7 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     move_up(done.map(|(attempt, _)| (attempt.delivery, attempt.at)), batch);
 }
 
-/// For each delivery, the first of its line that is not done waits, due at the instant; where that waits already, nothing.
-fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
-    let lines: Vec<_> = lines.collect();
-    instants(
-        Sql {
-            sqlite: "UPDATE delivery SET state = 'waiting', due_at = $C1
-                     WHERE state = 'behind' AND id = (SELECT (SELECT min(open.id) FROM delivery AS open
-                                                              WHERE open.hook = line.hook AND open.alert = line.alert
-                                                                  AND open.state IN ('behind', 'waiting'))
-                                                      FROM delivery AS line WHERE line.id = $C0)",
-            postgres: "UPDATE delivery SET state = 'waiting', due_at = head.at
-                       FROM (SELECT CAST(j.value->>1 AS BIGINT) AS at,
-                                    (SELECT min(open.id) FROM delivery AS open
-                                     WHERE open.hook = line.hook AND open.alert = line.alert
-                                         AND open.state IN ('behind', 'waiting')) AS id
-                             FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                             JOIN delivery AS line ON line.id = CAST(j.value->>0 AS BIGINT)) AS head
-                       WHERE delivery.id = head.id AND delivery.state = 'behind'",
-        },
-        &lines,
-        batch,
-    );
-}
-
-fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
+pub(super) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, at) in pairs {
         rows.row().integer(id.0).integer(at.0);

@@ -20,6 +20,10 @@ pub struct HookRow {
     pub old_secret: Option<(String, UtcMicros)>,
     /// JSON.
     pub filter: String,
+    /// One message for all that a record changes.
+    pub batch: bool,
+    /// What an answer is to say, JSON; none where its status is enough.
+    pub expect: Option<String>,
     pub enabled: bool,
     pub disabled_because: Option<String>,
     pub created_at: UtcMicros,
@@ -52,25 +56,28 @@ pub(super) fn upsert(hooks: &[HookRow], batch: &mut Batch) {
             .optional_text(hook.disabled_because.as_deref())
             .integer(hook.created_at.0)
             .integer(hook.changed_at.0)
-            .optional_integer(hook.deleted_at.map(|at| at.0));
+            .optional_integer(hook.deleted_at.map(|at| at.0))
+            .integer(i64::from(hook.batch))
+            .optional_text(hook.expect.as_deref());
     }
     batch.add(
         insert!(
             r#"hook (id, name, kind, url, "authorization", secret, old_secret, old_secret_until, filter, enabled,
-             disabled_because, created_at, changed_at, deleted_at)"#,
-            [int 0, text 1, text 2, text 3, text 4, text 5, text 6, int 7, text 8, int 9, text 10, int 11, int 12, int 13],
+             disabled_because, created_at, changed_at, deleted_at, batch, expect)"#,
+            [int 0, text 1, text 2, text 3, text 4, text 5, text 6, int 7, text 8, int 9, text 10, int 11, int 12, int 13,
+             int 14, text 15],
             r#"ON CONFLICT (id) DO UPDATE SET (name, kind, url, "authorization", secret, old_secret, old_secret_until, filter,
-             enabled, disabled_because, changed_at, deleted_at) =
+             enabled, disabled_because, changed_at, deleted_at, batch, expect) =
             (excluded.name, excluded.kind, excluded.url, excluded."authorization", excluded.secret, excluded.old_secret,
              excluded.old_secret_until, excluded.filter, excluded.enabled, excluded.disabled_because,
-             excluded.changed_at, excluded.deleted_at)"#
+             excluded.changed_at, excluded.deleted_at, excluded.batch, excluded.expect)"#
         ),
         rows,
     );
 }
 
 const COLUMNS: &str = "SELECT id, name, kind, url, \"authorization\", secret, old_secret, old_secret_until, filter, enabled, \
-                       disabled_because, created_at, changed_at, deleted_at FROM hook";
+                       disabled_because, created_at, changed_at, deleted_at, batch, expect FROM hook";
 
 fn hook(row: &impl Cells) -> Result<HookRow, StoreError> {
     let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
@@ -84,6 +91,8 @@ fn hook(row: &impl Cells) -> Result<HookRow, StoreError> {
         secret: row.cell("secret")?,
         old_secret: old_secret.zip(instant("old_secret_until")?),
         filter: row.cell("filter")?,
+        batch: row.cell::<i64>("batch")? != 0,
+        expect: row.cell("expect")?,
         enabled: row.cell::<i64>("enabled")? != 0,
         disabled_because: row.cell("disabled_because")?,
         created_at: UtcMicros(row.cell("created_at")?),
@@ -103,5 +112,29 @@ impl Store {
     pub async fn hook(&self, id: Id) -> Result<Option<HookRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1 AND deleted_at IS NULL"));
         on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(hook).transpose())
+    }
+
+    /// What hooks have heard last of alerts that fire: hook, alert, severity.
+    pub async fn heard(&self) -> Result<Vec<(Id, Id, String)>, StoreError> {
+        let sql = "SELECT hook, alert, severity FROM hook_heard";
+        let rows: Vec<(i64, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+        Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
+    }
+
+    /// The alerts of which the last message that a hook took was not that they are resolved.
+    pub async fn delivered_firing(&self, hook: Id) -> Result<Vec<Id>, StoreError> {
+        let sql = "SELECT told.alert, told.action
+                   FROM (SELECT d.alert AS alert, coalesce(d.action, s.action) AS action, d.id AS id
+                         FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
+                         WHERE d.hook = $1 AND d.state = 'delivered' AND d.alert IS NOT NULL
+                         UNION ALL
+                         SELECT p.alert, p.action, p.delivery FROM delivery_part AS p JOIN delivery AS d ON d.id = p.delivery
+                         WHERE p.hook = $1 AND d.state = 'delivered') AS told
+                   ORDER BY told.id";
+        let told: Vec<(i64, Option<String>)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
+        let last: std::collections::BTreeMap<i64, Option<String>> = told.into_iter().collect();
+        let fires = last.into_iter().filter(|(_, action)| action.as_deref() != Some("resolve"));
+        Ok(fires.map(|(alert, _)| Id(alert)).collect())
     }
 }

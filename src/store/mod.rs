@@ -15,6 +15,7 @@ mod copy;
 mod correction;
 mod db;
 mod delivery;
+mod delivery_line;
 mod diagnosis;
 mod diagnosis_job;
 mod error;
@@ -36,6 +37,8 @@ mod open;
 mod outbox;
 mod postgres;
 mod record;
+mod set_aside;
+mod silence;
 mod tail;
 mod unplaced;
 mod verdicts;
@@ -49,7 +52,8 @@ pub use commit::{Changes, Committer, Rejudged, Writer, Written};
 pub use copy::{Copied, copy};
 pub use correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use delivery::{
-    AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Progress, QueueState, Subject,
+    AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Part, Progress, QueueState,
+    Subject,
 };
 pub use diagnosis::{DiagnosisRow, NewDiagnosis};
 pub use diagnosis_job::{CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts};
@@ -67,6 +71,8 @@ pub use names::{Names, Table, Tables};
 pub use open::{Options, Store, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use record::{Kind, RecordAt, RecordHead, RecordRow};
+pub use set_aside::{ConfirmationRow, SetAside};
+pub use silence::{Matchers, SilenceRow};
 pub use verdicts::{StoredVerdict, VerdictSheet};
 
 #[cfg(test)]

@@ -1,20 +1,32 @@
 //! IMUs, stations and gyros by number and by name, held in memory: there are thousands of them, not millions.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 use super::commit::Changes;
+use crate::core::name::{look_keys, normal_form};
 
 /// Names of one kind. Numbers count from 1.
 #[derive(Debug, Default)]
 pub struct Table {
     by_number: Vec<Arc<str>>,
+    /// Also by the normal form of a name that an earlier version stored otherwise.
     by_name: HashMap<Arc<str>, u32>,
+    /// By [`look_keys`].
+    by_look: HashMap<String, u32>,
 }
 
 impl Table {
+    /// Of the name as it is stored, letter for letter, or else of its normal form.
     pub fn number(&self, name: &str) -> Option<u32> {
-        self.by_name.get(name).copied()
+        self.by_name.get(name).or_else(|| self.by_name.get(&*normal_form(name))).copied()
+    }
+
+    /// A known name that looks like `name` and is another.
+    pub fn look_alike(&self, name: &str) -> Option<&Arc<str>> {
+        let known = look_keys(name).into_iter().find_map(|key| self.by_look.get(&key));
+        known.and_then(|number| self.name(*number)).filter(|known| ***known != *name)
     }
 
     /// The name of a number that a row refers to; a number that was never given out has none.
@@ -41,6 +53,10 @@ impl Table {
         if is_next {
             let name: Arc<str> = name.into();
             self.by_number.push(name.clone());
+            if let Cow::Owned(normal) = normal_form(&name) {
+                self.by_name.entry(normal.into()).or_insert(number);
+            }
+            look_keys(&name).into_iter().for_each(|key| _ = self.by_look.entry(key).or_insert(number));
             self.by_name.insert(name, number);
         }
         is_next

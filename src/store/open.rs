@@ -56,7 +56,7 @@ pub(super) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 12] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 14] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -68,6 +68,8 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 12] = [
     (9, "diagnosis_jobs", include_str!("../../migrations/sqlite/0009_diagnosis_jobs.sql")),
     (10, "shared_limits", include_str!("../../migrations/sqlite/0010_shared_limits.sql")),
     (11, "calendar", include_str!("../../migrations/sqlite/0011_calendar.sql")),
+    (12, "alerts_found_late", include_str!("../../migrations/sqlite/0012_alerts_found_late.sql")),
+    (13, "notes", include_str!("../../migrations/sqlite/0013_notes.sql")),
     (14, "environmental_tests", include_str!("../../migrations/sqlite/0014_environmental_tests.sql")),
 ];
 

@@ -9,7 +9,11 @@ use crate::core::time::UtcMicros;
 
 fn subject(row: &impl Cells) -> Result<Subject, sqlx::Error> {
     let (step, alert): (Option<i64>, Option<i64>) = (row.cell("step")?, row.cell("alert")?);
-    Ok(step.zip(alert).map_or(Subject::Test, |(step, alert)| Subject::Step { step: Id(step), alert: Id(alert) }))
+    Ok(match (step.zip(alert), row.cell::<Option<String>>("action")?) {
+        (Some((step, alert)), _) => Subject::Step { step: Id(step), alert: Id(alert) },
+        (None, Some(_)) => Subject::Many,
+        (None, None) => Subject::Test,
+    })
 }
 
 impl Store {
@@ -24,13 +28,18 @@ impl Store {
         limit: u32,
     ) -> Result<Vec<DueDelivery>, StoreError> {
         let sql = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.attempts, d.first_attempt_at,
-                          s.at, s.action, s.body
+                          s.at, coalesce(d.action, s.action) AS action, s.body, d.digest
                    FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
                    WHERE d.hook = $1 AND d.state = 'waiting' AND (d.due_at <= $2 OR d.due_at > $3)
                    ORDER BY d.due_at, d.id LIMIT $4";
         on!(self.readers, db => {
             let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
-            query.fetch_all(db).await?.iter().map(|row| Ok(due(row)?)).collect()
+            let rows = query.fetch_all(db).await?;
+            let mut found: Vec<DueDelivery> = rows.iter().map(|row| Ok(due(row)?)).collect::<Result<_, StoreError>>()?;
+            for due in found.iter_mut().filter(|due| due.subject == Subject::Many) {
+                due.content = sqlx::query_as(PARTS).bind(due.id.0).fetch_all(db).await?;
+            }
+            Ok(found)
         })
     }
 
@@ -43,6 +52,10 @@ impl Store {
     }
 }
 
+const PARTS: &str = "SELECT part.action, coalesce(part.body, step.body)
+                     FROM delivery_part AS part LEFT JOIN alert_step AS step ON step.id = part.step
+                     WHERE part.delivery = $1 ORDER BY part.place";
+
 fn due(row: &impl Cells) -> Result<DueDelivery, sqlx::Error> {
     let at: Option<i64> = row.cell("at")?;
     let (action, body): (Option<String>, Option<String>) = (row.cell("action")?, row.cell("body")?);
@@ -53,11 +66,15 @@ fn due(row: &impl Cells) -> Result<DueDelivery, sqlx::Error> {
         queued_at: UtcMicros(row.cell("queued_at")?),
         attempts: row.cell::<Whole<u32>>("attempts")?.0,
         first_attempt_at: row.cell::<Option<i64>>("first_attempt_at")?.map(UtcMicros),
-        content: at.zip(action).zip(body).map(|((at, action), body)| (UtcMicros(at), action, body)),
+        at: at.map(UtcMicros),
+        content: action.zip(body).into_iter().collect(),
+        digest: row.cell("digest")?,
     })
 }
 
-const COLUMNS: &str = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.state, d.due_at, d.finished_at, s.action
+const COLUMNS: &str = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.state, d.due_at, d.finished_at,
+                              coalesce(d.action, s.action) AS action,
+                              coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p WHERE p.delivery = d.id AND p.place = 0)) AS first
                        FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step";
 
 impl Store {
@@ -122,17 +139,19 @@ impl Store {
 /// What several queries see is of one moment.
 const SNAPSHOT: Sql = Sql { sqlite: "BEGIN", postgres: "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY" };
 
-const ATTEMPTS: &str = "SELECT id, at, status, detail, took_us FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
+const ATTEMPTS: &str =
+    "SELECT id, at, status, detail, took_us, answer FROM delivery_attempt WHERE delivery = $1 ORDER BY id";
 
-type Attempt = (i64, i64, Option<Whole<u16>>, String, i64);
+type Attempt = (i64, i64, Option<Whole<u16>>, String, i64, Option<String>);
 
 fn attempts(delivery: Id, made: Vec<Attempt>) -> Vec<AttemptRow> {
-    let attempt = |(id, at, status, detail, took_us): Attempt| AttemptRow {
+    let attempt = |(id, at, status, detail, took_us, answer): Attempt| AttemptRow {
         id: Id(id),
         delivery,
         at: UtcMicros(at),
         status: status.map(|status| status.0),
         detail,
+        answer,
         took_us,
     };
     made.into_iter().map(attempt).collect()
@@ -146,6 +165,7 @@ fn delivery(row: &impl Cells) -> Result<DeliveryRow, StoreError> {
         hook: Id(row.cell("hook")?),
         subject: subject(row)?,
         action: row.cell("action")?,
+        alert: row.cell::<Option<i64>>("first")?.map(Id),
         queued_at: UtcMicros(row.cell("queued_at")?),
         state: DeliveryState::from_name(&state)
             .ok_or_else(|| StoreError::Damaged(format!("delivery {id}: unknown state")))?,

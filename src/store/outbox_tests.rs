@@ -3,7 +3,7 @@ use tempfile::TempDir;
 use super::tests::{first_names, opened};
 use super::*;
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::notify::{Alert, Status, Told};
+use crate::core::notify::{Alert, Hushed, Status, Told};
 use crate::core::time::UtcMicros;
 
 const HORIZON: UtcMicros = UtcMicros(1_000_000);
@@ -17,16 +17,20 @@ fn alert(id: Id, gyro: u32) -> AlertRow {
         alert: Alert {
             status: Status::Firing,
             severity: Severity::Warning,
+            since: UtcMicros(4),
             fired_at: UtcMicros(10),
             resolved_at: None,
             record_at: UtcMicros(5),
             within: 1,
             acknowledged: false,
             silenced_until: None,
+            muted_until: None,
+            hushed: Some(Hushed { at: UtcMicros(11), digest: true }),
             told: Some(Told { at: UtcMicros(10), severity: Severity::Warning }),
         },
         acknowledged: None,
         silenced: None,
+        muted: None,
         finding: r#"{"reason": "D_I \"jumped\"\n by 0.02 度"}"#.into(),
     }
 }
@@ -54,6 +58,8 @@ fn hook(id: Id) -> HookRow {
         secret: Some("whsec_new".into()),
         old_secret: Some(("whsec_old".into(), UtcMicros(99))),
         filter: "{}".into(),
+        batch: true,
+        expect: Some(r#"{"json":{"errcode":0}}"#.into()),
         enabled: true,
         disabled_because: None,
         created_at: UtcMicros(1),
@@ -97,6 +103,9 @@ impl Bench {
                 hook: HOOK,
                 subject: Subject::Step { step: Id(i), alert: Id(1 + i % 2) },
                 queued_at: UtcMicros(100),
+                action: None,
+                parts: Vec::new(),
+                digest: None,
             })
             .collect();
         self.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
@@ -109,6 +118,7 @@ impl Bench {
             at: UtcMicros(at),
             status: Some(500),
             detail: "answered 500".into(),
+            answer: Some("no \"such\" 频道".into()),
             took_us: 7,
         };
         self.change(OutboxChanges { attempts: vec![(attempt, progress)], ..OutboxChanges::default() }).await;
@@ -140,22 +150,133 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
     changed.alert = Alert {
         status: Status::Resolved,
         severity: Severity::Critical,
+        since: UtcMicros(50),
         fired_at: UtcMicros(51),
         resolved_at: Some(UtcMicros(52)),
         record_at: UtcMicros(53),
         within: 0,
         acknowledged: true,
         silenced_until: Some(UtcMicros(90)),
+        muted_until: Some(UtcMicros(91)),
+        hushed: None,
         told: None,
     };
+    let matchers = Matchers { serial: Some("LFG-0101".into()), rule: Some(Rule::Step), ..Matchers::default() };
+    let silence = SilenceRow { id: Id(80), matchers, until: UtcMicros(91), said: remark("eve").unwrap(), ended: None };
+    changed.muted = Some((Id(80), remark("eve").unwrap()));
     (changed.acknowledged, changed.silenced, changed.finding) = (remark("ann"), remark("bob"), "{}".into());
     let gone = HookRow { deleted_at: Some(UtcMicros(70)), old_secret: None, enabled: false, ..hook(HOOK) };
-    let changes = Changes { alerts: vec![changed.clone()], hooks: vec![gone], ..Changes::default() };
+    let changes = Changes {
+        silences: vec![silence.clone()],
+        alerts: vec![changed.clone()],
+        hooks: vec![gone],
+        ..Changes::default()
+    };
     bench.writer.commit(&changes).await.unwrap();
     assert_eq!(bench.store.alert(Id(2)).await.unwrap(), Some(changed));
     assert_eq!(bench.store.alert(Id(3)).await.unwrap(), None);
     assert_eq!(bench.store.hook(HOOK).await.unwrap(), None);
     assert_eq!(bench.store.hooks().await.unwrap(), [hook(Id(21))]);
+
+    let in_force = async |bench: &Bench, at| bench.store.silences(Some(UtcMicros(at)), 9).await.unwrap();
+    assert_eq!(in_force(&bench, 90).await, std::slice::from_ref(&silence));
+    assert_eq!(in_force(&bench, 91).await, [], "its time is over");
+    let ended = SilenceRow { ended: remark("bob"), ..silence };
+    bench.writer.commit(&Changes { silences: vec![ended.clone()], ..Changes::default() }).await.unwrap();
+    assert_eq!(in_force(&bench, 70).await, []);
+    assert_eq!(bench.store.silence(Id(80)).await.unwrap(), Some(ended.clone()));
+    assert_eq!(bench.store.silences(None, 9).await.unwrap(), [ended]);
+}
+
+fn many(id: i64, alerts: &[i64]) -> NewDelivery {
+    let part = |(alert, body): (&i64, bool)| Part {
+        alert: Id(*alert),
+        action: "fire",
+        step: (!body).then_some(Id(29 + alert)),
+        body: body.then(|| "{\"as\": \"it 是\"}".into()),
+    };
+    let parts = alerts.iter().zip([false, true]).map(part).collect();
+    NewDelivery {
+        id: Id(id),
+        hook: HOOK,
+        subject: Subject::Many,
+        queued_at: UtcMicros(100),
+        action: Some("fire"),
+        parts,
+        digest: None,
+    }
+}
+
+/// 1 and 2 are the alerts; a delivery of both stands behind all that is open of either.
+#[tokio::test]
+async fn a_message_of_many_alerts_keeps_the_order_of_each() {
+    use DeliveryState::{Behind, Waiting};
+    let mut bench = Bench::new().await;
+    let one = |id, step, alert| NewDelivery {
+        subject: Subject::Step { step: Id(step), alert: Id(alert) },
+        action: None,
+        parts: Vec::new(),
+        ..many(id, &[])
+    };
+    let queued =
+        vec![one(40, 30, 1), one(41, 31, 2), many(42, &[1, 2]), one(43, 32, 1), many(44, &[2]), one(45, 33, 2)];
+    bench.change(OutboxChanges { queued, ..OutboxChanges::default() }).await;
+    assert_eq!(bench.states().await, [Waiting, Waiting, Behind, Behind, Behind, Behind]);
+    bench.attempt(40, 150, DONE).await;
+    assert_eq!(bench.due(150).await, [41], "42 tells of alert 2 as well");
+    bench.attempt(41, 151, DONE).await;
+    assert_eq!(bench.due(151).await, [42]);
+    bench.attempt(42, 152, DONE).await;
+    assert_eq!(bench.due(152).await, [43, 44], "each in its own line");
+    bench.attempt(44, 153, DONE).await;
+    assert_eq!(bench.due(153).await, [43, 45]);
+}
+
+#[tokio::test]
+async fn a_message_of_many_alerts_says_of_each_what_its_step_says_or_what_it_was() {
+    let mut bench = Bench::new().await;
+    let digest = NewDelivery { digest: Some("{\"total\":2}".into()), ..many(40, &[2, 1]) };
+    bench.change(OutboxChanges { queued: vec![digest], ..OutboxChanges::default() }).await;
+    let due = bench.store.due_deliveries(HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
+    assert_eq!((due.subject, due.at, due.digest.as_deref()), (Subject::Many, None, Some("{\"total\":2}")));
+    let fire = |body: String| ("fire".to_owned(), body);
+    assert_eq!(due.content, [fire(step(Id(31), Id(2)).body), fire("{\"as\": \"it 是\"}".into())]);
+    let row = bench.store.delivery(Id(40)).await.unwrap().unwrap();
+    assert_eq!((row.subject, row.action.as_deref(), row.alert), (Subject::Many, Some("fire"), Some(Id(2))));
+}
+
+#[tokio::test]
+async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took() {
+    let mut bench = Bench::new().await;
+    let (warning, critical) = (Some(Severity::Warning), Some(Severity::Critical));
+    let heard = vec![(HOOK, Id(1), warning), (HOOK, Id(2), warning), (HOOK, Id(1), critical), (Id(21), Id(1), warning)];
+    bench.change(OutboxChanges { heard, ..OutboxChanges::default() }).await;
+    let all = async |bench: &Bench| {
+        let mut all = bench.store.heard().await.unwrap();
+        all.sort();
+        all
+    };
+    let row = |hook, alert, severity: &str| (hook, Id(alert), severity.to_owned());
+    assert_eq!(all(&bench).await, [row(HOOK, 1, "critical"), row(HOOK, 2, "warning"), row(Id(21), 1, "warning")]);
+    let heard = vec![(HOOK, Id(1), warning), (HOOK, Id(1), None)];
+    bench.change(OutboxChanges { heard, ..OutboxChanges::default() }).await;
+    assert_eq!(all(&bench).await, [row(HOOK, 2, "warning"), row(Id(21), 1, "warning")]);
+    let (forgotten, heard) = (vec![HOOK], vec![(HOOK, Id(1), critical)]);
+    bench.change(OutboxChanges { forgotten, heard, ..OutboxChanges::default() }).await;
+    assert_eq!(all(&bench).await, [row(HOOK, 1, "critical"), row(Id(21), 1, "warning")], "what is new holds");
+
+    assert_eq!(bench.store.delivered_firing(HOOK).await.unwrap(), []);
+    let ends = NewDelivery {
+        action: Some("resolve"),
+        subject: Subject::Step { step: Id(32), alert: Id(1) },
+        parts: Vec::new(),
+        ..many(41, &[])
+    };
+    bench.change(OutboxChanges { queued: vec![many(40, &[1, 2]), ends], ..OutboxChanges::default() }).await;
+    bench.attempt(40, 150, DONE).await;
+    assert_eq!(bench.store.delivered_firing(HOOK).await.unwrap(), [Id(1), Id(2)]);
+    bench.attempt(41, 151, DONE).await;
+    assert_eq!(bench.store.delivered_firing(HOOK).await.unwrap(), [Id(2)]);
 }
 
 #[tokio::test]
@@ -175,7 +296,8 @@ async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up
     assert_eq!((row.state, row.finished_at, row.attempts.len()), (DeliveryState::Dead, Some(UtcMicros(500)), 2));
     assert_eq!((row.attempts[0].at, row.attempts[0].status), (UtcMicros(160), Some(500)));
     let due = bench.store.due_deliveries(HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
-    assert_eq!(due.content, Some((UtcMicros(10), "fire".into(), step(Id(31), Id(2)).body)));
+    assert_eq!((due.at, due.content), (Some(UtcMicros(10)), vec![("fire".into(), step(Id(31), Id(2)).body)]));
+    assert_eq!(row.attempts[0].answer.as_deref(), Some("no \"such\" 频道"));
 }
 
 #[tokio::test]
@@ -188,9 +310,9 @@ async fn a_line_that_grows_later_stays_in_order() {
     assert_eq!(bench.due(150).await, [41]);
     let new = |id| NewDelivery {
         id: Id(id),
-        hook: HOOK,
         subject: Subject::Step { step: Id(30), alert: Id(1) },
         queued_at: UtcMicros(200),
+        ..many(0, &[])
     };
     bench.change(OutboxChanges { queued: vec![new(50), new(51)], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(200).await, [41, 50]);
@@ -220,7 +342,7 @@ async fn times_that_a_mad_clock_wrote_hold_nothing_up() {
 async fn a_test_comes_before_whatever_waits() {
     let mut bench = Bench::new().await;
     bench.queue().await;
-    let test = NewDelivery { id: Id(60), hook: HOOK, subject: Subject::Test, queued_at: UtcMicros(100) };
+    let test = NewDelivery { subject: Subject::Test, action: None, ..many(60, &[]) };
     bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
     let row = bench.store.delivery(Id(60)).await.unwrap().unwrap();
@@ -275,11 +397,12 @@ async fn a_restart_finds_everything_that_was_queued() {
 }
 
 #[tokio::test]
-async fn what_fires_as_it_was_last_told_is_known() {
+async fn what_a_hook_has_heard_fire_is_known_as_it_was_last_told() {
     let mut bench = Bench::new().await;
     let untold = StepRow { told: false, ..step(Id(36), Id(1)) };
-    let all_is_well = AlertRow { alert: Alert { told: None, ..alert(Id(2), 2).alert }, ..alert(Id(2), 2) };
-    let changes = Changes { alerts: vec![all_is_well], alert_steps: vec![untold], ..Changes::default() };
-    bench.writer.commit(&changes).await.unwrap();
-    assert_eq!(bench.store.firing_as_told().await.unwrap(), [step(Id(34), Id(1)).body]);
+    let outbox = OutboxChanges { heard: vec![(HOOK, Id(1), Some(Severity::Critical))], ..OutboxChanges::default() };
+    bench.writer.commit(&Changes { alert_steps: vec![untold], outbox, ..Changes::default() }).await.unwrap();
+    let firing = bench.store.heard_firing(HOOK).await.unwrap();
+    assert_eq!(firing, [("critical".to_owned(), step(Id(34), Id(1)).body)]);
+    assert_eq!(bench.store.heard_firing(Id(21)).await.unwrap(), []);
 }

@@ -45,6 +45,10 @@ pub struct RecordRow {
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
     pub verdicts: VerdictSheet,
+    /// It does not count: it was voided or revised, or is set aside until its time is confirmed.
+    pub voided: bool,
+    /// What was noted about it, as versioned JSON.
+    pub notes: Option<Arc<str>>,
 }
 
 /// Which record it is, without what it says.
@@ -78,12 +82,14 @@ pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
             .integer(record.received_at.0)
             .bytes(record.body.as_bytes())
             .bytes(&record.body_sha256)
-            .written(|out| record.verdicts.pack(record.id, out));
+            .written(|out| record.verdicts.pack(record.id, out))
+            .integer(if record.voided { record.id.0 } else { 0 })
+            .optional(record.notes.as_deref());
     }
     batch.add(
         insert!(
-            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts)",
-            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11]
+            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes)",
+            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14]
         ),
         rows,
     );
@@ -105,10 +111,11 @@ pub(super) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) 
     );
 }
 
-type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, String, Vec<u8>, Vec<u8>);
+type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, String, Vec<u8>, Vec<u8>, bool, Option<String>);
 
 fn row(row: Row) -> Result<RecordRow, StoreError> {
-    let (id, kind, Whole(imu), Whole(station), calibrated_at, received_at, body, body_sha256, verdicts) = row;
+    let (id, kind, Whole(imu), Whole(station), calibrated_at, received_at, body, body_sha256, verdicts, voided, notes) =
+        row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
     Ok(RecordRow {
@@ -121,12 +128,15 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
         body: body.into(),
         body_sha256: body_sha256.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
         verdicts: VerdictSheet::unpack(id, &verdicts)?,
+        voided,
+        notes: notes.map(Into::into),
     })
 }
 
 impl Store {
     pub async fn record(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
-        let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts
+        let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
+                          voided <> 0, notes
                    FROM record WHERE id = $1";
         let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
         let found = found.map(row).transpose()?;
@@ -175,14 +185,16 @@ impl Store {
         Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
     }
 
-    /// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros.
+    /// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros; none of what does not
+    /// count.
     pub async fn records_since(&self, after: Id, limit: u32) -> Result<Vec<(u32, UtcMicros, Vec<u32>)>, StoreError> {
-        let sql = "SELECT id, imu, calibrated_at, verdicts FROM record WHERE id > $1 ORDER BY id LIMIT $2";
-        let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>)> =
+        let sql = "SELECT id, imu, calibrated_at, verdicts, voided <> 0 FROM record WHERE id > $1 ORDER BY id LIMIT $2";
+        let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
             on!(self.readers, db => sqlx::query_as(sql).bind(after.0).bind(Whole(limit)).fetch_all(db).await?);
-        let seen = |(id, Whole(imu), at, verdicts): (i64, Whole<u32>, i64, Vec<u8>)| {
+        let seen = |(id, Whole(imu), at, verdicts, voided): (i64, Whole<u32>, i64, Vec<u8>, bool)| {
             let sheet = VerdictSheet::unpack(Id(id), &verdicts)?;
-            Ok((imu, UtcMicros(at), sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
+            let gyros = sheet.0.into_iter().map(|(gyro, _)| gyro);
+            Ok((imu, UtcMicros(at), gyros.filter(|_| !voided).collect()))
         };
         rows.into_iter().map(seen).collect()
     }

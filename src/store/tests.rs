@@ -49,6 +49,8 @@ pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
         body: format!("{{\"note\": \"{note}\"}}").into(),
         body_sha256: [7; 32],
         verdicts: VerdictSheet(vec![(1, vec![verdict])]),
+        voided: false,
+        notes: None,
     }
 }
 
@@ -180,7 +182,7 @@ async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
     assert!(!sheet.replace(2, vec![]));
     let mut anew = row.clone();
     anew.figures.states = States([Some(State::Exceeded), None, None]);
-    let rejudged = Rejudged { history: vec![anew.clone()], sheets: vec![(id, sheet.clone())] };
+    let rejudged = Rejudged { history: vec![anew.clone()], sheets: vec![(id, sheet.clone())], ..Rejudged::default() };
     writer.commit(&Changes { rejudged, ..Changes::default() }).await.unwrap();
     assert_eq!(store.history(1, Span::EVER, 9).await.unwrap(), [anew.figures]);
     let stored = store.record(id).await.unwrap().unwrap();

@@ -21,7 +21,10 @@ pub struct AlertBody {
     pub status: Option<Cow<'static, str>>,
     /// `warning`, or `critical` once a second campaign has confirmed the violation of a specification.
     pub severity: Cow<'static, str>,
-    /// When it began to fire, this time.
+    /// When the gyro began to do this: the time of the record that began it. Null where an earlier version wrote this.
+    #[serde(default)]
+    pub since: Option<String>,
+    /// When that was found.
     pub fired_at: String,
     pub resolved_at: Option<String>,
     /// The last verdict.
@@ -73,6 +76,9 @@ pub struct AcknowledgementBody {
 /// Nothing is told before `until`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct SilenceBody {
+    /// The silence of many alerts (`/v1/silences`) that holds for this one; null where it is a silence of this alert alone.
+    #[serde(default)]
+    pub silence: Option<String>,
     pub by: String,
     pub reason: String,
     pub at: String,

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::note::NoteBody;
 use super::record::SlotBody;
 use super::triple::Triple;
 use crate::core::judge::Verdict;
@@ -21,6 +22,9 @@ pub struct RecordAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
     pub separations: Vec<SeparationBody>,
+    /// What was noticed beside what is known of the IMU and its gyros.
+    #[serde(default)]
+    pub notes: Vec<NoteBody>,
     pub verdicts: Vec<VerdictBody>,
 }
 

@@ -1,12 +1,14 @@
 //! Hooks and their deliveries as clients write and read them.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
 use super::alert::AlertBody;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
-use crate::core::record::Name;
+use crate::core::name::{Name, normal_form};
 
 /// A hook to be set up.
 #[derive(Deserialize, ToSchema)]
@@ -30,6 +32,12 @@ pub struct NewHookBody {
     pub filter: FilterBody,
     #[serde(default = "yes")]
     pub enabled: bool,
+    /// One message for all that a record changes; one for each alert where this is `false`.
+    #[serde(default = "yes")]
+    pub batch: bool,
+    /// What an answer is to say for the message to count as delivered.
+    #[serde(default)]
+    pub expect: Option<ExpectBody>,
 }
 
 fn yes() -> bool {
@@ -54,8 +62,57 @@ pub struct HookPatchBody {
     #[schema(value_type = Option<String>)]
     pub authorization: Option<Option<String>>,
     pub filter: Option<FilterBody>,
-    /// `true` also sends what waits at once.
+    /// `true` also sends what waits at once. A hook that was disabled is first told what fires; what waited is dropped.
     pub enabled: Option<bool>,
+    pub batch: Option<bool>,
+    /// `null`: the status alone decides again.
+    #[serde(deserialize_with = "present_rule")]
+    #[schema(value_type = Option<ExpectBody>)]
+    pub expect: Option<Option<ExpectBody>>,
+}
+
+fn present_rule<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<ExpectBody>>, D::Error> {
+    Option::deserialize(deserializer).map(Some)
+}
+
+/// What an answer is to say. A 2xx that does not say it is a failed attempt: chat robots answer 200 with an error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectBody {
+    /// Members that the answer, a JSON object, must have with these values, as `{"errcode": 0}`.
+    #[schema(value_type = Object)]
+    pub json: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Members that an answer is asked for.
+const MOST_EXPECTED: usize = 32;
+
+impl ExpectBody {
+    pub fn check(&self, pointer: &str, faults: &mut Faults) {
+        if !(1..=MOST_EXPECTED).contains(&self.json.len()) {
+            faults.push(
+                format!("{pointer}/json"),
+                format!("must have 1 to {MOST_EXPECTED} members, as {{\"errcode\": 0}}"),
+            );
+        }
+    }
+
+    /// What keeps an answer from being the expected one, in words; none where it is.
+    pub fn differs(&self, answer: &[u8]) -> Option<String> {
+        let Ok(serde_json::Value::Object(said)) = serde_json::from_slice(answer) else {
+            return Some("the answer is no JSON object".to_owned());
+        };
+        self.json.iter().find_map(|(name, wanted)| match said.get(name) {
+            Some(value) if same(value, wanted) => None,
+            Some(value) => Some(format!("{name} is {value}, not {wanted}")),
+            None => Some(format!("{name} is missing")),
+        })
+    }
+}
+
+/// 0 and 0.0 are the same number.
+fn same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
+    a == b || a.as_f64().is_some_and(|a| Some(a) == b.as_f64())
 }
 
 /// Tells `null` from left out.
@@ -86,7 +143,7 @@ impl FilterBody {
             }
         }
         for (i, serial) in self.gyros.iter().enumerate() {
-            if let Err(why) = Name::parse(serial) {
+            if let Err(why) = Name::parse(serial).and_then(|name| name.check_seen()) {
                 faults.push(format!("{pointer}/gyros/{i}"), why);
             }
         }
@@ -105,8 +162,34 @@ impl FilterBody {
     pub fn wants(&self, alert: &AlertBody) -> bool {
         let severity = |name: &str| Severity::from_name(name);
         (self.rules.is_empty() || self.rules.iter().any(|rule| *rule == alert.rule))
-            && (self.gyros.is_empty() || self.gyros.contains(&alert.serial))
+            && (self.gyros.is_empty() || self.gyros.iter().any(|gyro| normal_form(gyro) == normal_form(&alert.serial)))
             && self.min_severity.as_deref().is_none_or(|least| severity(&alert.severity) >= severity(least))
+    }
+}
+
+/// What an import has left firing since long ago, counted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DigestBody {
+    /// Alerts that fire.
+    pub total: usize,
+    /// Gyros that they are of.
+    pub gyros: usize,
+    pub critical: usize,
+    pub warning: usize,
+    /// How many of each rule.
+    pub rules: BTreeMap<String, usize>,
+}
+
+impl DigestBody {
+    pub fn of(alerts: &[&AlertBody]) -> Self {
+        let gyros: BTreeSet<&str> = alerts.iter().map(|alert| alert.serial.as_str()).collect();
+        let mut rules = BTreeMap::new();
+        for alert in alerts {
+            *rules.entry(alert.rule.to_string()).or_default() += 1;
+        }
+        let critical = alerts.iter().filter(|alert| alert.severity == Severity::Critical.name()).count();
+        let total = alerts.len();
+        Self { total, gyros: gyros.len(), critical, warning: total - critical, rules }
     }
 }
 
@@ -125,6 +208,9 @@ pub struct HookBody {
     pub old_secret_until: Option<String>,
     pub filter: FilterBody,
     pub enabled: bool,
+    /// Whether all that a record changes comes in one message.
+    pub batch: bool,
+    pub expect: Option<ExpectBody>,
     /// Why the service itself has disabled it.
     pub disabled_because: Option<String>,
     pub created_at: String,
@@ -153,12 +239,13 @@ pub struct DeliveryBody {
     pub hook: String,
     /// The message's `webhook-id`, the same at every attempt.
     pub webhook_id: String,
-    /// `alert.fired`, `alert.escalated`, `alert.repeated`, `alert.resolved` or `hook.test`.
+    /// `alert.fired`, `alert.escalated`, `alert.repeated`, `alert.resolved`, `alerts.digest` or `hook.test`.
     pub event: &'static str,
+    /// The gravest, where it tells of many.
     pub alert: Option<String>,
     pub queued_at: String,
     /// `behind` (an earlier one of the same alert comes first), `waiting`, `delivered`, `dead` (given up) or `dropped`
-    /// (the hook was deleted).
+    /// (the hook was deleted, or disabled and then told of everything that fires).
     pub state: &'static str,
     /// When it is tried next, where it waits.
     pub due_at: Option<String>,
@@ -175,6 +262,8 @@ pub struct AttemptBody {
     pub status: Option<u16>,
     /// What went wrong, in words.
     pub detail: String,
+    /// The first kilobyte of what the target answered, made printable; null where it said nothing.
+    pub answer: Option<String>,
     pub took_ms: f64,
 }
 
@@ -227,5 +316,23 @@ mod tests {
         assert_eq!(read("{}").secret, None);
         assert_eq!(read(r#"{"secret": null}"#).secret, Some(None));
         assert_eq!(read(r#"{"secret": "x"}"#).secret, Some(Some("x".into())));
+    }
+
+    #[test]
+    fn an_answer_says_what_it_is_to_say_or_in_which_member_it_does_not() {
+        let expect: ExpectBody =
+            serde_json::from_value(serde_json::json!({ "json": { "errcode": 0, "ok": true } })).unwrap();
+        let differs = |answer: &str| expect.differs(answer.as_bytes());
+        assert_eq!(differs(r#"{"errcode": 0, "ok": true, "errmsg": "ok"}"#), None);
+        assert_eq!(differs(r#"{"ok": true, "errcode": 0.0}"#), None, "the same number");
+        assert_eq!(differs(r#"{"errcode": 40001, "ok": true}"#).unwrap(), "errcode is 40001, not 0");
+        assert_eq!(differs(r#"{"errcode": "0", "ok": true}"#).unwrap(), "errcode is \"0\", not 0");
+        assert_eq!(differs(r#"{"errcode": 0}"#).unwrap(), "ok is missing");
+        for answer in ["", "ok", "[0]", "{\"errcode\": 0, \"ok\": tr"] {
+            assert_eq!(differs(answer).unwrap(), "the answer is no JSON object", "{answer}");
+        }
+        let mut faults = Faults::default();
+        ExpectBody { json: serde_json::Map::new() }.check("/expect", &mut faults);
+        assert_eq!(faults.0[0].pointer, "/expect/json");
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
+use super::history_note;
 use crate::core::note::Note;
 
 mod campaign;
@@ -26,6 +27,7 @@ impl NoteBody {
     pub fn of(note: &Note) -> Self {
         let parameters = match note {
             Note::Campaign(note) => campaign::parameters(note),
+            Note::History(note) => history_note::parameters(note),
             _ => Map::new(),
         };
         Self { code: note.code().into(), detail: detail(note), parameters }
@@ -38,5 +40,6 @@ fn detail(note: &Note) -> String {
         Note::NoSite => "no site: the specific force of static dwells was checked against standard gravity".into(),
         Note::NoTemperatures => "no temperature column: effects of temperature cannot be seen".into(),
         Note::Campaign(note) => campaign::detail(note),
+        Note::History(note) => history_note::words(note),
     }
 }

@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn all_faults_of_content_are_named_at_once() {
-        let mut document = with("/imu", json!(" x"));
+        let mut document = with("/imu", json!("x\u{7}"));
         document["gyros"][0]["serial"] = json!("");
         document["gyros"][1]["serial"] = json!("");
         document["gyros"][2]["slot"] = json!("G1");

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Context, Payload, summary, to_json};
-use crate::alert::message::{Event, Message};
+use super::{Context, MOST_LISTED, Payload, page, summary, to_json};
+use crate::alert::message::{Change, Event, Message};
 use crate::core::judge::Severity;
 use crate::core::notify::Action;
 use crate::core::time::UtcMicros;
@@ -48,7 +48,7 @@ struct ReceivedAlert {
 struct Webhook<'a> {
     version: &'static str,
     group_key: String,
-    truncated_alerts: u32,
+    truncated_alerts: usize,
     status: &'static str,
     receiver: &'a str,
     group_labels: Labels,
@@ -70,21 +70,27 @@ pub fn render_push(message: &Message, context: &Context<'_>) -> Payload {
 
 /// `POST /api/v2/alerts` of everything that fires: sent again and again, so that an Alertmanager that was restarted knows
 /// it too and one that is not told any more lets it go.
-pub fn push_firing(firing: &[AlertBody], context: &Context<'_>) -> Payload {
+///
+/// Each with the severity that was told: the label set that the Alertmanager knows.
+pub fn push_firing(firing: &[(String, AlertBody)], context: &Context<'_>) -> Payload {
     let expiry = time::format(expiry(context));
-    let alerts: Vec<Alert> = firing.iter().map(|alert| of_alert(alert, &alert.severity, &expiry, context)).collect();
+    let told = |(severity, alert): &(String, AlertBody)| of_alert(alert, severity, &expiry, context);
+    let alerts: Vec<Alert> = firing.iter().map(told).collect();
     json_payload(&alerts)
 }
 
 /// The body that an Alertmanager would post to its webhook receivers.
 pub fn render_webhook(message: &Message, context: &Context<'_>) -> Payload {
-    let alerts = alerts_of(message, context, NO_END);
+    let mut alerts = alerts_of(message, context, NO_END);
+    let most = if matches!(message.event, Event::Digest(..)) { MOST_LISTED } else { usize::MAX };
+    let truncated_alerts = alerts.len().saturating_sub(most);
+    alerts.truncate(most);
     let status = if alerts.iter().any(|alert| alert.status == "firing") { "firing" } else { "resolved" };
     let group_labels = group_labels(&message.event);
     let body = Webhook {
         version: "4",
         group_key: group_key(&group_labels),
-        truncated_alerts: 0,
+        truncated_alerts,
         status,
         receiver: context.hook,
         group_labels,
@@ -104,21 +110,29 @@ fn expiry(context: &Context<'_>) -> UtcMicros {
     UtcMicros(context.now.0.saturating_add(context.resend_every.saturating_mul(EXPIRES_AFTER_RESENDS)))
 }
 
-/// The alert of the message; when it has escalated, followed by the lower severity's, resolved.
+/// The alerts of the message, each that has escalated followed by the lower severity's, resolved.
 fn alerts_of(message: &Message, context: &Context<'_>, open_end: &str) -> Vec<ReceivedAlert> {
-    let (action, alert) = match &message.event {
-        Event::Alert(action, alert) => (*action, alert),
-        Event::Test => return vec![received("firing", test_alert(message, context, open_end))],
-    };
+    if message.event == Event::Test {
+        return vec![received("firing", test_alert(message, context, open_end))];
+    }
     let at = time::format(message.at);
-    if action == Action::Resolve {
-        return vec![received("resolved", of_alert(alert, &alert.severity, &at, context))];
+    message.event.changes().iter().flat_map(|change| alerts_of_change(change, &at, context, open_end)).collect()
+}
+
+fn alerts_of_change(
+    Change { action, alert }: &Change,
+    at: &str,
+    context: &Context<'_>,
+    open_end: &str,
+) -> Vec<ReceivedAlert> {
+    if *action == Action::Resolve {
+        return vec![received("resolved", of_alert(alert, &alert.severity, at, context))];
     }
     let mut alerts = vec![received("firing", of_alert(alert, &alert.severity, open_end, context))];
-    if action == Action::Escalate {
+    if *action == Action::Escalate {
         let risen_to = Severity::from_name(&alert.severity);
         let lower = Severity::ALL.into_iter().filter(|severity| Some(*severity) < risen_to);
-        alerts.extend(lower.map(|severity| received("resolved", of_alert(alert, severity.name(), &at, context))));
+        alerts.extend(lower.map(|severity| received("resolved", of_alert(alert, severity.name(), at, context))));
     }
     alerts
 }
@@ -173,11 +187,13 @@ fn identity(alert: &AlertBody) -> Labels {
     ])
 }
 
+/// What all alerts of the message have in common of what makes each this alert.
 fn group_labels(event: &Event) -> Labels {
-    match event {
-        Event::Alert(_, alert) => identity(alert),
-        Event::Test => Labels::from([("alertname", "GyrowatchTest".to_owned())]),
+    if *event == Event::Test {
+        return Labels::from([("alertname", "GyrowatchTest".to_owned())]);
     }
+    let identities: Vec<Labels> = event.changes().iter().map(|change| identity(&change.alert)).collect();
+    common(identities.iter())
 }
 
 /// `rms_successive` -> `GyroRmsSuccessive`.
@@ -217,17 +233,4 @@ fn fingerprint(labels: &Labels) -> u64 {
         name.bytes().chain(std::iter::once(0xff)).chain(value.bytes()).chain(std::iter::once(0xff))
     });
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
-}
-
-/// The page of the gyro.
-fn page(context: &Context<'_>, serial: &str) -> String {
-    let Some(base) = context.external_url else { return String::new() };
-    let mut url = format!("{base}/gyros/");
-    for byte in serial.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
-            _ => url.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    url
 }

@@ -22,9 +22,14 @@ struct Body<'a> {
 
 pub fn render(message: &Message, context: &Context<'_>) -> Payload {
     let subject = match &message.event {
-        Event::Alert(_, alert) => Some(alert.serial.as_str()),
-        Event::Test => None,
+        Event::Alerts(changes) => changes.first().map(|change| change.alert.serial.as_str()),
+        Event::Digest(..) | Event::Test => None,
     };
+    // An attribute beside `data` may hold no list.
+    let mut data = standard::data(&message.event, context);
+    if let Some(alerts) = standard::alerts(&message.event, context) {
+        data["alerts"] = alerts.into();
+    }
     let body = Body {
         specversion: "1.0",
         id: &message.id,
@@ -33,7 +38,7 @@ pub fn render(message: &Message, context: &Context<'_>) -> Payload {
         subject,
         time: time::format(message.at),
         datacontenttype: "application/json",
-        data: standard::data(&message.event),
+        data,
     };
     Payload { content_type: "application/cloudevents+json; charset=UTF-8", body: to_json(&body) }
 }

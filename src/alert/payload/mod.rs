@@ -1,4 +1,5 @@
-//! From a message to the body that a hook's target understands: pure mappings, one file a dialect.
+//! From a message to the body that a hook's target understands: pure mappings, one file a dialect. Everything that tells of a gyro holds a
+//! link to its page.
 
 mod alertmanager;
 mod cloudevents;
@@ -33,11 +34,26 @@ pub struct Context<'a> {
 
 pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Payload {
     match kind {
-        HookKind::StandardWebhooks => standard::render(message),
+        HookKind::StandardWebhooks => standard::render(message, context),
         HookKind::AlertmanagerWebhook => alertmanager::render_webhook(message, context),
         HookKind::Alertmanager => alertmanager::render_push(message, context),
         HookKind::CloudEvents => cloudevents::render(message, context),
     }
+}
+
+/// Alerts that a digest lists; the rest are counted.
+const MOST_LISTED: usize = 100;
+
+/// The page of a gyro: its path alone where nobody has said where the service is reached.
+fn page(context: &Context<'_>, serial: &str) -> String {
+    let mut url = format!("{}/gyros/", context.external_url.unwrap_or_default());
+    for byte in serial.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
+            _ => url.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    url
 }
 
 /// One line for people: `LFG-0101: D_I step fires (warning)`.

@@ -1,10 +1,10 @@
-//! Standard Webhooks 1.0: `type`, `timestamp`, `data`.
+//! Standard Webhooks 1.0: `type`, `timestamp`, `data`; beside them `alerts`, all that the message tells of.
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Payload, to_json};
-use crate::alert::message::{Event, Message};
+use super::{Context, MOST_LISTED, Payload, page, to_json};
+use crate::alert::message::{Change, Event, Message, event_name};
 use crate::wire::time;
 
 #[derive(Serialize)]
@@ -12,19 +12,49 @@ struct Body {
     r#type: &'static str,
     timestamp: String,
     data: Value,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    alerts: Option<Vec<Value>>,
 }
 
-pub fn render(message: &Message) -> Payload {
-    let body = Body { r#type: message.event.name(), timestamp: time::format(message.at), data: data(&message.event) };
+pub fn render(message: &Message, context: &Context<'_>) -> Payload {
+    let body = Body {
+        r#type: message.event.name(),
+        timestamp: time::format(message.at),
+        data: data(&message.event, context),
+        alerts: alerts(&message.event, context),
+    };
     Payload { content_type: "application/json", body: to_json(&body) }
 }
 
-/// The alert as `GET /v1/alerts/{id}` shows it, as it was when the message came about.
-pub fn data(event: &Event) -> Value {
+/// The gravest alert as `GET /v1/alerts/{id}` shows it, as it was when the message came about; of a digest its counts.
+pub fn data(event: &Event, context: &Context<'_>) -> Value {
     match event {
-        Event::Alert(_, alert) => {
-            serde_json::to_value(alert).expect("an alert has string keys, and every figure is finite or null")
+        Event::Alerts(changes) => changes.first().map_or(Value::Null, |change| alert(change, context)),
+        Event::Digest(counts, changes) => {
+            let mut data = serde_json::to_value(counts).expect("counts have string keys");
+            data["listed"] = changes.len().min(MOST_LISTED).into();
+            data["links"] = json!({ "alerts": format!("{}/alerts", context.external_url.unwrap_or_default()) });
+            data
         }
         Event::Test => json!({ "test": true }),
     }
+}
+
+/// Every alert that the message tells of, each with its own `event`; of a digest the first of them. None for a test.
+pub fn alerts(event: &Event, context: &Context<'_>) -> Option<Vec<Value>> {
+    let most = if matches!(event, Event::Digest(..)) { MOST_LISTED } else { usize::MAX };
+    let told = |change: &Change| {
+        let mut told = alert(change, context);
+        told["event"] = event_name(Some(change.action)).into();
+        told
+    };
+    let changes = event.changes();
+    (!changes.is_empty()).then(|| changes.iter().take(most).map(told).collect())
+}
+
+fn alert(change: &Change, context: &Context<'_>) -> Value {
+    let mut alert =
+        serde_json::to_value(&change.alert).expect("an alert has string keys, and every figure is finite or null");
+    alert["links"] = json!({ "gyro": page(context, &change.alert.serial) });
+    alert
 }

@@ -2,7 +2,7 @@ use insta::assert_json_snapshot;
 use serde_json::Value;
 
 use super::*;
-use crate::alert::message::Event;
+use crate::alert::message::{Change, Event};
 use crate::core::notify::Action;
 use crate::wire::alert::FindingBody;
 
@@ -15,6 +15,7 @@ fn alert() -> AlertBody {
         state: "firing".into(),
         status: None,
         severity: "critical".into(),
+        since: Some("2026-02-28T08:00:00Z".into()),
         fired_at: "2026-03-01T08:00:00Z".into(),
         resolved_at: None,
         finding: FindingBody {
@@ -42,7 +43,11 @@ fn message(action: Action) -> Message {
         alert.resolved_at = Some("2026-03-01T09:00:00Z".into());
     }
     // 2026-03-01T09:00:00Z
-    Message { id: "evt_1".into(), at: UtcMicros(1_772_355_600_000_000), event: Event::Alert(action, Box::new(alert)) }
+    Message {
+        id: "evt_1".into(),
+        at: UtcMicros(1_772_355_600_000_000),
+        event: Event::Alerts(vec![Change { action, alert }]),
+    }
 }
 
 const CONTEXT: Context<'static> = Context {
@@ -62,7 +67,9 @@ fn a_standard_webhook_holds_type_timestamp_and_the_alert() {
     assert_eq!(body["type"], "alert.fired");
     assert_eq!(body["timestamp"], "2026-03-01T09:00:00Z");
     assert_eq!(serde_json::from_value::<AlertBody>(body["data"].clone()).unwrap(), alert());
-    assert_eq!(body.as_object().unwrap().len(), 3);
+    assert_eq!(body["data"]["links"], serde_json::json!({ "gyro": "https://gyros.example/gyros/LFG%2001%2F01" }));
+    assert_eq!(body["alerts"][0]["event"], "alert.fired");
+    assert_eq!(body.as_object().unwrap().len(), 4);
 }
 
 #[test]
@@ -133,10 +140,14 @@ fn labels_are_the_same_when_it_fires_and_when_it_resolves() {
 
 #[test]
 fn a_push_of_all_that_fires_holds_them_all() {
-    let pushed = push_firing(&[alert(), AlertBody { serial: "LFG-2".into(), ..alert() }], &CONTEXT);
+    let pushed = push_firing(
+        &[("critical".into(), alert()), ("warning".into(), AlertBody { serial: "LFG-2".into(), ..alert() })],
+        &CONTEXT,
+    );
     let body: Value = serde_json::from_slice(&pushed.body).unwrap();
     assert_eq!(body[0], rendered(HookKind::Alertmanager, &message(Action::Repeat))[0]);
     assert_eq!(body[1]["labels"]["serial"], "LFG-2");
+    assert_eq!(body[1]["labels"]["severity"], "warning", "as it was told, whatever it has become");
 }
 
 #[test]
@@ -190,6 +201,70 @@ fn the_webhook_body_is_what_alertmanager_posts() {
     assert_eq!(escalated["status"], "firing");
     assert_eq!(escalated["alerts"][1]["status"], "resolved");
     assert!(escalated["commonLabels"].get("severity").is_none());
+}
+
+/// Two alerts of one gyro, the second of which has ended.
+fn batch() -> Message {
+    let ended = AlertBody { id: "a2".into(), rule: "step".into(), state: "resolved".into(), ..alert() };
+    let changes =
+        vec![Change { action: Action::Escalate, alert: alert() }, Change { action: Action::Resolve, alert: ended }];
+    Message { event: Event::Alerts(changes), ..message(Action::Fire) }
+}
+
+#[test]
+fn one_message_of_many_alerts_is_the_gravest_with_all_beside_it() {
+    let body = rendered(HookKind::StandardWebhooks, &batch());
+    assert_eq!((&body["type"], &body["data"]["id"]), (&"alert.escalated".into(), &"a1".into()));
+    let events: Vec<_> = body["alerts"].as_array().unwrap().iter().map(|one| (&one["id"], &one["event"])).collect();
+    assert_eq!(events, [(&"a1".into(), &"alert.escalated".into()), (&"a2".into(), &"alert.resolved".into())]);
+    let event = rendered(HookKind::CloudEvents, &batch());
+    assert_eq!((&event["data"]["id"], &event["data"]["alerts"]), (&body["data"]["id"], &body["alerts"]));
+    assert!(event.get("alerts").is_none(), "an attribute of a CloudEvent holds no list");
+
+    let webhook = rendered(HookKind::AlertmanagerWebhook, &batch());
+    let stands: Vec<_> = webhook["alerts"].as_array().unwrap().iter().map(|one| &one["status"]).collect();
+    assert_eq!(stands, ["firing", "resolved", "resolved"], "the warning of what is critical now, and the other");
+    assert_eq!(webhook["groupLabels"], serde_json::json!({ "coefficient": "D_I", "serial": "LFG 01/01" }));
+    assert_eq!(rendered(HookKind::Alertmanager, &batch()).as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn a_digest_counts_all_and_lists_the_first_hundred() {
+    let all: Vec<AlertBody> = (0..250)
+        .map(|i| AlertBody {
+            serial: format!("G{}", i / 2),
+            severity: if i < 20 { "critical" } else { "warning" }.into(),
+            rule: if i % 5 == 0 { "step" } else { "baseline" }.into(),
+            ..alert()
+        })
+        .collect();
+    let counts = crate::wire::hook::DigestBody::of(&all.iter().collect::<Vec<_>>());
+    let changes = all.into_iter().map(|alert| Change { action: Action::Fire, alert }).collect();
+    let message = Message { event: Event::Digest(counts, changes), ..message(Action::Fire) };
+    let body = rendered(HookKind::StandardWebhooks, &message);
+    assert_eq!(body["type"], "alerts.digest");
+    assert_eq!(
+        body["data"],
+        serde_json::json!({ "total": 250, "gyros": 125, "critical": 20, "warning": 230, "listed": 100,
+            "rules": { "baseline": 200, "step": 50 }, "links": { "alerts": "https://gyros.example/alerts" } })
+    );
+    assert_eq!(body["alerts"].as_array().unwrap().len(), 100);
+    let event = rendered(HookKind::CloudEvents, &message);
+    assert_eq!((&event["type"], &event["data"]["total"]), (&"gyrowatch.alerts.digest".into(), &250.into()));
+    let webhook = rendered(HookKind::AlertmanagerWebhook, &message);
+    assert_eq!((webhook["alerts"].as_array().unwrap().len(), &webhook["truncatedAlerts"]), (100, &150.into()));
+    assert_eq!(rendered(HookKind::Alertmanager, &message).as_array().unwrap().len(), 250, "it has to know each");
+}
+
+#[test]
+fn without_an_address_of_the_service_a_link_is_the_path_alone() {
+    let context = Context { external_url: None, ..CONTEXT };
+    for kind in HookKind::ALL {
+        let body: Value = serde_json::from_slice(&render(kind, &message(Action::Fire), &context).body).unwrap();
+        let links = ["/data/links/gyro", "/alerts/0/generatorURL", "/0/generatorURL"];
+        let link = links.iter().find_map(|place| body.pointer(place)).unwrap();
+        assert_eq!(link, "/gyros/LFG%2001%2F01", "{kind:?}");
+    }
 }
 
 #[test]

@@ -119,8 +119,9 @@ impl Export {
         if let Some(unknown) = self.serials.iter().find(|serial| tables.gyros.number(serial).is_none()) {
             bail!("no gyro {unknown} is known");
         }
-        let wanted = |serial: &str| self.serials.is_empty() || self.serials.iter().any(|known| known == serial);
-        let mut gyros: Vec<_> = tables.gyros.iter().filter(|(_, serial)| wanted(serial)).collect();
+        let asked: Vec<u32> = self.serials.iter().filter_map(|serial| tables.gyros.number(serial)).collect();
+        let wanted = |number: u32| self.serials.is_empty() || asked.contains(&number);
+        let mut gyros: Vec<_> = tables.gyros.iter().filter(|(number, _)| wanted(*number)).collect();
         gyros.sort_by_key(|(_, serial)| *serial);
         Ok(gyros.into_iter().map(|(number, serial)| (number, serial.clone())).collect())
     }

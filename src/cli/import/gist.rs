@@ -30,6 +30,15 @@ impl fmt::Display for Gist<'_> {
             let (rule, reason) = (text(verdict, "rule"), text(verdict, "reason"));
             writeln!(f, "  {serial} {coefficient} {rule} exceeded: {reason}")?;
         }
+        write!(f, "{}", Notes(self.0))
+    }
+}
+
+/// Displays the notes of an answer, or of a line of an import.
+pub struct Notes<'a>(pub &'a Value);
+
+impl fmt::Display for Notes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for note in members(self.0, "notes").filter_map(|note| note["detail"].as_str()) {
             writeln!(f, "  note: {note}")?;
         }
@@ -60,13 +69,14 @@ mod tests {
                 {"serial": "LFG-1", "coefficient": "D_I", "rule": "trend", "state": "indeterminate", "reason": "too few"},
                 {"serial": "LFG-1", "coefficient": "D_S", "rule": "trend", "state": "indeterminate", "reason": "too few"},
                 {"serial": "LFG-1", "coefficient": "D_S", "rule": "step", "state": "within", "reason": "close"}],
-            "notes": [{"code": "no_temperatures", "detail": "no temperature column"}]});
+            "notes": [{"code": "no_temperatures", "detail": "no temperature column"}, {"code": "moved", "detail": "LFG-1 has moved"}]});
         let lines = [
             "  G1 LFG-1  D_I +2.957643  D_S -4.618005 deg/(h g0)",
             "  G2 LFG-2  no D_I and D_S: the dwells do not determine G_x",
             "  verdicts: 1 exceeded, 2 indeterminate, 1 within",
             "  LFG-1 D_I step exceeded: too far",
             "  note: no temperature column",
+            "  note: LFG-1 has moved",
         ];
         assert_eq!(Gist(&answer).to_string(), lines.map(|line| format!("{line}\n")).concat());
         assert_eq!(Gist(&json!({"id": "b1"})).to_string(), "");

@@ -38,6 +38,10 @@ pub struct Import {
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = seconds)]
     settle: f64,
 
+    /// Who is told of what gyros did longer ago than `alerts.backfill_days`
+    #[arg(long, value_enum, default_value_t = Notify::Digest)]
+    notify: Notify,
+
     /// Address of the service
     #[arg(long, env = "GYROWATCH_LISTEN", default_value = "127.0.0.1:8080")]
     url: String,
@@ -47,12 +51,43 @@ pub struct Import {
     token: Option<String>,
 }
 
+/// Who is told of what is found late.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Notify {
+    /// Hooks hear every change of every alert
+    All,
+    /// Hooks hear in one message what still fires
+    Digest,
+    /// Nobody
+    None,
+}
+
+impl Notify {
+    /// More requests of the same import follow: its end is said by [`end`].
+    fn query(self) -> &'static str {
+        match self {
+            Self::All => "?notify=all",
+            Self::Digest => "?notify=digest&more=true",
+            Self::None => "?notify=none",
+        }
+    }
+}
+
+/// Says that the import has come to its end: the service tells what it has left firing. It does so by itself in a quarter of an hour.
+async fn end(service: &Service) {
+    let ended = service.clone().telling("?notify=digest").import(bytes::Bytes::new(), 0).await;
+    if let Err(trouble) = ended {
+        eprintln!("hooks hear in a quarter of an hour what still fires: {trouble}");
+    }
+}
+
 impl Import {
     pub fn run(self) -> anyhow::Result<()> {
-        let service = Service::at(&self.url, self.token)?;
+        let service = Service::at(&self.url, self.token)?.telling(self.notify.query());
+        let digest = self.notify == Notify::Digest;
         match self.watch {
-            Some(dir) => super::block_on(watch::watch(&dir, Duration::from_secs_f64(self.settle), &service)),
-            None => super::block_on(import(&self.files, &service, if self.no_retry { &[] } else { &PATIENCE })),
+            Some(dir) => super::block_on(watch::watch(&dir, Duration::from_secs_f64(self.settle), &service, digest)),
+            None => super::block_on(import(&self.files, &service, digest, if self.no_retry { &[] } else { &PATIENCE })),
         }
     }
 }
@@ -62,7 +97,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     if (0.0..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must lie between 0 and 3600".into()) }
 }
 
-async fn import(files: &[PathBuf], service: &Service, pauses: &[Duration]) -> anyhow::Result<()> {
+async fn import(files: &[PathBuf], service: &Service, digest: bool, pauses: &[Duration]) -> anyhow::Result<()> {
     let bar = progress_bar(files);
     let mut total = Tally::default();
     for path in files {
@@ -77,6 +112,7 @@ async fn import(files: &[PathBuf], service: &Service, pauses: &[Duration]) -> an
                         bar.suspend(|| eprintln!("{name}:{}{refusal}", if refusal.line.is_some() { "" } else { " " }))
                     }
                     Event::Answered(answer) => gist = Gist(answer).to_string(),
+                    Event::Noted { line, note } => bar.suspend(|| eprintln!("{name}:{line}: note: {note}")),
                 };
                 let carried = Courier::new(service, pauses, &mut tell).carry(content).await;
                 carried.with_context(|| format!("{name}: stopped; import it again to go on"))?
@@ -90,6 +126,9 @@ async fn import(files: &[PathBuf], service: &Service, pauses: &[Duration]) -> an
         total += tally;
     }
     bar.finish_and_clear();
+    if digest {
+        end(service).await;
+    }
     if files.len() > 1 {
         document::print(&format!("together: {total}"))?;
     }

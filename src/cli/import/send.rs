@@ -54,6 +54,11 @@ pub enum Event<'a> {
     Refused(Refusal),
     /// The service's answer to a document sent alone.
     Answered(&'a Value),
+    /// What is noted about a stored line.
+    Noted {
+        line: u64,
+        note: &'a str,
+    },
 }
 
 /// A document that will never be stored as it is, and why, in words.
@@ -132,7 +137,7 @@ impl<'a> Courier<'a> {
             let mut busy = None;
             let mut answers = answers.into_iter();
             batch.lines.retain(|(number, _)| {
-                let answer = answers.next().unwrap_or(LineAnswer { status: 503, error: None });
+                let answer = answers.next().unwrap_or(LineAnswer { status: 503, error: None, notes: Vec::new() });
                 match self.decide(*number, answer) {
                     Ok(()) => false,
                     Err(trouble) => {
@@ -151,7 +156,12 @@ impl<'a> Courier<'a> {
     fn decide(&mut self, line: u64, answer: LineAnswer) -> Result<(), Trouble> {
         let why = || answer.error.as_ref().map_or_else(|| format!("status {}", answer.status), in_words);
         match answer.status {
-            201 => self.tally.stored += 1,
+            201 => {
+                self.tally.stored += 1;
+                for note in &answer.notes {
+                    (self.tell)(Event::Noted { line, note: &note.detail });
+                }
+            }
             200 => self.tally.known += 1,
             401 | 403 => return Err(Trouble::Stop(why())),
             408 | 425 | 429 | 500.. => {

@@ -28,8 +28,10 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 const UNFINISHED: [&str; 6] = [".tmp", ".part", ".partial", ".crdownload", ".swp", "~"];
 
 /// Watches until the process is ended.
-pub async fn watch(dir: &Path, settle: Duration, service: &Service) -> anyhow::Result<()> {
-    let mut folder = Folder::open(dir, settle)?;
+///
+/// `digest`: each file is an import, whose end the service is told.
+pub async fn watch(dir: &Path, settle: Duration, service: &Service, digest: bool) -> anyhow::Result<()> {
+    let mut folder = Folder { digest, ..Folder::open(dir, settle)? };
     say(&format!("watching {} for {}", dir.display(), service.base()));
     loop {
         folder.pass(service).await;
@@ -45,6 +47,7 @@ struct Folder {
     sent: PathBuf,
     refused: PathBuf,
     settle: Duration,
+    digest: bool,
     waiting: HashMap<PathBuf, Waiting>,
     /// Trouble that concerns every file: the folder cannot be read, or no service answers.
     trouble: Trials,
@@ -71,7 +74,7 @@ impl Folder {
             fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
         }
         let (waiting, trouble) = (HashMap::new(), Trials::default());
-        Ok(Self { dir: dir.to_owned(), sent, refused, settle, waiting, trouble })
+        Ok(Self { dir: dir.to_owned(), sent, refused, settle, digest: false, waiting, trouble })
     }
 
     /// Looks once, and tries every file whose time has come, in the order of their names.
@@ -126,9 +129,13 @@ impl Folder {
         let mut tell = |event: Event<'_>| match event {
             Event::Refused(refusal) => refusals.push(refusal),
             Event::Answered(answer) => gist = Gist(answer).to_string(),
+            Event::Noted { line, note } => say(&format!("{}:{line}: note: {note}", path.display())),
             Event::Carried { .. } => {}
         };
         let tally = Courier::new(service, &[], &mut tell).carry(content).await?;
+        if self.digest && tally.stored > 0 {
+            super::end(service).await;
+        }
         if !gist.is_empty() {
             say(&format!("{}\n{}", path.display(), gist.trim_end()));
         }

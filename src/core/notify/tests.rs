@@ -1,7 +1,7 @@
 use super::*;
 use crate::core::judge::{Coefficient, Finding, LimitKey, Rule};
 
-const POLICY: Policy = Policy { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2 };
+const POLICY: Policy = Policy { repeat_days: 7.0, resolve_below: 0.8, resolve_after: 2, backfill_days: 30.0 };
 
 fn day(n: f64) -> UtcMicros {
     UtcMicros(1_767_225_600_000_000).plus_days(n)
@@ -214,6 +214,130 @@ fn an_event_that_resets_the_rule_resolves_the_alert() {
     assert_eq!(decision.action, Action::Resolve);
     assert_eq!(decision.alert.unwrap().resolved_at, Some(day(1.0)));
     assert_eq!(reset(&decision.alert.unwrap(), day(2.0)).action, Action::Silent);
+}
+
+/// A record of one day comes in on another.
+fn heard(alert: Option<&Alert>, verdict: &Verdict, record_at: f64, now: f64, late: Late) -> Decision {
+    let arrival = Arrival { record_at: day(record_at), now: day(now), late, muted_until: None };
+    hear(alert, verdict, &arrival, &POLICY)
+}
+
+#[test]
+fn an_alert_knows_since_when_the_gyro_does_it_and_when_that_was_found() {
+    let alert = heard(None, &exceeded(), 100.0, 400.0, Late::Told).alert.unwrap();
+    assert_eq!((alert.since, alert.fired_at), (day(100.0), day(400.0)));
+    let later = heard(Some(&alert), &confirmed(), 120.0, 420.0, Late::Told).alert.unwrap();
+    assert_eq!((later.since, later.fired_at), (day(100.0), day(400.0)), "the same episode");
+    let ended = heard(Some(&later), &within(0.001), 130.0, 430.0, Late::Told).alert.unwrap();
+    let again = heard(Some(&ended), &exceeded(), 140.0, 440.0, Late::Told).alert.unwrap();
+    assert_eq!(again.since, day(140.0));
+    let overdue = Verdict { limit: 90.0, value: Some(300.0), ..verdict(Rule::Overdue, State::Exceeded, 300.0, false) };
+    let alert = heard(None, &overdue, 100.0, 400.0, Late::Clock).alert.unwrap();
+    assert_eq!(alert.since, day(190.0), "overdue since the interval was over");
+}
+
+#[test]
+fn an_old_record_that_is_sent_by_itself_is_told_to_nobody_and_a_recent_one_that_exceeds_too_is() {
+    for (now, action) in [(29.9, Action::Fire), (30.1, Action::Silent)] {
+        assert_eq!(heard(None, &exceeded(), 0.0, now, Late::Quiet).action, action, "{now} days");
+    }
+    let old = heard(None, &exceeded(), 0.0, 400.0, Late::Quiet).alert.unwrap();
+    assert_eq!((old.status, old.hushed.map(|hushed| hushed.digest)), (Status::Firing, Some(false)));
+    assert_eq!(tick(&old, day(430.0), &POLICY).action, Action::Silent, "nor is it told later");
+    let escalated = heard(Some(&old), &confirmed(), 14.0, 400.0, Late::Quiet);
+    assert_eq!((escalated.action, escalated.alert.unwrap().severity), (Action::Silent, Severity::Critical));
+    let unsure = heard(Some(&old), &straddling(), 399.0, 400.0, Late::Quiet);
+    assert_eq!(unsure.action, Action::Silent, "a recent record that does not exceed is no news");
+    let recent = heard(unsure.alert.as_ref(), &exceeded(), 399.0, 400.0, Late::Quiet);
+    assert_eq!((recent.action, recent.alert.unwrap().since), (Action::Fire, day(0.0)));
+    let ended = heard(Some(&old), &within(0.001), 399.0, 400.0, Late::Quiet);
+    assert_eq!((ended.action, ended.alert.unwrap().hushed), (Action::Silent, None), "nobody believes that it fires");
+}
+
+#[test]
+fn an_import_keeps_what_fires_since_long_ago_for_its_digest_or_to_itself() {
+    let waits = heard(None, &exceeded(), 0.0, 400.0, Late::Digest);
+    let alert = waits.alert.unwrap();
+    assert_eq!((waits.action, alert.hushed), (Action::Silent, Some(Hushed { at: day(400.0), digest: true })));
+    let recent = heard(Some(&alert), &exceeded(), 399.0, 400.0, Late::Digest);
+    assert_eq!(recent.action, Action::Silent, "since long ago, so the digest tells it");
+    assert_eq!(
+        heard(None, &exceeded(), 399.0, 400.0, Late::Digest).action,
+        Action::Fire,
+        "recent ones are told as ever"
+    );
+    let told = digest(&alert, day(401.0)).unwrap();
+    assert_eq!((told.action, told.alert.unwrap().hushed), (Action::Fire, None));
+    assert_eq!(digest(&told.alert.unwrap(), day(401.0)), None, "once");
+    let silenced = digest(&silence(&alert, Some(day(500.0))), day(401.0)).unwrap();
+    assert_eq!(silenced.action, Action::Silent);
+    assert_eq!(tick(&silenced.alert.unwrap(), day(500.0), &POLICY).action, Action::Fire, "at the end of the silence");
+    let never = heard(None, &exceeded(), 0.0, 400.0, Late::Never).alert.unwrap();
+    assert_eq!(digest(&never, day(401.0)), None);
+    assert_eq!(heard(Some(&never), &exceeded(), 399.0, 400.0, Late::Never).action, Action::Silent);
+    assert_eq!(heard(None, &exceeded(), 0.0, 400.0, Late::Told).action, Action::Fire);
+}
+
+#[test]
+fn what_was_told_long_ago_is_told_its_end_whenever_that_is_found_and_a_late_rise_is_not_told_by_itself() {
+    let told = heard(None, &exceeded(), 0.0, 1.0, Late::Quiet).alert.unwrap();
+    let rise = heard(Some(&told), &confirmed(), 14.0, 400.0, Late::Quiet);
+    assert_eq!(rise.action, Action::Silent);
+    assert_eq!(
+        digest(&heard(Some(&told), &confirmed(), 14.0, 400.0, Late::Digest).alert.unwrap(), day(400.0)).unwrap().action,
+        Action::Escalate
+    );
+    assert_eq!(heard(rise.alert.as_ref(), &within(0.001), 28.0, 400.0, Late::Quiet).action, Action::Resolve);
+    assert_eq!(heard(Some(&told), &confirmed(), 399.0, 400.0, Late::Digest).action, Action::Escalate, "news of today");
+}
+
+#[test]
+fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
+    let fires = heard(None, &exceeded(), 0.0, 0.0, Late::Told).alert.unwrap();
+    let critical = Alert { severity: Severity::Critical, ..fires };
+    let ended = reset(&fires, day(1.0)).alert.unwrap();
+    let (warning, none) = (Some(Severity::Warning), None);
+    let told = |alert: &Alert, heard, action| for_hook(alert, heard, action, day(2.0));
+    assert_eq!(told(&ended, none, Action::Resolve), None);
+    assert_eq!(told(&ended, warning, Action::Resolve), Some(Action::Resolve));
+    assert_eq!(told(&fires, none, Action::Fire), Some(Action::Fire));
+    assert_eq!(told(&critical, none, Action::Escalate), Some(Action::Fire), "it has not heard that it fires");
+    assert_eq!(told(&critical, warning, Action::Escalate), Some(Action::Escalate));
+    assert_eq!(told(&fires, none, Action::Repeat), Some(Action::Fire));
+    assert_eq!(told(&fires, warning, Action::Repeat), Some(Action::Repeat));
+    assert_eq!(told(&fires, warning, Action::Silent), None);
+    let hushed = Alert { hushed: Some(Hushed { at: day(1.0), digest: false }), ..critical };
+    assert_eq!((told(&hushed, none, Action::Fire), told(&hushed, warning, Action::Escalate)), (None, None));
+    for silenced in [silence(&ended, Some(day(9.0))), Alert { muted_until: Some(day(9.0)), ..ended }] {
+        assert_eq!(told(&silenced, warning, Action::Resolve), None);
+        assert_eq!(for_hook(&silenced, warning, Action::Silent, day(9.0)), Some(Action::Resolve));
+    }
+}
+
+#[test]
+fn a_silence_of_many_holds_back_as_that_of_one_does_and_is_gone_at_its_end() {
+    let arrival = |now: f64, until: f64| Arrival {
+        record_at: day(now),
+        now: day(now),
+        late: Late::Quiet,
+        muted_until: Some(day(until)),
+    };
+    let muted = hear(None, &exceeded(), &arrival(0.0, 20.0), &POLICY);
+    let alert = muted.alert.unwrap();
+    assert_eq!((muted.action, alert.standing(day(19.0))), (Action::Silent, Standing::Silenced));
+    assert_eq!(tick(&alert, day(19.9), &POLICY), Decision { alert: Some(alert), action: Action::Silent });
+    let told = tick(&alert, day(20.0), &POLICY);
+    assert_eq!((told.action, told.alert.unwrap().muted_until), (Action::Fire, None));
+}
+
+#[test]
+fn an_acknowledgement_that_is_taken_back_lets_repeats_go_on() {
+    let mut story = Story::default();
+    story.record(0.0, &exceeded());
+    story.alert = story.alert.map(|alert| acknowledge(&alert));
+    assert_eq!(story.tick(10.0), Action::Silent);
+    story.alert = story.alert.map(|alert| unacknowledge(&alert));
+    assert_eq!(story.tick(10.1), Action::Repeat);
 }
 
 mod properties {

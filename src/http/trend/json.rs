@@ -75,6 +75,9 @@ fn write_point<'t>(
     if let Some(voided) = point.voided {
         write!(text, ",\"voided\":{voided}")?;
     }
+    if let Some(set_aside) = point.set_aside {
+        write!(text, ",\"set_aside\":{set_aside}")?;
+    }
     text.write_all(b"}")
 }
 
@@ -125,6 +128,7 @@ mod tests {
             state: words[i % words.len()],
             status: [None, Some("drifting")][i % 2],
             voided: [None, Some(true), Some(false)][i % 3],
+            set_aside: [None, Some(true)][i % 2],
         };
         for count in [0, 1, 200] {
             for next in [None, Some("b3".to_owned())] {

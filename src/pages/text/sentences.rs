@@ -8,6 +8,7 @@
 mod commanded;
 mod diagnosis;
 mod faults;
+mod notes;
 mod refusals;
 mod verdicts;
 
@@ -16,8 +17,14 @@ use crate::core::effects::Effect;
 
 type Sentence = (&'static str, &'static str);
 
-const ALL: [&[Sentence]; 5] =
-    [verdicts::SENTENCES, diagnosis::SENTENCES, commanded::SENTENCES, faults::SENTENCES, refusals::SENTENCES];
+const ALL: [&[Sentence]; 6] = [
+    verdicts::SENTENCES,
+    notes::SENTENCES,
+    diagnosis::SENTENCES,
+    commanded::SENTENCES,
+    faults::SENTENCES,
+    refusals::SENTENCES,
+];
 
 impl Text {
     /// Words of the service in this language.

@@ -366,16 +366,28 @@ catalogue! {
     severity_critical: "critical", "严重";
     rule_word: "Rule", "规则";
     any: "any", "不限";
-    fired: "Fired", "触发时间";
+    since: "Since", "起始时间";
+    fired: "Found", "发现时间";
     said_by: "by", "由";
     until: "until", "至";
     acknowledge: "Acknowledge", "确认";
     acknowledge_title: "Acknowledge an alert", "确认告警";
     acknowledge_what: "Somebody knows: hooks hear no more repeats of this alert until it resolves or grows more severe. Both are still told.", "表示已有人知悉：在恢复或升级之前，不再向通知目标重复发送；恢复与升级仍会通知。";
+    unacknowledge: "Take the acknowledgement back", "撤销确认";
+    unacknowledge_title: "Take an acknowledgement back", "撤销告警的确认";
+    unacknowledge_what: "Hooks hear repeats of this alert again.", "恢复向通知目标重复发送该告警。";
     silence: "Silence", "静默";
     silence_title: "Silence an alert", "静默告警";
     silence_what: "Nobody is told of this alert before the silence ends. What has changed by then is told at its end.", "静默结束前不通知任何人；期间的变化在结束时通知。";
     silence_days: "For how many days", "静默天数";
+    silences: "Silences", "静默规则";
+    silence_of: "Alerts with", "适用的告警";
+    silence_many: "Silence alerts by gyro, IMU, station or rule", "按陀螺、惯性组合、测试站或规则静默告警";
+    silence_many_what: "Nobody is told of the alerts that match, of those that fire and of those that will. Every alert has to match all that is given; empty means \"any\". What has changed by the end is told at the end.", "凡符合条件的告警，无论现有或新触发，均不通知任何人。须同时符合所填各项；留空表示不限。期间的变化在结束时通知。";
+    silence_of_nothing: "name at least a gyro, an IMU, a station or a rule", "陀螺、惯性组合、测试站、规则至少填写一项";
+    end_silence: "End", "结束";
+    end_silence_title: "End a silence", "结束静默";
+    end_silence_what: "What the silence has held back is told now.", "静默期间的变化将立即通知。";
 
     // What somebody does: who, why, and that it is meant.
     actions_word: "Actions", "操作";
@@ -401,6 +413,11 @@ catalogue! {
     void_bench: "Void this bench result", "作废该单表测试结果";
     void_what: "It counts no more: baselines, trends, verdicts and alerts become what they would be if it had never come. It is kept as it was sent, with your name and reason, and stays to be seen. It cannot be made to count again; what was measured can be sent anew as a revision.", "该结果不再计入：基线、趋势、判定与告警均按从未收到它重新得出。原文连同姓名与原因永久保存，随时可查。作废不可撤销；可以修订的形式重新提交测量结果。";
     voided: "voided", "已作废";
+    set_aside: "set aside", "暂不计入";
+    was_set_aside: "Set aside: its time is in doubt, and it does not count until somebody confirms the time.", "暂不计入：时间存疑，待人工确认时间后计入。";
+    was_confirmed: "Time confirmed:", "时间已确认：";
+    confirm_time: "Confirm the time", "确认时间";
+    confirm_what: "The record counts from now on: baselines, verdicts and alerts become what they would be if it had counted from the first. If the time is wrong, void or revise the record instead.", "该记录自此计入：基线、判定与告警均按其一直计入重新得出。若时间有误，请作废或修订该记录。";
     revised: "revised", "已修订";
     was_voided: "Voided: it counts no more.", "已作废：不再计入。";
     was_revised: "Revised: in its place stands", "已修订，代之以";

@@ -8,6 +8,7 @@ use std::net::IpAddr;
 use serde::Serialize;
 
 use crate::core::access::Role;
+use crate::core::name::normal_form;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Refused, Submission};
 use crate::store::{AuditRow, Id};
@@ -52,7 +53,9 @@ impl Caller {
     /// [`Refused::OtherStation`].
     pub fn may_submit(&self, item: &Submission) -> Result<(), Refused> {
         match (&self.station, item.station()) {
-            (Some(own), Some(station)) if own != station => Err(Refused::OtherStation { station: own.clone() }),
+            (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
+                Err(Refused::OtherStation { station: own.clone() })
+            }
             _ => Ok(()),
         }
     }

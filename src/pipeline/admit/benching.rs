@@ -54,7 +54,7 @@ impl Desk<'_> {
             body: Arc::clone(&sent.body),
             body_sha256: sent.body_sha256,
         });
-        Ok(Accepted::Stored { id, judged: [].into() })
+        Ok(Accepted::stored(id))
     }
 
     async fn is_alike(&self, bench: Id, body: &str) -> Result<bool, StoreError> {

@@ -1,8 +1,11 @@
 //! What somebody says of a stored item: it does not count, or another record stands in its place.
 
+use std::sync::Arc;
+
 use serde_json::json;
 
 use super::{Desk, Group, Table};
+use crate::core::note::Note;
 use crate::core::time::UtcMicros;
 use crate::pipeline::compare::says_the_same;
 use crate::pipeline::read::{Calibration, Corrected, Correction};
@@ -35,14 +38,14 @@ impl Desk<'_> {
                         group.changes.withdrawn.records.truncate(before.0);
                         group.changes.withdrawn.history.truncate(before.1);
                     }
-                    let new = entered?;
+                    let (new, notes) = entered?;
                     self.take_down(sent, Some(new), group);
-                    return Ok(Accepted::Stored { id: new, judged: [].into() });
+                    return Ok(Accepted::Stored { id: new, judged: [].into(), notes });
                 }
             }
         }
         self.take_down(sent, None, group);
-        Ok(Accepted::Stored { id, judged: [].into() })
+        Ok(Accepted::stored(id))
     }
 
     fn take_down(&mut self, sent: &Correction, replaced_by: Option<Id>, group: &mut Group) {
@@ -60,19 +63,25 @@ impl Desk<'_> {
     }
 
     /// Takes a record out of what counts.
-    async fn withdraw(&self, record: &RecordRow, group: &mut Group) -> Result<(), StoreError> {
+    pub(super) async fn withdraw(&mut self, record: &RecordRow, group: &mut Group) -> Result<(), StoreError> {
         let at = record.calibrated_at;
         for &(gyro, _) in &record.verdicts.0 {
             let rows = self.store.history(gyro, Span { from: at, to: at }, 1).await?;
             let withdrawn = rows.into_iter().map(|figures| HistoryRow { gyro, figures });
             group.changes.withdrawn.history.extend(withdrawn);
         }
+        self.memory.forget_of(record.verdicts.0.iter().map(|(gyro, _)| *gyro));
         group.changes.withdrawn.records.push(record.id);
         Ok(())
     }
 
     /// Enters the record that is to stand in another's place.
-    async fn replace(&mut self, old: &RecordRow, new: &Calibration, group: &mut Group) -> Result<Id, Refused> {
+    async fn replace(
+        &mut self,
+        old: &RecordRow,
+        new: &Calibration,
+        group: &mut Group,
+    ) -> Result<(Id, Arc<[Note]>), Refused> {
         if self.number(Table::Imus, new.imu.as_str(), group) != Some(old.imu) {
             return Err(Refused::AnotherImu);
         }
@@ -83,7 +92,7 @@ impl Desk<'_> {
     }
 
     /// What was said of an item as it stands, this group included.
-    async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionRow>, StoreError> {
+    pub(super) async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionRow>, StoreError> {
         let mut said = self.store.corrections(item).await?;
         said.extend(group.changes.corrections.iter().cloned());
         said.retain(|row| row.item == item);

@@ -75,7 +75,6 @@ impl Naming<'_> {
     /// [`StoreError::Damaged`] where the stored finding cannot be read.
     pub fn alert(&self, row: &AlertRow, now: UtcMicros) -> Result<AlertBody, StoreError> {
         let finding = finding_of(row)?;
-        let until = row.alert.silenced_until.filter(|until| now < *until);
         Ok(AlertBody {
             id: row.id.to_string(),
             serial: self.gyro(row.gyro),
@@ -84,6 +83,7 @@ impl Naming<'_> {
             state: row.alert.standing(now).name().into(),
             status: Some(status_of(row, &finding).name().into()),
             severity: row.alert.severity.name().into(),
+            since: Some(time::format(row.alert.since)),
             fired_at: time::format(row.alert.fired_at),
             resolved_at: row.alert.resolved_at.map(time::format),
             finding,
@@ -92,14 +92,24 @@ impl Naming<'_> {
                 reason: remark.reason.clone(),
                 at: time::format(remark.at),
             }),
-            silenced: row.silenced.as_ref().zip(until).map(|(remark, until)| SilenceBody {
-                by: remark.by.clone(),
-                reason: remark.reason.clone(),
-                at: time::format(remark.at),
-                until: time::format(until),
-            }),
+            silenced: silence_of(row, now),
         })
     }
+}
+
+/// The silence that holds for an alert the longest.
+fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {
+    let own = row.silenced.as_ref().zip(row.alert.silenced_until).map(|(said, until)| (until, None, said));
+    let muted =
+        row.muted.as_ref().zip(row.alert.muted_until).map(|((silence, said), until)| (until, Some(*silence), said));
+    let holding = [own, muted].into_iter().flatten().filter(|(until, ..)| now < *until);
+    holding.max_by_key(|(until, ..)| *until).map(|(until, silence, said)| SilenceBody {
+        silence: silence.map(|id| id.to_string()),
+        by: said.by.clone(),
+        reason: said.reason.clone(),
+        at: time::format(said.at),
+        until: time::format(until),
+    })
 }
 
 /// The last verdict that an alert has followed.

@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::body::{Naming, Origin, text};
+use super::silences::Silences;
 use crate::core::judge::{Rule, Verdict};
-use crate::core::notify::{self, Action, Decision, Policy, Status};
+use crate::core::notify::{self, Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::time::UtcMicros;
 use crate::pipeline::judging::Undone;
 use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
@@ -13,10 +14,14 @@ use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Wr
 #[derive(Debug)]
 pub(in crate::pipeline) struct AlertBook {
     policy: Policy,
-    alerts: BTreeMap<u32, Vec<AlertRow>>,
+    pub(super) alerts: BTreeMap<u32, Vec<AlertRow>>,
     /// Gyro and place of what has changed since the last [`AlertBook::write`].
-    changed: BTreeSet<(u32, usize)>,
+    pub(super) changed: BTreeSet<(u32, usize)>,
     steps: Vec<StepRow>,
+    /// What hooks may have to be told, since the last [`AlertBook::news`].
+    pub(super) news: Vec<News>,
+    /// Those of many alerts that are in force.
+    pub(super) silences: Silences,
     /// What is in memory is ahead of what is stored.
     stale: bool,
 }
@@ -24,18 +29,42 @@ pub(in crate::pipeline) struct AlertBook {
 /// Who said something that became a step, and why.
 type Said = (Option<String>, Option<String>);
 
-/// What it takes to write an entry: the time, identifiers, names.
+/// What it takes to write an entry: the time, identifiers, names; what caused it, and how it is told if it comes late.
 pub(in crate::pipeline) struct Pen<'a> {
     pub now: UtcMicros,
     pub writer: &'a mut Writer,
     pub naming: Naming<'a>,
+    pub cause: Option<Id>,
+    pub late: Late,
+}
+
+/// Something has become of an alert that hooks may have to be told.
+#[derive(Debug, Clone)]
+pub(in crate::pipeline) struct News {
+    pub id: Id,
+    /// As it then was.
+    pub alert: notify::Alert,
+    pub action: Action,
+    /// The step that says so, if there is one.
+    pub step: Option<Id>,
+    /// The alert as clients read it, JSON.
+    pub body: String,
+    /// What one record has caused is one message.
+    pub cause: Option<Id>,
 }
 
 impl AlertBook {
-    pub async fn load(store: &Store, policy: Policy) -> Result<Self, StoreError> {
-        let mut book =
-            Self { policy, alerts: BTreeMap::new(), changed: BTreeSet::new(), steps: Vec::new(), stale: true };
-        book.refresh(store).await?;
+    pub async fn load(store: &Store, policy: Policy, now: UtcMicros) -> Result<Self, StoreError> {
+        let mut book = Self {
+            policy,
+            alerts: BTreeMap::new(),
+            changed: BTreeSet::new(),
+            steps: Vec::new(),
+            news: Vec::new(),
+            silences: Silences::default(),
+            stale: true,
+        };
+        book.refresh(store, now).await?;
         Ok(book)
     }
 
@@ -45,21 +74,28 @@ impl AlertBook {
     }
 
     /// Reads everything again, where it was forgotten.
-    pub async fn refresh(&mut self, store: &Store) -> Result<(), StoreError> {
+    pub async fn refresh(&mut self, store: &Store, now: UtcMicros) -> Result<(), StoreError> {
         if self.stale {
             let rows = store.alerts().await?;
-            (self.alerts, self.changed, self.steps) = Default::default();
+            self.silences = Silences::load(store, now).await?;
+            (self.alerts, self.changed, self.steps, self.news) = Default::default();
             rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));
             self.stale = false;
         }
         Ok(())
     }
 
-    /// Puts what has changed into a transaction.
-    pub fn write(&mut self, changes: &mut Changes) {
+    /// Puts what has changed into a transaction; returns what hooks may have to be told.
+    pub fn write(&mut self, changes: &mut Changes) -> Vec<News> {
         let changed = std::mem::take(&mut self.changed);
         changes.alerts.extend(changed.into_iter().map(|(gyro, place)| self.alerts[&gyro][place].clone()));
         changes.alert_steps.append(&mut self.steps);
+        std::mem::take(&mut self.news)
+    }
+
+    /// Every alert.
+    pub fn all(&self) -> impl Iterator<Item = &AlertRow> {
+        self.alerts.values().flatten()
     }
 
     /// Whether a gyro has ever had an alert.
@@ -71,17 +107,16 @@ impl AlertBook {
         self.alerts.get(&gyro).into_iter().flatten().filter(|row| row.alert.status == Status::Firing)
     }
 
-    pub fn gyros(&self) -> Vec<u32> {
-        self.alerts.keys().copied().collect()
-    }
-
     /// Follows a verdict on the newest figures of a gyro.
     pub fn follow(&mut self, gyro: u32, verdict: &Verdict, origin: &Origin, pen: &mut Pen<'_>) {
         let place = self.place(gyro, |row| row.coefficient == verdict.coefficient && row.rule == verdict.rule);
         let earlier = place.map(|place| &self.alerts[&gyro][place]);
-        let decision = notify::follow(earlier.map(|row| &row.alert), verdict, origin.at, pen.now, &self.policy);
-        let Some(alert) = decision.alert else { return };
         let naming = pen.naming;
+        let muting = self.silences.of(gyro, verdict, origin, &naming, pen.now);
+        let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
+        let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until };
+        let decision = notify::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
+        let Some(alert) = decision.alert else { return };
         let finding = || text(&naming.finding(verdict, origin));
         let (place, began) = match (place, earlier) {
             (Some(place), Some(row)) => {
@@ -102,6 +137,7 @@ impl AlertBook {
                     alert,
                     acknowledged: None,
                     silenced: None,
+                    muted: None,
                     finding: String::new(),
                 };
                 let rows = self.alerts.entry(gyro).or_default();
@@ -109,7 +145,8 @@ impl AlertBook {
                 (rows.len() - 1, true)
             }
         };
-        self.alerts.entry(gyro).or_default()[place].finding = finding();
+        let row = &mut self.alerts.entry(gyro).or_default()[place];
+        (row.finding, row.muted) = (finding(), muted);
         self.enter((gyro, place), decision, began, (None, None), pen);
     }
 
@@ -138,15 +175,47 @@ impl AlertBook {
 
     /// Follows the clock: repeats, and tells what a silence has held back.
     pub fn tick(&mut self, pen: &mut Pen<'_>) {
-        for gyro in self.gyros() {
-            for place in 0..self.alerts[&gyro].len() {
-                let row = &self.alerts[&gyro][place];
-                let decision = notify::tick(&row.alert, pen.now, &self.policy);
-                if decision.alert != Some(row.alert) {
-                    self.enter((gyro, place), decision, false, (None, None), pen);
-                }
+        self.silences.pass(pen.now);
+        for at in self.places() {
+            let before = self.alerts[&at.0][at.1].alert;
+            let decision = notify::tick(&before, pen.now, &self.policy);
+            let Some(after) = decision.alert.filter(|after| *after != before) else { continue };
+            self.enter(at, decision, false, (None, None), pen);
+            let silence_ended =
+                (before.silenced_until, before.muted_until) != (after.silenced_until, after.muted_until);
+            // The world was told before the silence; a hook that came during it was not.
+            if silence_ended && decision.action == Action::Silent {
+                let row = self.alerts[&at.0][at.1].clone();
+                let body = pen.naming.alert(&row, pen.now).map(|body| text(&body)).unwrap_or_default();
+                self.tell(&row, Action::Silent, None, body, pen);
             }
         }
+    }
+
+    /// What waits for the digest of an import is told; true where something did.
+    pub fn tell_digest(&mut self, pen: &mut Pen<'_>) -> bool {
+        let mut any = false;
+        for at in self.places() {
+            let Some(decision) = notify::digest(&self.alerts[&at.0][at.1].alert, pen.now) else { continue };
+            any = true;
+            self.enter(at, decision, false, (None, None), pen);
+            if decision.action != Action::Silent
+                && let Some(step) = self.steps.last_mut()
+            {
+                step.action = "digest".to_owned();
+            }
+        }
+        any
+    }
+
+    /// When something last came to wait for the digest of an import; none where nothing does.
+    pub fn digest_waits_since(&self) -> Option<UtcMicros> {
+        let waits = |row: &AlertRow| row.alert.hushed.filter(|hushed| hushed.digest).map(|hushed| hushed.at);
+        self.all().filter_map(waits).max()
+    }
+
+    pub(super) fn places(&self) -> Vec<(u32, usize)> {
+        self.alerts.iter().flat_map(|(gyro, rows)| (0..rows.len()).map(|place| (*gyro, place))).collect()
     }
 
     /// What a person said of an alert: applies `change`, and notes it as a step. None where there is no such alert.
@@ -191,15 +260,30 @@ impl AlertBook {
         if !alert.acknowledged {
             row.acknowledged = None;
         }
+        if alert.muted_until.is_none() {
+            row.muted = None;
+        }
         let row = row.clone();
         self.changed.insert((gyro, place));
         let action = if decision.action == Action::Silent { untold(earlier, alert) } else { Some(decision.action) };
         if let Some(action) = action {
-            self.step(&row, action.name(), decision.action != Action::Silent, said, pen);
+            let (step, body) = self.step(&row, action.name(), decision.action != Action::Silent, said, pen);
+            self.tell(&row, action, Some(step), body, pen);
         }
     }
 
-    fn step(&mut self, row: &AlertRow, action: &str, told: bool, (author, reason): Said, pen: &mut Pen<'_>) {
+    fn tell(&mut self, row: &AlertRow, action: Action, step: Option<Id>, body: String, pen: &Pen<'_>) {
+        self.news.push(News { id: row.id, alert: row.alert, action, step, body, cause: pen.cause });
+    }
+
+    fn step(
+        &mut self,
+        row: &AlertRow,
+        action: &str,
+        told: bool,
+        (author, reason): Said,
+        pen: &mut Pen<'_>,
+    ) -> (Id, String) {
         // The finding was written by this program, in this run or an earlier one; the next look at the alert names the damage.
         let body = pen.naming.alert(row, pen.now).map(|body| text(&body)).unwrap_or_default();
         let id = pen.writer.next_id(pen.now);
@@ -211,8 +295,9 @@ impl AlertBook {
             told,
             author,
             reason,
-            body,
+            body: body.clone(),
         });
+        (id, body)
     }
 }
 

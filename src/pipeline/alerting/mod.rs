@@ -8,10 +8,12 @@
 mod body;
 mod book;
 mod orders;
+mod silences;
 mod sources;
 
 pub use orders::{AlertChange, AlertOrder, AlertRecord, AlertStep};
+pub use silences::SilenceOrder;
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
-pub(super) use book::{AlertBook, Pen};
-pub(super) use sources::{follow_clock, follow_group};
+pub(super) use book::{AlertBook, News, Pen};
+pub(super) use sources::{Causes, follow_clock, follow_group};

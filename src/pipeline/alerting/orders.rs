@@ -23,6 +23,8 @@ pub struct AlertOrder {
 pub enum AlertChange {
     /// Somebody knows.
     Acknowledge,
+    /// Nobody does, after all.
+    Unacknowledge,
     /// Nobody is to be told before a time.
     Silence { until: UtcMicros },
 }
@@ -31,6 +33,7 @@ impl AlertChange {
     pub fn name(self) -> &'static str {
         match self {
             Self::Acknowledge => "acknowledge",
+            Self::Unacknowledge => "unacknowledge",
             Self::Silence { .. } => "silence",
         }
     }
@@ -97,7 +100,7 @@ impl Pipeline {
         Ok(Some(AlertRecord { alert, steps }))
     }
 
-    /// Acknowledges or silences an alert; returns it once that is on disk.
+    /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
     ///
     /// # Errors
     /// [`Refused::UnknownAlert`], [`Refused::AlertResolved`], or as [`Pipeline::submit`].
@@ -117,6 +120,15 @@ impl AlertBook {
         let changed = match order.change {
             AlertChange::Acknowledge if row.alert.status == notify::Status::Resolved => {
                 return Err(Refused::AlertResolved { id: order.alert });
+            }
+            // There is nothing to take back.
+            AlertChange::Unacknowledge if !row.alert.acknowledged => Some(row.clone()),
+            AlertChange::Unacknowledge => {
+                let change = |row: &mut AlertRow| {
+                    row.alert = notify::unacknowledge(&row.alert);
+                    row.acknowledged = None;
+                };
+                self.say(order.alert, order.change.name(), &remark, change, pen)
             }
             AlertChange::Acknowledge => {
                 let change = |row: &mut AlertRow| {

@@ -5,11 +5,37 @@ use std::collections::HashMap;
 use super::body::Origin;
 use super::book::{AlertBook, Pen};
 use crate::core::judge::{Rule, State, Verdict, overdue};
+use crate::core::notify::Late;
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::Agreement;
 use crate::pipeline::judging::{Judge, Judged, Newest};
 use crate::pipeline::read::{CalibratedGyro, Calibration};
-use crate::store::{AlertRow, Id};
+use crate::store::{AlertRow, Changes, Id};
+
+/// Which item of a group has changed what is known of a gyro, and how that is told if it comes late.
+#[derive(Debug, Default)]
+pub(in crate::pipeline) struct Causes {
+    items: HashMap<Id, Late>,
+    gyros: HashMap<u32, Id>,
+}
+
+impl Causes {
+    /// `items`: what was stored, by its identifier.
+    pub fn of(items: HashMap<Id, Late>, changes: &Changes) -> Self {
+        let rows = changes.history.iter().map(|row| (row.gyro, row.figures.record));
+        let benches = changes.benches.iter().map(|bench| (bench.gyro, bench.id));
+        let events = changes.events.iter().map(|event| (event.gyro, event.id));
+        let gyros = events.chain(benches).chain(rows).collect();
+        Self { items, gyros }
+    }
+
+    /// The cause is the item that was judged itself, where it is of the group, else the last that is of the gyro.
+    fn sign(&self, gyro: u32, item: Option<Id>, pen: &mut Pen<'_>) {
+        let item = item.filter(|item| self.items.contains_key(item)).or_else(|| self.gyros.get(&gyro).copied());
+        pen.cause = item;
+        pen.late = item.and_then(|item| self.items.get(&item)).copied().unwrap_or_default();
+    }
+}
 
 /// Lets the alerts follow what a group's judging has found.
 ///
@@ -20,9 +46,11 @@ pub(in crate::pipeline) fn follow_group(
     judged: &Judged,
     sent: &HashMap<Id, &Calibration>,
     agreements: &[Agreement],
+    causes: &Causes,
     pen: &mut Pen<'_>,
 ) {
     for (gyro, undone) in &judged.undone {
+        causes.sign(*gyro, None, pen);
         let fires = undone.fires.as_ref();
         let is_undone = |row: &AlertRow| match row.rule {
             Rule::Agreement => {
@@ -41,9 +69,11 @@ pub(in crate::pipeline) fn follow_group(
         }
     }
     for newest in &judged.newest {
+        causes.sign(newest.gyro, Some(newest.figures.record), pen);
         follow_newest(book, judge, judged, newest, sent, pen);
     }
     for agreement in agreements {
+        causes.sign(agreement.gyro, agreement.origin.item, pen);
         for verdict in &agreement.verdicts {
             book.follow(agreement.gyro, verdict, &agreement.origin, pen);
         }

@@ -62,7 +62,7 @@ impl JobDesk<'_> {
         };
         let started = JobChanges { started: vec![job], ..JobChanges::default() };
         self.commit(started, "start diagnoses", id, by, Some(&wanted.asked)).await?;
-        Ok(Accepted::Stored { id, judged: [].into() })
+        Ok(Accepted::stored(id))
     }
 
     async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, Refused> {
@@ -74,7 +74,7 @@ impl JobDesk<'_> {
         }
         let canceled = JobChanges { canceled: vec![(id, self.now)], ..JobChanges::default() };
         self.commit(canceled, "cancel diagnoses", id, by, None).await?;
-        Ok(Accepted::Stored { id, judged: [].into() })
+        Ok(Accepted::stored(id))
     }
 
     async fn commit(

@@ -1,22 +1,259 @@
-//! Which hooks are to be told of an alert. The writer keeps them in memory: it alone changes them.
+//! What each hook has heard, and what it is to be told. The writer keeps it in memory: it alone changes it.
+
+use std::cmp::Reverse;
+use std::collections::HashMap;
 
 use super::show;
-use crate::store::{Id, Store, StoreError};
+use crate::core::judge::Severity;
+use crate::core::notify::{self, Action, Alert};
+use crate::core::time::UtcMicros;
+use crate::pipeline::alerting::News;
+use crate::store::{HookRow, Id, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
 use crate::wire::alert::AlertBody;
-use crate::wire::hook::FilterBody;
+use crate::wire::hook::{DigestBody, FilterBody};
 
-/// The enabled hooks and what each wants to hear.
+/// Alerts of one message; more of them are several messages.
+const MOST_OF_A_MESSAGE: usize = 1000;
+
+/// The enabled hooks, what each wants to hear, and what it has heard.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct HookBook(Vec<(Id, FilterBody)>);
+pub(in crate::pipeline) struct HookBook {
+    hooks: Vec<Ear>,
+    /// By hook and alert: that it fires, with this severity.
+    heard: HashMap<(Id, Id), Severity>,
+    /// What is in memory is ahead of what is stored.
+    stale: bool,
+}
+
+/// A hook that listens.
+#[derive(Debug, Clone)]
+pub(in crate::pipeline) struct Ear {
+    pub hook: Id,
+    pub filter: FilterBody,
+    pub batch: bool,
+}
+
+impl Ear {
+    pub fn of(row: &HookRow) -> Result<Self, StoreError> {
+        Ok(Self { hook: row.id, filter: show::filter(row)?, batch: row.batch })
+    }
+}
+
+/// An alert as it stands.
+#[derive(Debug, Clone)]
+pub(in crate::pipeline) struct Standing {
+    pub id: Id,
+    pub alert: Alert,
+    pub body: AlertBody,
+}
+
+/// Where what hooks are told is written.
+pub(in crate::pipeline) struct Scribe<'a> {
+    pub now: UtcMicros,
+    pub ids: &'a mut IdSource,
+    pub outbox: &'a mut OutboxChanges,
+}
 
 impl HookBook {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
         let enabled = store.hooks().await?.into_iter().filter(|hook| hook.enabled);
-        enabled.map(|hook| Ok((hook.id, show::filter(&hook)?))).collect::<Result<_, _>>().map(Self)
+        let hooks = enabled.map(|hook| Ear::of(&hook)).collect::<Result<_, _>>()?;
+        let heard = store.heard().await?.into_iter();
+        let unknown = |hook| StoreError::Damaged(format!("what hook {hook} has heard: unknown severity"));
+        let heard = heard.map(|(hook, alert, severity)| {
+            Ok(((hook, alert), Severity::from_name(&severity).ok_or_else(|| unknown(hook))?))
+        });
+        Ok(Self { hooks, heard: heard.collect::<Result<_, StoreError>>()?, stale: false })
     }
 
-    /// The hooks that are told of an alert, oldest first.
-    pub fn wanting(&self, alert: &AlertBody) -> impl Iterator<Item = Id> {
-        self.0.iter().filter(|(_, filter)| filter.wants(alert)).map(|(hook, _)| *hook)
+    /// What was noted is not what was committed: it is read again before it is used.
+    pub fn forget(&mut self) {
+        self.stale = true;
     }
+
+    /// Reads everything again, where it was forgotten.
+    pub async fn refresh(&mut self, store: &Store) -> Result<(), StoreError> {
+        if self.stale {
+            *self = Self::load(store).await?;
+        }
+        Ok(())
+    }
+
+    /// Queues what each hook is to be told of what has become of alerts.
+    pub fn tell(&mut self, news: &[News], scribe: &mut Scribe<'_>) -> Result<(), StoreError> {
+        let mut bodies = Vec::with_capacity(news.len());
+        for one in news.iter().filter(|_| !self.hooks.is_empty()) {
+            bodies.push((one, read(one)?));
+        }
+        for ear in self.hooks.clone() {
+            // All that one record has caused; without batches each change by itself.
+            let mut messages: Vec<(Option<Id>, Vec<Told>)> = Vec::new();
+            for (one, body) in &bodies {
+                let Some(action) = self.hear(&ear, one, body, scribe) else { continue };
+                let told = Told { severity: one.alert.severity, action, part: part_of(one, action) };
+                match messages.iter_mut().find(|(cause, _)| ear.batch && *cause == one.cause) {
+                    Some((_, all)) => add(all, told),
+                    None => messages.push((one.cause, vec![told])),
+                }
+            }
+            messages.into_iter().for_each(|(_, told)| queue(ear.hook, told, scribe));
+        }
+        Ok(())
+    }
+
+    /// Queues the digest of an import: for each hook one message about all that it lets through.
+    pub fn tell_digest(&mut self, news: &[News], scribe: &mut Scribe<'_>) -> Result<(), StoreError> {
+        let mut bodies = Vec::with_capacity(news.len());
+        for one in news.iter().filter(|_| !self.hooks.is_empty()) {
+            bodies.push((one, read(one)?));
+        }
+        for ear in self.hooks.clone() {
+            let mut told: Vec<(&AlertBody, Told)> = Vec::new();
+            for (one, body) in &bodies {
+                let Some(action) = self.hear(&ear, one, body, scribe) else { continue };
+                let part = part_of(one, action);
+                told.push((body, Told { severity: one.alert.severity, action, part }));
+            }
+            if told.is_empty() {
+                continue;
+            }
+            told.sort_by_key(|(_, told)| told.rank());
+            let (told, parts): (Vec<&AlertBody>, Vec<Part>) =
+                told.into_iter().map(|(body, told)| (body, told.part)).unzip();
+            let digest = serde_json::to_string(&DigestBody::of(&told)).expect("counts can be written as JSON");
+            scribe.outbox.queued.push(NewDelivery {
+                id: scribe.ids.next(scribe.now),
+                hook: ear.hook,
+                subject: Subject::Many,
+                queued_at: scribe.now,
+                action: Some(DIGEST),
+                parts,
+                digest: Some(digest),
+            });
+        }
+        Ok(())
+    }
+
+    /// What a hook is told of one piece of news; it has heard that then.
+    fn hear(&mut self, ear: &Ear, news: &News, body: &AlertBody, scribe: &mut Scribe<'_>) -> Option<Action> {
+        let heard = self.heard.get(&(ear.hook, news.id)).copied();
+        let action = notify::for_hook(&news.alert, heard, news.action, scribe.now)?;
+        // Whoever was told that it fires is told that it ends, whatever the filter has become.
+        if action != Action::Resolve && !ear.filter.wants(body) {
+            return None;
+        }
+        let hears = (action != Action::Resolve).then_some(news.alert.severity);
+        match hears {
+            Some(severity) => drop(self.heard.insert((ear.hook, news.id), severity)),
+            None => drop(self.heard.remove(&(ear.hook, news.id))),
+        }
+        scribe.outbox.heard.push((ear.hook, news.id, hears));
+        Some(action)
+    }
+
+    pub fn has_heard(&self, hook: Id) -> HashMap<Id, Severity> {
+        self.heard.iter().filter(|((of, _), _)| *of == hook).map(|((_, alert), severity)| (*alert, *severity)).collect()
+    }
+}
+
+/// The action of a delivery that is a digest.
+pub(in crate::pipeline) const DIGEST: &str = "digest";
+
+/// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and the end of what
+/// it has heard fire. `heard`: what it has heard.
+pub(in crate::pipeline) fn introduce(
+    ear: &Ear,
+    heard: &HashMap<Id, Severity>,
+    alerts: &[Standing],
+    scribe: &mut Scribe<'_>,
+) {
+    let mut told = Vec::new();
+    for Standing { id, alert, body } in alerts {
+        // It hears what others were spared because it was found late.
+        let alert = Alert { hushed: None, ..*alert };
+        let Some(action) = notify::for_hook(&alert, heard.get(id).copied(), Action::Silent, scribe.now) else {
+            continue;
+        };
+        let ends = action == Action::Resolve;
+        if ends || ear.filter.wants(body) {
+            let body = serde_json::to_string(body).expect("names, numbers and times can always be written as JSON");
+            let part = Part { alert: *id, action: action.name(), step: None, body: Some(body) };
+            told.push(Told { severity: alert.severity, action, part });
+            scribe.outbox.heard.push((ear.hook, *id, (!ends).then_some(alert.severity)));
+        }
+    }
+    if ear.batch {
+        queue(ear.hook, told, scribe);
+    } else {
+        told.into_iter().for_each(|one| queue(ear.hook, vec![one], scribe));
+    }
+}
+
+/// An alert of a message under construction.
+struct Told {
+    severity: Severity,
+    action: Action,
+    part: Part,
+}
+
+impl Told {
+    /// The gravest comes first.
+    fn rank(&self) -> (bool, Reverse<Severity>, u8) {
+        let urgency = match self.action {
+            Action::Escalate => 0,
+            Action::Fire => 1,
+            Action::Repeat => 2,
+            Action::Resolve | Action::Silent => 3,
+        };
+        (self.action == Action::Resolve, Reverse(self.severity), urgency)
+    }
+}
+
+/// One message tells of an alert once: what it comes to.
+fn add(all: &mut Vec<Told>, new: Told) {
+    let Some(place) = all.iter().position(|told| told.part.alert == new.part.alert) else {
+        return all.push(new);
+    };
+    match (all[place].action, new.action) {
+        // It never heard that it fires.
+        (Action::Fire, Action::Resolve) => drop(all.remove(place)),
+        (Action::Fire, _) => {
+            let part = Part { action: Action::Fire.name(), ..new.part };
+            all[place] = Told { action: Action::Fire, part, ..new };
+        }
+        _ => all[place] = new,
+    }
+}
+
+fn part_of(news: &News, action: Action) -> Part {
+    let body = news.step.is_none().then(|| news.body.clone());
+    Part { alert: news.id, action: action.name(), step: news.step, body }
+}
+
+/// Queues one message, the gravest alert first; several where there are very many.
+fn queue(hook: Id, mut told: Vec<Told>, scribe: &mut Scribe<'_>) {
+    told.sort_by_key(Told::rank);
+    let parts: Vec<Part> = told.into_iter().map(|one| one.part).collect();
+    for parts in parts.chunks(MOST_OF_A_MESSAGE) {
+        let (subject, parts) = match parts {
+            [part @ Part { alert, step: Some(step), .. }] => {
+                (Subject::Step { step: *step, alert: *alert }, std::slice::from_ref(part))
+            }
+            many => (Subject::Many, many),
+        };
+        scribe.outbox.queued.push(NewDelivery {
+            id: scribe.ids.next(scribe.now),
+            hook,
+            subject,
+            queued_at: scribe.now,
+            action: parts.first().map(|part| part.action),
+            parts: if subject == Subject::Many { parts.to_vec() } else { Vec::new() },
+            digest: None,
+        });
+    }
+}
+
+fn read(news: &News) -> Result<AlertBody, StoreError> {
+    serde_json::from_str(&news.body)
+        .map_err(|error| StoreError::Damaged(format!("what has become of alert {}: {error}", news.id)))
 }

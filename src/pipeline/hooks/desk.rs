@@ -1,16 +1,20 @@
 //! What changes hooks and their queues, carried out by the one writer.
 
+use std::collections::HashMap;
+
 use serde::Serialize;
 
+use super::book::{Ear, Scribe, Standing, introduce};
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
+use crate::core::judge::Severity;
+use crate::core::notify::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Refused};
 use crate::store::{
     AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
     Subject, Writer,
 };
-use crate::wire::hook::FilterBody;
 use crate::wire::time;
 
 /// Each hook costs a task and a queue.
@@ -40,6 +44,8 @@ struct Audited<'a> {
     signed: bool,
     filter: &'a str,
     enabled: bool,
+    batch: bool,
+    expect: Option<&'a str>,
 }
 
 impl<'a> From<&'a HookRow> for Audited<'a> {
@@ -54,6 +60,8 @@ impl<'a> From<&'a HookRow> for Audited<'a> {
             signed: hook.secret.is_some(),
             filter: &hook.filter,
             enabled: hook.enabled,
+            batch: hook.batch,
+            expect: hook.expect.as_deref(),
         }
     }
 }
@@ -74,6 +82,7 @@ pub struct Attempted {
     pub at: UtcMicros,
     pub status: Option<u16>,
     pub detail: String,
+    pub answer: Option<String>,
     pub took_us: i64,
     pub progress: Progress,
     /// The address that answered 410: nothing more is sent there.
@@ -91,6 +100,10 @@ pub(in crate::pipeline) struct HookDesk<'a> {
     pub now: UtcMicros,
     /// How long a secret that is replaced signs as well.
     pub old_secret_until: UtcMicros,
+    /// Every alert, where an order may let a hook hear of it.
+    pub alerts: Vec<Standing>,
+    /// What the hook of the order has heard of them.
+    pub heard: HashMap<Id, Severity>,
 }
 
 impl HookDesk<'_> {
@@ -104,6 +117,7 @@ impl HookDesk<'_> {
                 let hook = self.hook(*id).await?;
                 changes.hooks.push(HookRow { deleted_at: Some(self.now), changed_at: self.now, ..hook });
                 changes.outbox.dropped.push((*id, self.now));
+                changes.outbox.forgotten.push(*id);
                 *id
             }
             Order::Test(hook) => self.test(*hook, &mut changes).await?,
@@ -149,7 +163,7 @@ impl HookDesk<'_> {
             return Err(Refused::TooManyHooks { most: MOST_HOOKS });
         }
         let id = self.writer.next_id(self.now);
-        changes.hooks.push(HookRow {
+        let row = HookRow {
             id,
             name: new.name.clone(),
             kind: new.kind.name().to_owned(),
@@ -157,18 +171,49 @@ impl HookDesk<'_> {
             authorization: new.authorization.clone(),
             secret: new.secret.as_ref().map(|secret| secret.reveal()),
             old_secret: None,
-            filter: filter_text(&new.filter),
+            filter: text(&new.filter),
+            batch: new.batch,
+            expect: new.expect.as_ref().map(text),
             enabled: new.enabled,
             disabled_because: None,
             created_at: self.now,
             changed_at: self.now,
             deleted_at: None,
-        });
+        };
+        if row.enabled {
+            self.introduce(&row, &HashMap::new(), &mut changes.outbox)?;
+        }
+        changes.hooks.push(row);
         Ok(id)
+    }
+
+    /// The hook hears how things stand.
+    fn introduce(
+        &mut self,
+        row: &HookRow,
+        heard: &HashMap<Id, Severity>,
+        outbox: &mut OutboxChanges,
+    ) -> Result<(), StoreError> {
+        let mut scribe = Scribe { now: self.now, ids: self.writer.ids(), outbox };
+        introduce(&Ear::of(row)?, heard, &self.alerts, &mut scribe);
+        Ok(())
+    }
+
+    /// A hook that was disabled has missed what was not told it. What still waited is old by now: it hears how things stand
+    /// instead, by what it has taken before.
+    async fn take_up(&mut self, row: &HookRow, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
+        outbox.dropped.push((row.id, self.now));
+        outbox.forgotten.push(row.id);
+        let taken = self.store.delivered_firing(row.id).await?;
+        let ended = |id: &Id| self.alerts.iter().any(|one| one.id == *id && one.alert.status == Status::Resolved);
+        // Of what fires it is told again, whatever it has heard.
+        let heard = taken.into_iter().filter(ended).map(|id| (id, Severity::Warning)).collect();
+        self.introduce(row, &heard, outbox)
     }
 
     async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, Refused> {
         let mut hook = self.hook(id).await?;
+        let was_enabled = hook.enabled;
         if let Some(secret) = &patch.secret {
             if secret.is_none() && hook.kind == HookKind::StandardWebhooks.name() {
                 return Err(Refused::SecretNeeded);
@@ -184,12 +229,24 @@ impl HookDesk<'_> {
         hook.name = patch.name.clone().unwrap_or(hook.name);
         hook.url = patch.url.clone().unwrap_or(hook.url);
         hook.authorization = patch.authorization.clone().unwrap_or(hook.authorization);
-        hook.filter = patch.filter.as_ref().map_or(hook.filter, filter_text);
+        hook.filter = patch.filter.as_ref().map_or(hook.filter, text);
+        hook.batch = patch.batch.unwrap_or(hook.batch);
+        if let Some(expect) = &patch.expect {
+            hook.expect = expect.as_ref().map(text);
+        }
         if let Some(enabled) = patch.enabled {
             (hook.enabled, hook.disabled_because) = (enabled, None);
         }
-        if hook.enabled {
-            changes.outbox.hastened.push((id, self.now));
+        match (was_enabled, hook.enabled) {
+            (false, true) => self.take_up(&hook, &mut changes.outbox).await?,
+            (true, true) => {
+                changes.outbox.hastened.push((id, self.now));
+                if patch.filter.is_some() {
+                    let heard = std::mem::take(&mut self.heard);
+                    self.introduce(&hook, &heard, &mut changes.outbox)?;
+                }
+            }
+            (_, false) => {}
         }
         changes.hooks.push(HookRow { changed_at: self.now, ..hook });
         Ok(id)
@@ -198,7 +255,9 @@ impl HookDesk<'_> {
     async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, Refused> {
         self.enabled_hook(hook).await?;
         let id = self.writer.next_id(self.now);
-        changes.outbox.queued.push(NewDelivery { id, hook, subject: Subject::Test, queued_at: self.now });
+        let (subject, queued_at) = (Subject::Test, self.now);
+        let test = NewDelivery { id, hook, subject, queued_at, action: None, parts: Vec::new(), digest: None };
+        changes.outbox.queued.push(test);
         Ok(id)
     }
 
@@ -225,6 +284,7 @@ impl HookDesk<'_> {
             at: attempted.at,
             status: attempted.status,
             detail: attempted.detail.clone(),
+            answer: attempted.answer.clone(),
             took_us: attempted.took_us,
         };
         changes.outbox.attempts.push((attempt, attempted.progress));
@@ -260,6 +320,6 @@ impl HookDesk<'_> {
     }
 }
 
-fn filter_text(filter: &FilterBody) -> String {
-    serde_json::to_string(filter).expect("a filter is lists of texts")
+fn text(body: &impl Serialize) -> String {
+    serde_json::to_string(body).expect("lists of texts, and JSON as it was read")
 }

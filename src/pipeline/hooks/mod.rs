@@ -7,7 +7,7 @@ mod desk;
 mod read;
 mod show;
 
-pub(super) use book::HookBook;
+pub(super) use book::{HookBook, Scribe, Standing};
 pub use desk::Order;
 pub(super) use desk::{Attempted, Found, HookDesk};
 pub use read::{HookPatch, NewHook};

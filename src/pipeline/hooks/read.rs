@@ -5,7 +5,7 @@ use crate::alert::sign::Secret;
 use crate::alert::target::TargetPolicy;
 use crate::core::fault::Faults;
 use crate::core::record::Name;
-use crate::wire::hook::{FilterBody, HookPatchBody, NewHookBody};
+use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
 use crate::wire::json;
 
 /// Longest `Authorization` header.
@@ -21,6 +21,8 @@ pub struct NewHook {
     pub(super) authorization: Option<String>,
     pub(super) filter: FilterBody,
     pub(super) enabled: bool,
+    pub(super) batch: bool,
+    pub(super) expect: Option<ExpectBody>,
     drawn: bool,
 }
 
@@ -33,6 +35,8 @@ pub struct HookPatch {
     pub(super) authorization: Option<Option<String>>,
     pub(super) filter: Option<FilterBody>,
     pub(super) enabled: Option<bool>,
+    pub(super) batch: Option<bool>,
+    pub(super) expect: Option<Option<ExpectBody>>,
     drawn: bool,
 }
 
@@ -63,11 +67,14 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, F
     check_url(&body.url, policy, &mut faults);
     check_authorization(body.authorization.as_deref(), &mut faults);
     body.filter.check("/filter", &mut faults);
+    if let Some(expect) = &body.expect {
+        expect.check("/expect", &mut faults);
+    }
     let drawn = body.secret.is_none() && kind == HookKind::StandardWebhooks;
     let secret = if drawn { draw("/secret", &mut faults) } else { secret(body.secret.as_deref(), &mut faults) };
-    let NewHookBody { name, url, authorization, filter, enabled, .. } = body;
+    let NewHookBody { name, url, authorization, filter, enabled, batch, expect, .. } = body;
     let name = name.unwrap_or_else(|| kind.name().to_owned());
-    faults.or(NewHook { name, kind, url, secret, authorization, filter, enabled, drawn })
+    faults.or(NewHook { name, kind, url, secret, authorization, filter, enabled, batch, expect, drawn })
 }
 
 pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy) -> Result<HookPatch, Faults> {
@@ -81,6 +88,9 @@ pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy) -> Result<HookPatch, Fa
     if let Some(filter) = &body.filter {
         filter.check("/filter", &mut faults);
     }
+    if let Some(Some(expect)) = &body.expect {
+        expect.check("/expect", &mut faults);
+    }
     if body.rotate_secret && body.secret.is_some() {
         faults.push("/rotate_secret", "draws a secret, so `secret` must be left out");
     }
@@ -89,8 +99,8 @@ pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy) -> Result<HookPatch, Fa
         Some(given) => Some(secret(given.as_deref(), &mut faults)),
         None => None,
     };
-    let HookPatchBody { name, url, authorization, filter, enabled, rotate_secret: drawn, .. } = body;
-    faults.or(HookPatch { name, url, secret, authorization, filter, enabled, drawn })
+    let HookPatchBody { name, url, authorization, filter, enabled, batch, expect, rotate_secret: drawn, .. } = body;
+    faults.or(HookPatch { name, url, secret, authorization, filter, enabled, batch, expect, drawn })
 }
 
 fn check_name(name: Option<&str>, faults: &mut Faults) {

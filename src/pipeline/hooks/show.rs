@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::alert::event_name;
+use super::book::DIGEST;
+use crate::alert::{DIGEST_EVENT, event_name};
 use crate::core::notify::Action;
 use crate::core::time::UtcMicros;
 use crate::store::{AttemptRow, DeliveryRow, DeliveryState, HookRow, Id, QueueState, StoreError, Subject};
@@ -11,6 +12,8 @@ use crate::wire::time;
 
 pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<HookBody, StoreError> {
     let filter = filter(&row)?;
+    let expect = row.expect.as_deref().map(serde_json::from_str).transpose();
+    let expect = expect.map_err(|error| StoreError::Damaged(format!("what hook {} is to hear: {error}", row.id)))?;
     let old_secret = row.old_secret.filter(|(_, until)| now < *until);
     Ok(HookBody {
         id: row.id.to_string(),
@@ -22,6 +25,8 @@ pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<Ho
         old_secret_until: old_secret.map(|(_, until)| time::format(until)),
         filter,
         enabled: row.enabled,
+        batch: row.batch,
+        expect,
         disabled_because: row.disabled_because,
         created_at: time::format(row.created_at),
         changed_at: time::format(row.changed_at),
@@ -36,11 +41,11 @@ pub(super) fn filter(row: &HookRow) -> Result<FilterBody, StoreError> {
         .map_err(|error| StoreError::Damaged(format!("the filter of hook {}: {error}", row.id)))
 }
 
-/// The identifier of a message, the same at every attempt, replay and hook.
+/// The identifier of a message, the same at every attempt and replay; that of a single step also at every hook.
 pub(in crate::pipeline) fn webhook_id(delivery: Id, subject: Subject) -> String {
     match subject {
         Subject::Step { step, .. } => format!("evt_{step}"),
-        Subject::Test => format!("evt_{delivery}"),
+        Subject::Many | Subject::Test => format!("evt_{delivery}"),
     }
 }
 
@@ -50,11 +55,11 @@ pub(super) fn delivery(row: DeliveryRow) -> DeliveryBody {
         id: row.id.to_string(),
         hook: row.hook.to_string(),
         webhook_id: webhook_id(row.id, row.subject),
-        event: event_name(row.action.as_deref().and_then(Action::from_name)),
-        alert: match row.subject {
-            Subject::Step { alert, .. } => Some(alert.to_string()),
-            Subject::Test => None,
+        event: match row.action.as_deref() {
+            Some(DIGEST) => DIGEST_EVENT,
+            action => event_name(action.and_then(Action::from_name)),
         },
+        alert: row.alert.map(|alert| alert.to_string()),
         queued_at: time::format(row.queued_at),
         state: row.state.name(),
         due_at: (row.state == DeliveryState::Waiting).then(|| time::format(due_at)),
@@ -65,5 +70,6 @@ pub(super) fn delivery(row: DeliveryRow) -> DeliveryBody {
 
 fn attempt(row: AttemptRow) -> AttemptBody {
     let took = Duration::from_micros(row.took_us.unsigned_abs());
-    AttemptBody { at: time::format(row.at), status: row.status, detail: row.detail, took_ms: took.as_secs_f64() * 1e3 }
+    let AttemptRow { status, detail, answer, .. } = row;
+    AttemptBody { at: time::format(row.at), status, detail, answer, took_ms: took.as_secs_f64() * 1e3 }
 }

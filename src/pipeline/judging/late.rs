@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-use super::{Judge, Judged, Newest, states};
+use super::{Judge, Judged, Newest, Verdicts, states};
 use crate::core::judge::history::{
     BASELINE_RECORDS, Mark, Need, Sample, Seat, baseline_of, baseline_since, seat_baseline_of,
 };
@@ -208,6 +208,22 @@ impl Judge {
 
     fn samples_of(&self, indices: &[usize], changes: &Changes) -> impl Iterator<Item = Sample> {
         indices.iter().map(|&i| sample_of(&changes.history[i].figures, self.judging.method))
+    }
+
+    /// Puts the verdicts on records whose time was confirmed into their sheets.
+    pub(super) async fn enter_confirmed(
+        &self,
+        verdicts: &Verdicts,
+        changes: &Changes,
+        sheets: &mut HashMap<Id, VerdictSheet>,
+    ) -> Result<(), StoreError> {
+        let is_confirmed = |id: Id| changes.confirmed.iter().any(|confirmed| confirmed.record == id);
+        for HistoryRow { gyro, figures } in changes.history.iter().filter(|row| is_confirmed(row.figures.record)) {
+            if let Some(judged) = verdicts.get(&(figures.record, *gyro)) {
+                self.correct_sheet(*gyro, figures.record, judged, sheets).await?;
+            }
+        }
+        Ok(())
     }
 
     /// Puts the new verdicts of one gyro into a stored record's sheet; those that need no history stay.

@@ -15,8 +15,12 @@ impl Judge {
         for gyro in changes.withdrawn.gyros() {
             let fires = self.replay(gyro, changes).await?;
             let rows = changes.withdrawn.history.iter().filter(|row| row.gyro == gyro);
-            if let Some(said) = said_of(rows.map(|row| row.figures.record), changes) {
+            let rows = rows.map(|row| row.figures.record);
+            if let Some(said) = said_of(rows.clone(), changes) {
                 judged.undone.insert(gyro, undone(Some(fires), said));
+            } else if rows.into_iter().any(|record| changes.set_aside.stored.contains(&record)) {
+                let (author, reason) = (SERVICE.to_owned(), SET_ASIDE.to_owned());
+                judged.undone.insert(gyro, Undone { fires: Some(fires), author, reason });
             }
         }
         for (bench, gyro) in &changes.withdrawn.benches {
@@ -62,6 +66,10 @@ impl Judge {
         Ok(firing.map(|(key, _)| key).collect())
     }
 }
+
+/// Who says so, and why, where nobody did: a record's time is in doubt beside a new one's.
+const SERVICE: &str = "gyrowatch";
+const SET_ASIDE: &str = "the time of earlier records is in doubt: they are set aside";
 
 fn said_of(mut items: impl Iterator<Item = Id>, changes: &Changes) -> Option<&CorrectionRow> {
     items.find_map(|item| changes.corrections.iter().find(|row| row.item == item))

@@ -59,9 +59,9 @@ impl Health {
     }
 }
 
-/// Whether a failure is of the target, not of the one message.
+/// Whether a failure is of the target, not of the one message: a 2xx that does not say what it is to say is of the message.
 fn is_the_targets(status: Option<u16>) -> bool {
-    status.is_none_or(|status| matches!(status, 408 | 429) || !(400..500).contains(&status))
+    status.is_none_or(|status| matches!(status, 408 | 429) || !matches!(status, 200..300 | 400..500))
 }
 
 #[cfg(test)]
@@ -75,7 +75,7 @@ mod tests {
             Some(200) => Outcome::Delivered,
             _ => Outcome::Failed { retry_after: retry_after.map(Duration::from_secs) },
         };
-        Attempt { outcome, status, detail: String::new(), took: Duration::ZERO }
+        Attempt { outcome, status, detail: String::new(), answer: None, took: Duration::ZERO }
     }
 
     #[test]

@@ -31,7 +31,7 @@ const BREATH: Duration = Duration::from_secs(1);
 
 /// What has happened to a delivery under way.
 enum Event {
-    Attempted(Arc<Addressee>, DueDelivery, Attempt),
+    Attempted(Arc<Addressee>, Box<DueDelivery>, Attempt),
     WrittenDown(Id),
     /// What waits has been made due.
     Hastened,
@@ -199,7 +199,7 @@ impl Lane {
         let (desk, to) = (Arc::clone(&self.desk), Arc::clone(to));
         self.under_way.push(Box::pin(async move {
             let attempt = desk.attempt(&to, &due).await;
-            Event::Attempted(to, due, attempt)
+            Event::Attempted(to, Box::new(due), attempt)
         }));
     }
 
@@ -231,11 +231,10 @@ impl Lane {
     async fn resend(&mut self, to: &Addressee) -> Result<(), StoreError> {
         self.resend_at = Instant::now() + self.desk.pipeline.config.hooks.resend_every();
         let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
-        let mut firing: Vec<AlertBody> = Vec::new();
-        for body in self.desk.pipeline.store.firing_as_told().await? {
-            firing.push(serde_json::from_str(&body).map_err(damaged)?);
+        let mut firing: Vec<(String, AlertBody)> = Vec::new();
+        for (severity, body) in self.desk.pipeline.store.heard_firing(self.hook).await? {
+            firing.push((severity, serde_json::from_str(&body).map_err(damaged)?));
         }
-        firing.retain(|alert| to.filter.wants(alert));
         if firing.is_empty() {
             return Ok(());
         }

@@ -7,21 +7,21 @@ use crate::alert::deliver::{Attempt, Destination, Outcome};
 use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
 use crate::alert::sign::{self, Secret};
-use crate::alert::{Event, HookKind, Message};
+use crate::alert::{Change, Event, HookKind, Message};
 use crate::core::notify::Action;
 use crate::core::time::UtcMicros;
 use crate::pipeline::hooks::{Attempted, webhook_id};
 use crate::store::{DeliveryState, DueDelivery, HookRow, Progress, Subject};
 use crate::system;
 use crate::wire::alert::AlertBody;
-use crate::wire::hook::FilterBody;
+use crate::wire::hook::ExpectBody;
 
 /// A hook, ready to send to.
 #[derive(Clone)]
 pub(super) struct Addressee {
     pub row: HookRow,
     pub kind: HookKind,
-    pub filter: FilterBody,
+    pub expect: Option<ExpectBody>,
 }
 
 impl Addressee {
@@ -29,8 +29,8 @@ impl Addressee {
     /// What of the stored hook makes no sense.
     pub fn of(row: HookRow) -> Result<Self, String> {
         let kind = HookKind::from_name(&row.kind).ok_or_else(|| format!("unknown kind {:?}", row.kind))?;
-        let filter = serde_json::from_str(&row.filter).map_err(|error| format!("filter: {error}"))?;
-        Ok(Self { row, kind, filter })
+        let expect = row.expect.as_deref().map(serde_json::from_str).transpose();
+        Ok(Self { kind, expect: expect.map_err(|error| format!("expect: {error}"))?, row })
     }
 
     /// The secrets that sign now: while one is being replaced, both.
@@ -40,7 +40,8 @@ impl Addressee {
     }
 
     fn destination(&self) -> Destination<'_> {
-        Destination { kind: self.kind, url: &self.row.url, authorization: self.row.authorization.as_deref() }
+        let HookRow { url, authorization, .. } = &self.row;
+        Destination { kind: self.kind, url, authorization: authorization.as_deref(), expect: self.expect.as_ref() }
     }
 }
 
@@ -57,13 +58,14 @@ impl Desk {
                 outcome: Outcome::Failed { retry_after: None },
                 status: None,
                 detail: format!("the stored message cannot be read: {why}"),
+                answer: None,
                 took: Duration::ZERO,
             },
         }
     }
 
     /// Sends what fires to an Alertmanager once more.
-    pub async fn resend(&self, to: &Addressee, firing: &[AlertBody]) -> Attempt {
+    pub async fn resend(&self, to: &Addressee, firing: &[(String, AlertBody)]) -> Attempt {
         let now = self.pipeline.clock.now();
         let payload = payload::push_firing(firing, &self.context(&to.row.name, now));
         self.send(to, &format!("resend_{}", now.0), payload, now).await
@@ -83,14 +85,21 @@ impl Desk {
 
 fn message(due: &DueDelivery) -> Result<Message, String> {
     let id = webhook_id(due.id, due.subject);
-    let (at, event) = match (due.subject, &due.content) {
-        (Subject::Test, _) => (due.queued_at, Event::Test),
-        (Subject::Step { .. }, Some((at, action, body))) => {
-            let action = Action::from_name(action).ok_or_else(|| format!("unknown action {action:?}"))?;
-            let alert: AlertBody = serde_json::from_str(body).map_err(|error| error.to_string())?;
-            (*at, Event::Alert(action, Box::new(alert)))
-        }
-        (Subject::Step { step, .. }, None) => return Err(format!("there is no step {step}")),
+    let at = due.at.unwrap_or(due.queued_at);
+    if due.subject == Subject::Test {
+        return Ok(Message { id, at, event: Event::Test });
+    }
+    let changes = due.content.iter().map(|(action, body)| {
+        let action = Action::from_name(action).ok_or_else(|| format!("unknown action {action:?}"))?;
+        Ok(Change { action, alert: serde_json::from_str(body).map_err(|error| error.to_string())? })
+    });
+    let changes = changes.collect::<Result<Vec<_>, String>>()?;
+    if changes.is_empty() {
+        return Err("there is nothing that it tells of".to_owned());
+    }
+    let event = match &due.digest {
+        Some(counts) => Event::Digest(serde_json::from_str(counts).map_err(|error| error.to_string())?, changes),
+        None => Event::Alerts(changes),
     };
     Ok(Message { id, at, event })
 }
@@ -122,6 +131,7 @@ pub(super) fn report(
         at,
         status: attempt.status,
         detail: attempt.detail.clone(),
+        answer: attempt.answer.clone(),
         took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
         progress,
         gone: (attempt.outcome == Outcome::Gone).then(|| to.row.url.clone()),

@@ -58,7 +58,7 @@ impl Pulse {
 pub enum OutboxError {
     #[error("hooks.ca_file {path} cannot be read: {source}")]
     Authority { path: String, source: std::io::Error },
-    #[error("the client for hooks cannot be made (hooks.ca_file): {0}")]
+    #[error("the client for hooks cannot be made (hooks.ca_file, hooks.proxy): {0}")]
     Client(#[from] reqwest::Error),
 }
 
@@ -80,7 +80,8 @@ impl Outbox {
             std::fs::read(path).map_err(|source| OutboxError::Authority { path: path.display().to_string(), source })
         });
         let roots = roots.transpose()?;
-        let courier = Courier::new(pipeline.config.target_policy(), hooks.limits(), roots.as_deref())?;
+        let courier =
+            Courier::through(&hooks.proxies(), pipeline.config.target_policy(), hooks.limits(), roots.as_deref())?;
         let (stop, stopping) = watch::channel(false);
         let desk = Arc::new(Desk { pipeline: pipeline.clone(), courier, ladder: hooks.ladder() });
         desk.pipeline.pulse.beat();

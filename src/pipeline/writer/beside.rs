@@ -103,7 +103,7 @@ impl Task {
 
     fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
         let tables = self.store.names().read();
-        let room = !self.behind && !self.judge.is_full() && self.writer.committer().is_some();
+        let room = !self.behind && !self.judge.is_full() && !self.memory.is_full() && self.writer.committer().is_some();
         room && items.len() >= MANY && items.iter().all(|item| self.asks_nothing(item, &tables))
     }
 
@@ -146,6 +146,8 @@ impl Task {
     /// Forgets what is remembered of gyros and alerts: it is ahead of what is stored.
     pub(super) fn start_over(&mut self) {
         self.judge.forget();
+        self.memory.forget();
         self.alerts.forget();
+        self.hooks.forget();
     }
 }

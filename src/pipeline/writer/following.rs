@@ -7,13 +7,15 @@ use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::Task;
 use crate::core::judge::Rule;
+use crate::core::notify::Late;
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::{Agreement, agreement_after};
-use crate::pipeline::alerting::{AlertOrder, Naming, Pen, follow_clock, follow_group};
+use crate::pipeline::alerting::{AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
+use crate::pipeline::hooks::{Scribe, Standing};
 use crate::pipeline::judging::Judged;
 use crate::pipeline::read::Calibration;
 use crate::pipeline::{Actor, Refused};
-use crate::store::{Changes, Duty, Id, NewDelivery, StoreError, Subject};
+use crate::store::{AlertRow, Changes, Duty, Id, StoreError};
 use crate::wire::alert::AlertBody;
 
 impl Task {
@@ -35,31 +37,34 @@ impl Task {
         &mut self,
         sent: &HashMap<Id, &Calibration>,
         changes: &mut Changes,
-        found: &Judged,
-        agreements: &[Agreement],
+        (found, agreements): (&Judged, &[Agreement]),
+        causes: &Causes,
         now: UtcMicros,
     ) -> Result<(), StoreError> {
         {
             let naming = Naming { tables: &self.store.names().read(), new: Some(changes) };
-            let mut pen = Pen { now, writer: &mut self.writer, naming };
-            follow_group(&mut self.alerts, &self.judge, found, sent, agreements, &mut pen);
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
+            follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut pen);
         }
         self.note(changes, now)
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
     fn note(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
-        self.alerts.write(changes);
-        for step in changes.alert_steps.iter().filter(|step| step.told) {
-            let body: AlertBody = serde_json::from_str(&step.body)
-                .map_err(|error| StoreError::Damaged(format!("a step of alert {}: {error}", step.alert)))?;
-            let subject = Subject::Step { step: step.id, alert: step.alert };
-            for hook in self.hooks.wanting(&body) {
-                let id = self.writer.next_id(now);
-                changes.outbox.queued.push(NewDelivery { id, hook, subject, queued_at: now });
-            }
+        let news = self.alerts.write(changes);
+        if news.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        self.hooks.tell(&news, &mut Scribe { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+    }
+
+    /// Every alert as it stands.
+    pub(super) fn standings(&self, now: UtcMicros) -> Vec<Standing> {
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        // One that cannot be read is told to nobody; the next look at it names the damage.
+        let standing =
+            |row: &AlertRow| Some(Standing { id: row.id, alert: row.alert, body: naming.alert(row, now).ok()? });
+        self.alerts.all().filter_map(standing).collect()
     }
 
     /// Commits, and wakes the worker where that gave it something to do.
@@ -94,17 +99,19 @@ impl Task {
         self.writer.give_back().await;
         if let Err(error) = followed {
             self.alerts.forget();
+            self.hooks.forget();
             tracing::error!(%error, "alerts could not follow the clock; the next tick tries again");
         }
     }
 
     async fn try_tick(&mut self) -> Result<(), StoreError> {
-        self.alerts.refresh(&self.store).await?;
         let (now, mut changes) = (self.clock.now(), Changes::default());
         let out_of_use = if self.judge.has_intervals() { self.store.out_of_use().await? } else { HashMap::new() };
+        self.alerts.refresh(&self.store, now).await?;
+        self.hooks.refresh(&self.store).await?;
         {
             let naming = Naming { tables: &self.store.names().read(), new: None };
-            let mut pen = Pen { now, writer: &mut self.writer, naming };
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
             if self.judge.has_intervals() {
                 for (gyro, last, imu) in self.newest.gyros() {
                     if out_of_use.get(&gyro).is_some_and(|(at, _)| *at >= last) {
@@ -117,17 +124,75 @@ impl Task {
             self.alerts.tick(&mut pen);
         }
         self.note(&mut changes, now)?;
+        if self.alerts.digest_waits_since().is_some_and(|since| is_over(since, now)) {
+            self.digest(&mut changes, now)?;
+        }
         if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
+    }
+
+    /// An import has come to its end: what waits for its digest is told.
+    pub(super) async fn tell_digest(&mut self) -> Result<(), Refused> {
+        let (now, mut changes) = (self.clock.now(), Changes::default());
+        self.alerts.refresh(&self.store, now).await?;
+        self.hooks.refresh(&self.store).await?;
+        let told = self.digest(&mut changes, now);
+        self.commit_or_forget(told, &changes).await
+    }
+
+    fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
+        let any = {
+            let naming = Naming { tables: &self.store.names().read(), new: None };
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
+            self.alerts.tell_digest(&mut pen)
+        };
+        if !any {
+            return Ok(());
+        }
+        let news = self.alerts.write(changes);
+        self.hooks.tell_digest(&news, &mut Scribe { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+    }
+
+    async fn commit_or_forget(&mut self, noted: Result<(), StoreError>, changes: &Changes) -> Result<(), Refused> {
+        let written = match noted {
+            Ok(()) if changes.is_empty() => Ok(()),
+            Ok(()) => self.commit(changes).await,
+            Err(error) => Err(error),
+        };
+        if written.is_err() {
+            self.alerts.forget();
+            self.hooks.forget();
+        }
+        Ok(written?)
+    }
+
+    /// Begins or ends a silence of many alerts.
+    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, Refused> {
+        let now = self.clock.now();
+        self.alerts.refresh(&self.store, now).await?;
+        self.hooks.refresh(&self.store).await?;
+        let known = match order {
+            SilenceOrder::Begin { .. } => None,
+            SilenceOrder::End { silence, .. } => self.store.silence(*silence).await?,
+        };
+        let (id, mut changes) = {
+            let naming = Naming { tables: &self.store.names().read(), new: None };
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
+            self.alerts.order_silence(order, known, by, &mut pen)?
+        };
+        let noted = self.note(&mut changes, now);
+        self.commit_or_forget(noted, &changes).await?;
+        Ok(id)
     }
 
     /// Does what somebody has said of an alert.
     pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, Refused> {
-        self.alerts.refresh(&self.store).await?;
         let now = self.clock.now();
+        self.alerts.refresh(&self.store, now).await?;
+        self.hooks.refresh(&self.store).await?;
         let (before, body) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let before = self.alerts.alert(order.alert).map(|row| naming.alert(row, now)).transpose()?;
-            let mut pen = Pen { now, writer: &mut self.writer, naming };
+            let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
             let row = self.alerts.obey(order, &mut pen)?;
             (before, naming.alert(&row, now)?)
         };
@@ -136,11 +201,14 @@ impl Task {
         let audit = by.line(line, now, (action, format!("alerts/{}", order.alert)), before.as_ref(), Some(&body));
         changes.access.audit.push(audit);
         let noted = self.note(&mut changes, now);
-        let written = if noted.is_ok() { self.commit(&changes).await } else { noted };
-        if written.is_err() {
-            self.alerts.forget();
-        }
-        written?;
+        self.commit_or_forget(noted, &changes).await?;
         Ok(body)
     }
+}
+
+/// An import of which nothing has come for so long was broken off: what it has found is told.
+const BROKEN_OFF: f64 = 15.0 / (24.0 * 60.0);
+
+fn is_over(since: UtcMicros, now: UtcMicros) -> bool {
+    now.days_since(since).abs() > BROKEN_OFF
 }

@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use super::{Item, StoreJob, Task, items_of};
 use crate::core::judge::{Rule, State, Status, Verdict};
+use crate::core::notify::Late;
 use crate::pipeline::admit::{Desk, Group};
+use crate::pipeline::alerting::Causes;
 use crate::pipeline::judging::{self, Verdicts};
 use crate::pipeline::read::{Calibration, Submission};
 use crate::pipeline::{Accepted, CalibratedGyro, Judged, Refused, Reply};
@@ -27,7 +29,15 @@ impl Task {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
         let now = self.clock.now();
-        let mut desk = Desk { store: &self.store, ids: self.writer.ids(), newest: Some(&self.newest), now };
+        let mut desk = Desk {
+            store: &self.store,
+            ids: self.writer.ids(),
+            newest: Some(&self.newest),
+            memory: &mut self.memory,
+            judging: &self.config.judging,
+            epochs: &self.config.plausibility.clock_epochs,
+            now,
+        };
         for item in items {
             replies.push(desk.admit(item.sent, &mut group).await);
         }
@@ -35,9 +45,11 @@ impl Task {
         let mut changes = group.changes;
         let found = self.judge.judge(&mut changes).await?;
         let agreements = self.agreements(&changes).await?;
-        self.alerts.refresh(&self.store).await?;
+        self.alerts.refresh(&self.store, now).await?;
+        self.hooks.refresh(&self.store).await?;
         let sent = sent(items, &replies);
-        self.follow(&sent, &mut changes, &found, &agreements, now)?;
+        let causes = Causes::of(stored(items, &replies), &changes);
+        self.follow(&sent, &mut changes, (&found, &agreements), &causes, now)?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         let tally = Tally::of(&sent, &changes, &found.verdicts);
         if items.iter().any(|item| item.with_verdicts) {
@@ -58,7 +70,7 @@ impl Task {
             Judged { serial: gyro.serial.as_str().into(), verdicts: verdicts.copied().collect() }
         };
         for (item, reply) in items.iter().zip(replies).filter(|(item, _)| item.with_verdicts) {
-            if let (Some(sent), Ok(Accepted::Stored { id, judged: entered })) = (item.sent.calibration(), reply) {
+            if let (Some(sent), Ok(Accepted::Stored { id, judged: entered, .. })) = (item.sent.calibration(), reply) {
                 *entered = sent.gyros.iter().map(|gyro| judged(*id, gyro)).collect();
             }
         }
@@ -89,7 +101,7 @@ pub(super) enum Told {
 
 /// Tells those who make words of their answers, with verdicts, what these will be.
 pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
-    for (items, with_verdicts, teller) in jobs {
+    for (items, with_verdicts, _, teller) in jobs {
         let (own, others) = replies.split_at(items.len());
         if *with_verdicts {
             teller.foretell(own.to_vec());
@@ -102,7 +114,7 @@ pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
 pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>, told: Told) {
     count(jobs.iter().flat_map(items_of), &replies);
     let mut replies = replies.into_iter();
-    for (items, with_verdicts, teller) in jobs {
+    for (items, with_verdicts, _, teller) in jobs {
         let own = replies.by_ref().take(items.len()).collect();
         if with_verdicts && told == Told::Ahead {
             teller.hold();
@@ -121,6 +133,15 @@ fn sent<'a>(items: &[Item<'a>], replies: &[Reply]) -> HashMap<Id, &'a Calibratio
     items.iter().zip(replies).filter_map(new).collect()
 }
 
+/// How what is found late is told, of what is new.
+fn stored(items: &[Item<'_>], replies: &[Reply]) -> HashMap<Id, Late> {
+    let new = |(item, reply): (&Item<'_>, &Reply)| match reply {
+        Ok(Accepted::Stored { id, .. }) => Some((*id, item.late)),
+        _ => None,
+    };
+    items.iter().zip(replies).filter_map(new).collect()
+}
+
 /// Counts what has become of each item. Looking a counter up costs more than adding to it.
 fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
     let mut counts: BTreeMap<(&str, &str), u64> = BTreeMap::new();
@@ -130,6 +151,7 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
             Submission::Bench(_) => "bench_result",
             Submission::Event(_) => "event",
             Submission::Correction(_) => "correction",
+            Submission::Confirmation(_) => "confirmation",
         };
         let outcome = match reply {
             Ok(Accepted::Stored { .. }) => "stored",

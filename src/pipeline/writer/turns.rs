@@ -94,6 +94,7 @@ impl Task {
 
     async fn read_all_again(&mut self) -> Result<(), StoreError> {
         self.judge.forget();
+        self.memory.forget();
         self.newest = Newest::load(&self.store).await?;
         self.benched = self.store.gyros_on_benches().await?.into_iter().collect();
         Ok(())
@@ -107,6 +108,7 @@ impl Task {
         for (imu, at, gyros) in records {
             self.newest.learn_of(imu, at, &gyros);
             self.judge.forget_of(&gyros);
+            self.memory.forget_of(gyros);
         }
         Ok(())
     }

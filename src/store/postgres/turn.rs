@@ -63,10 +63,11 @@ impl Standing {
         let outbox = &changes.outbox;
         let is_new = [
             !changes.records.is_empty(),
-            [changes.events.len(), changes.benches.len(), withdrawn.records.len(), withdrawn.benches.len()] != [0; 4],
-            !(changes.alerts.is_empty() && changes.alert_steps.is_empty()),
+            [changes.events.len(), changes.benches.len(), withdrawn.records.len(), withdrawn.benches.len()] != [0; 4]
+                || !changes.confirmed.is_empty(),
+            !(changes.alerts.is_empty() && changes.alert_steps.is_empty() && changes.silences.is_empty()),
             [changes.hooks.len(), outbox.queued.len(), outbox.replayed.len()] != [0; 3]
-                || [outbox.dropped.len(), outbox.hastened.len()] != [0; 2],
+                || [outbox.dropped.len(), outbox.hastened.len(), outbox.heard.len(), outbox.forgotten.len()] != [0; 4],
             !changes.models.is_empty(),
             !(changes.models.is_empty() && changes.diagnosis_jobs.started.is_empty())
                 || changes.records.iter().any(|record| record.kind == crate::store::Kind::Campaign),

@@ -150,7 +150,7 @@ mod tests {
                 verdicts.iter().map(|verdict| VerdictBody::of(serial, verdict)).collect()
             };
             let said: Vec<VerdictBody> = gyros.iter().flat_map(of).collect();
-            let record = |verdicts| RecordAnswer { id: Some("7".into()), separations: vec![], verdicts };
+            let record = |verdicts| RecordAnswer { id: Some("7".into()), separations: vec![], notes: vec![], verdicts };
             let campaign = |verdicts| CampaignAnswer { verdicts, ..campaign() };
             let written = [
                 with_verdicts(&record(vec![]), gyros.iter().copied()),
@@ -185,7 +185,12 @@ mod tests {
     #[test]
     fn an_answer_that_has_verdicts_already_is_refused() {
         let verdicts = judged();
-        let whole = RecordAnswer { id: None, separations: vec![], verdicts: vec![VerdictBody::of("G", &verdicts[0])] };
+        let whole = RecordAnswer {
+            id: None,
+            separations: vec![],
+            notes: vec![],
+            verdicts: vec![VerdictBody::of("G", &verdicts[0])],
+        };
         assert!(with_verdicts(&whole, [].into_iter()).is_err());
     }
 }

@@ -100,7 +100,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("must not be empty", "不能为空"),
     ("must have at most {} characters, has {}", "最多{0}个字符，实有{1}个"),
     ("must not contain the control character {}", "不能含有控制字符{0}"),
-    ("must not begin or end with a blank", "首尾不能有空格"),
+    ("must not contain the invisible character {}; type the name anew", "不能含有不可见字符{0}；请重新输入名称"),
     ("must be an RFC 3339 time such as {} or {}", "应为RFC 3339时间，例如 {0} 或 {1}"),
     ("must say its offset from UTC: Z, or such as +08:00", "应注明与UTC的时差：Z，或例如 +08:00"),
     ("its offset from UTC must lie between -23:59 and +23:59", "与UTC的时差应在-23:59与+23:59之间"),
@@ -109,6 +109,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
     (
         "lies before {}, the earliest time that `plausibility.earliest` accepts",
         "早于{0}，即`plausibility.earliest`所接受的最早时间",
+    ),
+    (
+        "is that of a clock that was never set and counts from 1970-01-01; set the station's clock and send the true time, or take the date out of `plausibility.clock_epochs`",
+        "为未校时、自1970-01-01起计的时钟所给；请校正测试站时钟后按真实时间发送，或从`plausibility.clock_epochs`中去掉该日期",
     ),
     ("lies more than {} hours in the future of the service's clock", "比服务时钟超前{0}小时以上"),
     // Numbers.

@@ -12,6 +12,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("there is no campaign or record {}", "没有标定试验或记录{0}"),
     ("there is no bench result {}", "没有单表测试结果{0}"),
     ("there is no alert {}", "没有告警{0}"),
+    ("there is no silence {}", "没有静默规则{0}"),
+    ("there are {} silences in force already, and no more can be", "已有{0}条静默规则生效，不能再多"),
     ("there is no order of diagnoses {}", "没有诊断任务{0}"),
     ("order {} of diagnoses has ended: there is nothing to cancel", "诊断任务{0}已结束，无需取消"),
     ("must not lie before `since`", "不应早于起始时间"),
@@ -25,6 +27,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "{0}已被作废或修订：作者、原因或内容不同",
     ),
     ("{} has been voided or revised already", "{0}已被作废或修订"),
+    ("{} is not set aside: there is nothing to confirm", "{0}并非暂不计入，无需确认"),
     ("alert {} is resolved: there is nothing to acknowledge", "告警{0}已恢复，无需确认"),
     ("hook {} is disabled; enable it first", "通知目标{0}已停用，请先启用"),
     (
@@ -64,6 +67,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "answered {} to {}: redirects are not followed, name the final address",
         "答复{0}，指向{1}：不跟随重定向，请填写最终地址",
     ),
+    ("answered {}, but the answer is no JSON object: {}", "答复{0}，但内容不是JSON对象：{1}"),
+    ("answered {}, but the answer is no JSON object", "答复{0}，但内容不是JSON对象"),
+    ("answered {}, but {} is missing: {}", "答复{0}，但缺少{1}：{2}"),
+    ("answered {}, but {} is {}, not {}: {}", "答复{0}，但{1}为{2}，不是{3}：{4}"),
     ("answered {}: {}", "答复{0}：{1}"),
     ("answered {}", "答复{0}"),
     ("the answer was cut off after {} bytes", "答复在{0}字节后截断"),
@@ -85,6 +92,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
     (
         "loopback is allowed only while the service itself listens on loopback",
         "仅当服务自身监听环回地址时才允许环回地址",
+    ),
+    (
+        "by way of a proxy it leads to the proxy's own machine or its credentials",
+        "经代理访问时，它指向代理主机自身或其凭据",
     ),
     ("it is where cloud machines keep their credentials", "云主机在该地址存放凭据"),
     ("link-local addresses hold cloud metadata", "链路本地地址存放云主机元数据"),

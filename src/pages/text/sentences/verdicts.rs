@@ -99,6 +99,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("{} deg/(h g0)", "{0} (°)/(h·g0)"),
     // As alerts that older versions have stored say it. What is added to all of it.
     ("{} It does not count any more: the record was voided or revised.", "{0}该记录已作废或修订，不再计入。"),
+    (
+        "{} It does not count: the record is set aside until somebody confirms its time.",
+        "{0}该记录暂不计入，待人工确认时间。",
+    ),
     // The whole: the finding, and one or two sentences after it.
     ("{}; the limit is {} {}. {}", "{0}；限值为{1} {2}。{3}"),
     ("{}; the limit is {} {}.", "{0}；限值为{1} {2}。"),

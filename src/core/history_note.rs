@@ -1,0 +1,144 @@
+//! What a record looks like beside what is known of its IMU and gyros: kinds and parameters; words are made at the edge.
+
+use super::mounting::Slot;
+use super::time::UtcMicros;
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum HistoryNote {
+    /// Its time is that of a clock that was never set, or decades from everything else: it is set aside until somebody confirms it.
+    TimeInDoubt(TimeDoubt),
+    /// Earlier records are set aside because this one is decades after them.
+    OthersSetAside { records: Vec<Named> },
+    /// Ahead of the service's clock, hours.
+    AheadOfNow { hours: f64 },
+    /// A slot in which another gyro was has a gyro that nobody knows.
+    NewSerial { slot: Slot, serial: String, had: String, nearest: Option<String> },
+    /// A new name looks like one that is known.
+    LookAlike { of: NameKind, name: String, known: String },
+    /// Each of these gyros has the figures of another of them.
+    SerialsExchanged { fits: Vec<(String, String)> },
+    /// All gyros are off their levels at once, by so many budgets at least.
+    OtherUnit { serials: Vec<String>, budgets: f64 },
+    /// The very figures of another record.
+    IdenticalFigures { serials: Vec<String>, record: Named },
+    /// E or G is so many times what it was before.
+    UnitFactor { serials: Vec<String>, quantity: Quantity, factor: f64 },
+    /// The gyro was elsewhere in its last record.
+    Moved { serial: String, from: Seat, to: Seat },
+}
+
+/// Why a time is in doubt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TimeDoubt {
+    /// Clocks that were never set begin there.
+    NearEpoch { epoch: UtcMicros },
+    /// The nearest record of the same gyros.
+    FarFromOthers { nearest: UtcMicros },
+}
+
+/// A stored record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    pub record: String,
+    pub at: UtcMicros,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NameKind {
+    Imu,
+    Station,
+    Serial,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    E,
+    G,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seat {
+    pub imu: String,
+    pub slot: Slot,
+}
+
+impl HistoryNote {
+    /// Its name in answers; never changes once it has been given out.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::TimeInDoubt(_) => "time_in_doubt",
+            Self::OthersSetAside { .. } => "others_set_aside",
+            Self::AheadOfNow { .. } => "ahead_of_now",
+            Self::NewSerial { .. } => "new_serial",
+            Self::LookAlike { .. } => "look_alike",
+            Self::SerialsExchanged { .. } => "serials_exchanged",
+            Self::OtherUnit { .. } => "other_unit",
+            Self::IdenticalFigures { .. } => "identical_figures",
+            Self::UnitFactor { .. } => "unit_factor",
+            Self::Moved { .. } => "moved",
+        }
+    }
+}
+
+/// So near to another record of its gyros, days, a time is beyond doubt.
+const COMPANY_DAYS: f64 = 730.0;
+/// Decades from every other record: a receiver that has miscounted its weeks is 19.6 years behind.
+pub const FAR_DAYS: f64 = 15.0 * 365.25;
+/// A clock that was never set has run for so many days at the most, the day before for those that are behind UTC.
+const RUNNING_DAYS: std::ops::Range<f64> = -1.0..100.0;
+/// Before so many days after 1970-01-01 nothing is taken: see [`is_unset`].
+const UNSET_DAYS: std::ops::Range<f64> = -1.0..400.0;
+
+/// Whether a time is that of a clock that counts from 1970 and was never set.
+pub fn is_unset(at: UtcMicros) -> bool {
+    UNSET_DAYS.contains(&at.days_since(UtcMicros(0)))
+}
+
+/// Whether a time is in doubt, by the epochs at which clocks that were never set begin, and by the nearest record of the same gyros.
+pub fn doubt(at: UtcMicros, epochs: &[UtcMicros], nearest: Option<UtcMicros>) -> Option<TimeDoubt> {
+    let away = nearest.map(|nearest| nearest.days_since(at));
+    if away.is_some_and(|days| days.abs() <= COMPANY_DAYS) {
+        return None;
+    }
+    let near = |epoch: &&UtcMicros| RUNNING_DAYS.contains(&at.days_since(**epoch));
+    if let Some(epoch) = epochs.iter().find(near) {
+        return Some(TimeDoubt::NearEpoch { epoch: *epoch });
+    }
+    nearest.filter(|_| away.is_some_and(|days| days > FAR_DAYS)).map(|nearest| TimeDoubt::FarFromOthers { nearest })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The day of 2000 that is so many days after its first.
+    fn day(days: f64) -> UtcMicros {
+        UtcMicros(946_684_800_000_000).plus_days(days)
+    }
+
+    #[test]
+    fn a_time_is_in_doubt_near_an_epoch_or_decades_before_all_else() {
+        let epochs = [UtcMicros(0), day(0.0)];
+        let near = Some(TimeDoubt::NearEpoch { epoch: day(0.0) });
+        for (at, nearest, expected) in [
+            (0.0, None, near),
+            (-0.9, None, near),
+            (99.9, None, near),
+            (100.1, None, None),
+            (-1.1, None, None),
+            // The company of other records, on either side, and of such as are too far for it.
+            (1.0, Some(731.0), None),
+            (1.0, Some(-729.0), None),
+            (1.0, Some(732.0), near),
+            // Decades before, not after.
+            (3000.0, Some(3000.0 + 5479.0), Some(TimeDoubt::FarFromOthers { nearest: day(8479.0) })),
+            (3000.0, Some(3000.0 + 5478.0), None),
+            (9000.0, Some(9000.0 - 6000.0), None),
+        ] {
+            assert_eq!(doubt(day(at), &epochs, nearest.map(day)), expected, "{at} {nearest:?}");
+        }
+        assert_eq!(doubt(day(1.0), &[], None), None);
+        let unset = [-0.9, 0.0, 399.9, -1.1, 400.1].map(|days| is_unset(UtcMicros(0).plus_days(days)));
+        assert_eq!(unset, [true, true, true, false, false]);
+    }
+}

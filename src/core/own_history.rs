@@ -1,0 +1,204 @@
+//! A record's figures against the histories of the gyros that it names: whose figures are they, and in which unit?
+//!
+//! D_I and D_S belong to the gyro wherever it is mounted, and so does |E|; the direction of E belongs to its seat.
+
+use super::history_note::{HistoryNote, Quantity};
+
+/// A gyro's figures in one record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shown {
+    /// D_I, D_S, D_O, deg/(h g0).
+    pub d: [f64; 3],
+    /// Standard deviations of D_I and D_S, where the station gave them.
+    pub sd: Option<[f64; 2]>,
+    /// |E|, pulse/arcsec; none where it is not remembered.
+    pub scale: Option<f64>,
+}
+
+/// A gyro of a record that is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Looked<'a> {
+    pub serial: &'a str,
+    pub now: Shown,
+    /// Its records before, the newest last; those after, where there are none before.
+    pub before: &'a [Shown],
+    /// Of its D_I and D_S, deg/(h g0).
+    pub budget: f64,
+}
+
+/// Records that make a level.
+pub const LEVEL_RECORDS: usize = 5;
+/// A gyro is off its level by so many budgets, or so many standard deviations of its own scatter where that is larger.
+const OFF_BUDGETS: f64 = 5.0;
+const OFF_SCATTERS: f64 = 10.0;
+/// From so many on a gyro is asked whether another's history fits it better,
+const STRANGE_BUDGETS: f64 = 3.0;
+/// which it does where it is so many times as near.
+const NEARER: f64 = 4.0;
+/// A factor is a unit's when it is met within this part of it.
+const UNIT_TOLERANCE: f64 = 0.02;
+/// |E| that moved by more has another unit, or is another gyro's.
+const SAME_SCALE: f64 = 0.2;
+
+/// Factors between units that are mistaken for one another: minutes, hours or degrees, radians, g0 and m/s2.
+const FACTORS: [f64; 5] = [60.0, 3600.0, 206_264.806, 57.295_779_5, 9.806_65];
+
+/// What is to be noted. `OtherUnit` is for the caller to drop where something was done to one of the gyros.
+pub fn against_histories(gyros: &[Looked<'_>]) -> Vec<HistoryNote> {
+    let mut notes = Vec::new();
+    let units: Vec<Option<Vec<(Quantity, f64)>>> = gyros.iter().map(wrong_units).collect();
+    for quantity in [Quantity::E, Quantity::G] {
+        for factor in all_factors() {
+            let is_it = |found: &Option<Vec<(Quantity, f64)>>| {
+                found.iter().flatten().any(|(q, f)| *q == quantity && (f / factor - 1.0).abs() < 1e-9)
+            };
+            let serials: Vec<String> = gyros
+                .iter()
+                .zip(&units)
+                .filter(|(_, found)| is_it(found))
+                .map(|(gyro, _)| gyro.serial.to_owned())
+                .collect();
+            if !serials.is_empty() {
+                notes.push(HistoryNote::UnitFactor { serials, quantity, factor });
+            }
+        }
+    }
+    if !notes.is_empty() {
+        return notes;
+    }
+    if let Some(fits) = exchanged(gyros) {
+        notes.push(HistoryNote::SerialsExchanged { fits });
+    } else if gyros.len() >= 2 && gyros.iter().all(|gyro| gyro.off_by() > OFF_BUDGETS) {
+        let least = gyros.iter().map(Looked::off_by).fold(f64::INFINITY, f64::min);
+        let serials = gyros.iter().map(|gyro| gyro.serial.to_owned()).collect();
+        notes.push(HistoryNote::OtherUnit { serials, budgets: least });
+    }
+    notes
+}
+
+fn all_factors() -> impl Iterator<Item = f64> {
+    FACTORS.into_iter().flat_map(|factor| [factor, factor.recip()])
+}
+
+impl Looked<'_> {
+    /// How far its figures are from its own level and from its last record, whichever is nearer, in budgets; nothing where it has no
+    /// history.
+    fn off_by(&self) -> f64 {
+        self.distance_to(self.before).unwrap_or(0.0)
+    }
+
+    fn distance_to(&self, history: &[Shown]) -> Option<f64> {
+        let last = history.last()?.d;
+        let level = level(history);
+        let from = |level: [f64; 3]| {
+            (0..2).map(|i| (self.now.d[i] - level[i]).abs() / self.tolerance(history, i)).fold(0.0, f64::max)
+        };
+        Some(from(level).min(from(last)))
+    }
+
+    /// What makes a budget for D_I or D_S: its own, or as much of its own scatter and of its uncertainty as is worth one.
+    fn tolerance(&self, history: &[Shown], column: usize) -> f64 {
+        let of_scatter = OFF_SCATTERS / OFF_BUDGETS;
+        let stated = |shown: &Shown| shown.sd.map_or(0.0, |sd| sd[column]);
+        let sd = history.iter().map(stated).fold(stated(&self.now), f64::max);
+        self.budget.max(of_scatter * scatter(history, column)).max(of_scatter * sd)
+    }
+}
+
+/// The median record of the last few, figure by figure.
+fn level(history: &[Shown]) -> [f64; 3] {
+    let last = &history[history.len().saturating_sub(LEVEL_RECORDS)..];
+    [0, 1, 2].map(|i| median(last.iter().map(|shown| shown.d[i]).collect()))
+}
+
+/// The standard deviation of one record, from the median of the differences between neighbours; nothing of fewer than three.
+fn scatter(history: &[Shown], column: usize) -> f64 {
+    if history.len() < 3 {
+        return 0.0;
+    }
+    // The median of |N(0, 2 s2)| is 0.954 s.
+    median(history.windows(2).map(|pair| (pair[1].d[column] - pair[0].d[column]).abs()).collect()) / 0.954
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => values[n / 2],
+        _ => f64::midpoint(values[n / 2 - 1], values[n / 2]),
+    }
+}
+
+/// Gyros off their own level of which each fits the history of another of them far better: each with whose it fits.
+fn exchanged(gyros: &[Looked<'_>]) -> Option<Vec<(String, String)>> {
+    let strange: Vec<&Looked<'_>> = gyros.iter().filter(|gyro| gyro.off_by() > STRANGE_BUDGETS).collect();
+    if strange.len() < 2 {
+        return None;
+    }
+    let same_scale = |gyro: &Looked<'_>, other: &Looked<'_>| {
+        let there = other.before.iter().rev().find_map(|shown| shown.scale);
+        gyro.now.scale.zip(there).is_none_or(|(a, b)| (a / b - 1.0).abs() < SAME_SCALE)
+    };
+    let fits = |gyro: &&Looked<'_>| {
+        let others = strange.iter().filter(|other| other.serial != gyro.serial && same_scale(gyro, other));
+        let near = others.filter_map(|other| Some((other.serial, gyro.distance_to(other.before)?)));
+        let (nearest, distance) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (distance * NEARER < gyro.off_by()).then_some(nearest)
+    };
+    let found: Vec<(String, String)> =
+        strange.iter().map(|gyro| Some((gyro.serial.to_owned(), fits(gyro)?.to_owned()))).collect::<Option<_>>()?;
+    let mut taken: Vec<&str> = found.iter().map(|(_, of)| of.as_str()).collect();
+    taken.sort_unstable();
+    taken.dedup();
+    (taken.len() == found.len()).then_some(found)
+}
+
+/// By which factors E and G differ from the gyro's history, where both are those of units.
+fn wrong_units(gyro: &Looked<'_>) -> Option<Vec<(Quantity, f64)>> {
+    let level = (!gyro.before.is_empty()).then(|| level(gyro.before))?;
+    let scales: Vec<f64> = gyro.before.iter().filter_map(|shown| shown.scale).collect();
+    let e = match gyro.now.scale {
+        Some(scale) if !scales.is_empty() => {
+            let ratio = scale / median(scales);
+            match unit_of(ratio) {
+                Some(factor) => factor,
+                None if (ratio - 1.0).abs() < SAME_SCALE => 1.0,
+                None => return None,
+            }
+        }
+        _ => 1.0,
+    };
+    let tolerance = (0..2).map(|i| gyro.tolerance(gyro.before, i)).fold(0.0, f64::max);
+    let size = norm(level);
+    // Too small a drift is no measure of a factor.
+    let d = if size < 2.0 * OFF_BUDGETS * tolerance { None } else { drift_factor(gyro.now.d, level, tolerance) };
+    let is = |a: f64, b: f64| (a / b - 1.0).abs() < 2.0 * UNIT_TOLERANCE;
+    let mut found = Vec::new();
+    if e != 1.0 {
+        found.push((Quantity::E, e));
+    }
+    // D = G / |E|: with E alone in another unit it is smaller by as much, and with both it stays.
+    match d {
+        Some(d) if !is(d * e, 1.0) => found.push((Quantity::G, unit_of(d * e)?)),
+        None if e == 1.0 => return None,
+        _ => {}
+    }
+    Some(found).filter(|found| !found.is_empty())
+}
+
+/// By which factor, that of a unit or 1, all of the drift has grown.
+fn drift_factor(now: [f64; 3], level: [f64; 3], tolerance: f64) -> Option<f64> {
+    let ratio = norm(now) / norm(level);
+    let factor = if (ratio - 1.0).abs() < SAME_SCALE { 1.0 } else { unit_of(ratio).unwrap_or(ratio) };
+    let off = norm([0, 1, 2].map(|i| now[i] / factor - level[i]));
+    (off <= 2.0 * UNIT_TOLERANCE * norm(level) + tolerance).then_some(factor)
+}
+
+fn unit_of(ratio: f64) -> Option<f64> {
+    all_factors().find(|factor| (ratio / factor - 1.0).abs() < UNIT_TOLERANCE)
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

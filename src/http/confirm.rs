@@ -1,0 +1,69 @@
+//! `/v1/records/{id}/confirm`: the time of a record that was set aside is right.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::corrections::{StandingBody, standing};
+use super::document::Document;
+use crate::core::fault::Faults;
+use crate::pipeline::{Accepted, Actor, Confirmation, Id, Submission};
+use crate::wire::problem::Problem;
+use crate::wire::{json, text};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new().routes(routes!(confirm_record))
+}
+
+/// Who confirms the time of a record, and why it is right.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct ConfirmOrder {
+    #[schema(min_length = 1, max_length = 64)]
+    by: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+/// A record whose time was confirmed.
+#[derive(Serialize, ToSchema)]
+struct ConfirmedBody {
+    id: String,
+    #[serde(flatten)]
+    standing: StandingBody,
+}
+
+/// The time of a record or campaign that was set aside is right: it counts from now on, and what depends on it is judged again.
+#[utoipa::path(post, path = "/v1/records/{id}/confirm", tag = "records", request_body = ConfirmOrder,
+    params(("id" = String, Path, description = "identifier of the record or campaign")),
+    responses(
+        (status = 200, description = "it counts; so too where it was confirmed before", body = ConfirmedBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "it is not set aside, or another record stands at its time", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn confirm_record(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<ConfirmedBody>, Problem> {
+    let id: Id = id.parse().map_err(|_| Problem::no_such("record", &id))?;
+    let (author, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let sent = Confirmation { id, author, reason, by: Actor::by_caller() };
+    let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =
+        app.pipeline.submit(Submission::Confirmation(sent)).await?;
+    Ok(Json(ConfirmedBody { id: id.to_string(), standing: standing(&app, id).await? }))
+}
+
+fn read(bytes: &[u8]) -> Result<(String, String), Faults> {
+    let mut faults = Faults::default();
+    let ConfirmOrder { by, reason } = json::parse(bytes)?;
+    let said = (text::required_short("/by", by, &mut faults), text::required_note("/reason", reason, &mut faults));
+    faults.or(said)
+}

@@ -1,0 +1,163 @@
+//! `/v1/silences`: nobody is told of the alerts that match, for a time.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::App;
+use super::alerts::future;
+use super::document::Document;
+use super::query::{Parameters, bad};
+use crate::core::fault::Faults;
+use crate::core::judge::Rule;
+use crate::core::record::Name;
+use crate::core::time::UtcMicros;
+use crate::pipeline::{Id, Matchers, SilenceOrder};
+use crate::wire::problem::Problem;
+use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
+use crate::wire::{json, text};
+
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(get_silences, post_matching_silence))
+        .routes(routes!(get_silence))
+        .routes(routes!(post_end_silence))
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct SilencesQuery {
+    /// `active`, or `all` that there ever were; those that hold, where it is left out.
+    state: Option<String>,
+}
+
+/// Silences, newest first, a thousand at the most.
+#[derive(Serialize, ToSchema)]
+struct Silences {
+    silences: Vec<MatchingSilenceBody>,
+}
+
+/// Silences of many alerts, newest first.
+#[utoipa::path(get, path = "/v1/silences", tag = "alerts", params(SilencesQuery), responses(
+    (status = 200, description = "the silences", body = Silences),
+    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+async fn get_silences(
+    State(app): State<App>,
+    Parameters(asked): Parameters<SilencesQuery>,
+) -> Result<Json<Silences>, Problem> {
+    let all = match asked.state.as_deref() {
+        None | Some("active") => false,
+        Some("all") => true,
+        Some(other) => return Err(bad(&format!("state must be one of active, all; is {other}"))),
+    };
+    Ok(Json(Silences { silences: app.pipeline.silences(all).await? }))
+}
+
+/// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has changed by then is told at
+/// its end.
+#[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody, responses(
+    (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
+    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "there are too many", body = Problem, content_type = "application/problem+json"),
+    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+    (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+    let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
+    let id = app.pipeline.order_silence(order).await?;
+    let silence = shown(&app, id).await?;
+    Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/silences/{id}"))], Json(silence)).into_response())
+}
+
+fn read(bytes: &[u8], now: UtcMicros) -> Result<SilenceOrder, Faults> {
+    let NewSilenceBody { matchers, until, by, reason } = json::parse(bytes)?;
+    let mut faults = Faults::default();
+    let matchers = matchers_of(matchers, &mut faults);
+    let until = future("/until", &until, now, &mut faults);
+    let by = text::required_short("/by", by, &mut faults);
+    let reason = text::required_note("/reason", reason, &mut faults);
+    faults.or(SilenceOrder::Begin { matchers, until, by, reason })
+}
+
+fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
+    if body == MatchersBody::default() {
+        faults.push(
+            "/matchers",
+            "must name at least one of serial, imu, station, rule: all alerts at once cannot be silenced",
+        );
+    }
+    for (member, name) in [("serial", &body.serial), ("imu", &body.imu), ("station", &body.station)] {
+        if let Some(Err(why)) = name.as_deref().map(Name::parse) {
+            faults.push(format!("/matchers/{member}"), why);
+        }
+    }
+    let MatchersBody { serial, imu, station, rule } = body;
+    let known = rule.as_deref().and_then(Rule::from_name);
+    if let Some(rule) = rule.filter(|_| known.is_none()) {
+        faults.push("/matchers/rule", format!("there is no rule {rule:?}"));
+    }
+    Matchers { serial, imu, station, rule: known }
+}
+
+/// One silence.
+#[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
+    params(("id" = String, Path, description = "identifier of the silence")),
+    responses(
+        (status = 200, description = "the silence", body = MatchingSilenceBody),
+        (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json")))]
+async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
+    Ok(Json(shown(&app, id.parse().map_err(|_| unknown(&id))?).await?))
+}
+
+async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
+    app.pipeline.silence(id).await?.ok_or_else(|| unknown(&id.to_string()))
+}
+
+fn unknown(id: &str) -> Problem {
+    Problem::new(404, "Unknown silence", format!("there is no silence {id}"))
+}
+
+/// Who ends a silence before its time, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct EndSilenceBody {
+    #[schema(min_length = 1, max_length = 64)]
+    by: String,
+    #[schema(min_length = 1, max_length = 4096)]
+    reason: String,
+}
+
+/// Ends a silence: what it has held back is told. One that is over already stays as it is.
+#[utoipa::path(post, path = "/v1/silences/{id}/end", tag = "alerts", request_body = EndSilenceBody,
+    params(("id" = String, Path, description = "identifier of the silence")),
+    responses(
+        (status = 200, description = "the silence, ended", body = MatchingSilenceBody),
+        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+async fn post_end_silence(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<MatchingSilenceBody>, Problem> {
+    let read = |bytes: &[u8]| {
+        let EndSilenceBody { by, reason } = json::parse(bytes)?;
+        let mut faults = Faults::default();
+        let by = text::required_short("/by", by, &mut faults);
+        let reason = text::required_note("/reason", reason, &mut faults);
+        faults.or((by, reason))
+    };
+    let (by, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let silence: Id = id.parse().map_err(|_| unknown(&id))?;
+    app.pipeline.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+    Ok(Json(shown(&app, silence).await?))
+}

@@ -1,0 +1,79 @@
+//! `notify` and `more` of a query: who is told of what is found late.
+
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
+use url::form_urlencoded;
+
+use super::App;
+use super::query::bad;
+use crate::core::notify::Late;
+use crate::wire::problem::Problem;
+
+/// What a request that brings measurements says of telling.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Telling {
+    notify: Option<Late>,
+    more: bool,
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Telling {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
+        Self::of(parts.uri.query().unwrap_or_default())
+    }
+}
+
+impl Telling {
+    fn of(query: &str) -> Result<Self, Problem> {
+        let mut telling = Self::default();
+        for (name, value) in form_urlencoded::parse(query.as_bytes()) {
+            match (&*name, &*value) {
+                ("notify", "all") => telling.notify = Some(Late::Told),
+                ("notify", "digest") => telling.notify = Some(Late::Digest),
+                ("notify", "none") => telling.notify = Some(Late::Never),
+                ("notify", other) => return Err(bad(&format!("notify must be one of all, digest, none; is {other}"))),
+                ("more", "true") => telling.more = true,
+                ("more", "false") => telling.more = false,
+                ("more", other) => return Err(bad(&format!("more must be one of true, false; is {other}"))),
+                _ => {}
+            }
+        }
+        Ok(telling)
+    }
+
+    /// How what is found late is told: as was asked, else as `usual`.
+    pub fn late_or(self, usual: Late) -> Late {
+        self.notify.unwrap_or(usual)
+    }
+
+    /// After all of a request is stored: an import has come to its end, unless more of it is to follow.
+    pub async fn end(self, app: &App, late: Late) {
+        if late != Late::Digest || self.more {
+            return;
+        }
+        if let Err(error) = app.pipeline.end_import().await {
+            tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_is_read_and_what_cannot_be_is_refused_with_the_choices() {
+        assert_eq!(Telling::of("").unwrap(), Telling::default());
+        assert_eq!(Telling::of("").unwrap().late_or(Late::Quiet), Late::Quiet);
+        for (asked, late) in [("all", Late::Told), ("digest", Late::Digest), ("none", Late::Never)] {
+            let telling = Telling::of(&format!("x=1&notify={asked}&more=true")).unwrap();
+            assert_eq!((telling.late_or(Late::Quiet), telling.more), (late, true));
+        }
+        for (wrong, says) in [("notify=some", "all, digest, none"), ("more=1", "true, false")] {
+            let problem = Telling::of(wrong).unwrap_err();
+            assert_eq!(problem.status, 400);
+            assert!(problem.detail.contains(says), "{}", problem.detail);
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is about.
+
+use axum::Form;
+use axum::extract::{Path, Query, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+
+use super::Pages;
+use super::course::name;
+use super::form::{Deed, Word, answered, see_other};
+use super::layout::{Section, instant};
+use super::notes::noted;
+use super::viewer::Viewer;
+use crate::core::fault::Faults;
+use crate::pipeline::{Actor, Confirmation, Id, Submission};
+use crate::wire::history_note;
+use crate::wire::problem::Problem;
+
+/// What is to be confirmed, as it is shown to whoever is about to.
+struct Item {
+    id: Id,
+    home: String,
+    action: String,
+    shown: Markup,
+}
+
+pub(super) async fn ask(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Query(word): Query<Word>,
+) -> Response {
+    let item = item(&pages, &viewer, &id).await;
+    viewer.show(item.map(|item| with_form(&viewer, &item, &word, |deed| deed.page(&viewer, &word, &Faults::default()))))
+}
+
+pub(super) async fn act(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Form(word): Form<Word>,
+) -> Response {
+    let item = item(&pages, &viewer, &id).await;
+    answered(&viewer, confirm(&pages, &viewer, item, word).await)
+}
+
+async fn confirm(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word: Word) -> Result<Response, Problem> {
+    let item = item?;
+    let mut faults = Faults::default();
+    word.check(viewer, &mut faults);
+    if !faults.is_empty() {
+        return Ok(with_form(viewer, &item, &word, |deed| deed.again(viewer, &word, &faults)));
+    }
+    let home = word.back_or(&item.home).to_owned();
+    let Word { by: author, reason, .. } = word;
+    let confirmation = Confirmation { id: item.id, author, reason, by: Actor::by_caller() };
+    pages.pipeline.submit(Submission::Confirmation(confirmation)).await?;
+    Ok(see_other(&home))
+}
+
+async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
+    let unknown = || Problem::no_such("record", id);
+    let number: Id = id.parse().map_err(|_| unknown())?;
+    let store = pages.pipeline.store();
+    let row = store.record(number).await?.ok_or_else(unknown)?;
+    if !store.is_set_aside(number).await? {
+        let detail = format!("{number} is not set aside: there is nothing to confirm");
+        return Err(Problem::new(409, "Not set aside", detail));
+    }
+    let t = viewer.text();
+    let tables = store.names().read();
+    let shown = html! {
+        p.lead {
+            (name(tables.imus.name(row.imu))) " · " (t.station) " " (name(tables.stations.name(row.station)))
+            " · " (t.calibrated) " " (instant(row.calibrated_at)) " · " (t.received) " " (instant(row.received_at))
+        }
+        (noted(t, &history_note::read(row.notes.as_deref())))
+    };
+    Ok(Item { id: number, home: format!("/records/{number}"), action: format!("/records/{number}/confirm"), shown })
+}
+
+fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    show(&Deed {
+        section: Section::Fleet,
+        title: t.confirm_time,
+        what: html! { (item.shown) p.lead { (t.confirm_what) } },
+        fields: html! {},
+        action: &item.action,
+        button: t.confirm_time,
+        back: word.back_or(&item.home),
+        reasoned: true,
+    })
+}

@@ -1,0 +1,179 @@
+//! Silences of many alerts: those that hold, on the page of alerts; begun and ended on pages of their own.
+
+use axum::Form;
+use axum::extract::{Path, State as Held};
+use axum::response::Response;
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::Pages;
+use super::alerts::{LONGEST_SILENCE, remark, written};
+use super::form::{Deed, Word, answered, see_other};
+use super::layout::Section;
+use super::viewer::Viewer;
+use crate::core::access::Role;
+use crate::core::fault::Faults;
+use crate::core::judge::Rule;
+use crate::core::record::Name;
+use crate::pipeline::{Id, Matchers, SilenceOrder};
+use crate::wire::problem::Problem;
+use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
+
+/// Those that hold, and how to begin one.
+pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
+    let t = viewer.text();
+    let silences = pages.pipeline.silences(false).await?;
+    let may = viewer.may(Role::Engineer);
+    Ok(html! {
+        @if may { p.actions.no-print { a.action href="/silences/new" { (t.silence_many) } } }
+        @if !silences.is_empty() {
+            h2 { (t.silences) }
+            div.scroll tabindex="0" { table {
+                thead { tr { th { (t.silence_of) } th { (t.until) } th { (t.reason_word) } @if may { th { (t.actions_word) } } } }
+                tbody { @for silence in &silences {
+                    tr {
+                        th.words scope="row" { (of(viewer, &silence.matchers)) }
+                        td data-label=(t.until) { (written(&silence.until)) }
+                        td.words { (remark(t.said_by, &silence.by, &silence.reason)) }
+                        @if may { td { a href={ "/silences/" (silence.id) "/end" } { (t.end_silence) } } }
+                    }
+                } }
+            } }
+        }
+    })
+}
+
+fn of(viewer: &Viewer, matchers: &MatchersBody) -> Markup {
+    let t = viewer.text();
+    let names = [(t.serial, &matchers.serial), (t.imu, &matchers.imu), (t.station, &matchers.station)];
+    let rule = matchers.rule.as_deref().and_then(Rule::from_name);
+    html! {
+        @for (label, name) in names { @if let Some(name) = name { (label) " " span.id translate="no" { (name) } " " } }
+        @if let Some(rule) = rule { (t.rule_word) " " (t.rule(rule)) }
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NewSilence {
+    #[serde(flatten)]
+    word: Word,
+    serial: String,
+    imu: String,
+    station: String,
+    rule: String,
+    days: String,
+}
+
+pub(super) async fn ask_new(viewer: Viewer) -> Response {
+    let new = NewSilence::default();
+    viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
+}
+
+pub(super) async fn begin(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewSilence>) -> Response {
+    answered(&viewer, begun(&pages, &viewer, &new).await)
+}
+
+async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Response, Problem> {
+    let mut faults = Faults::default();
+    new.word.check(viewer, &mut faults);
+    let days = new.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
+    if days.is_none() {
+        faults.push("days", format!("0 … {LONGEST_SILENCE}"));
+    }
+    let mut name = |field: &str, text: &str| {
+        let text = Some(text.trim()).filter(|text| !text.is_empty())?;
+        if let Err(why) = Name::parse(text) {
+            faults.push(field, why);
+        }
+        Some(text.to_owned())
+    };
+    let matchers = Matchers {
+        serial: name("serial", &new.serial),
+        imu: name("imu", &new.imu),
+        station: name("station", &new.station),
+        rule: Rule::from_name(&new.rule),
+    };
+    if matchers == Matchers::default() {
+        faults.push("serial", viewer.text().silence_of_nothing);
+    }
+    if !faults.is_empty() {
+        return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
+    }
+    let until = pages.clock.now().plus_days(days.unwrap_or_default());
+    let Word { by, reason, .. } = new.word.clone();
+    pages.pipeline.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
+    Ok(see_other("/alerts"))
+}
+
+fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    let days = if new.days.is_empty() { "7" } else { &new.days };
+    let names = [("serial", t.serial, &new.serial), ("imu", t.imu, &new.imu), ("station", t.station, &new.station)];
+    let fields = html! {
+        @for (name, label, value) in names { label { (label) input name=(name) value=(value) maxlength="128" translate="no"; } }
+        label { (t.rule_word) select name="rule" {
+            option value="" { (t.any) }
+            @for rule in Rule::ALL { option value=(rule.name()) selected[rule.name() == new.rule] { (t.rule(rule)) } }
+        } }
+        label { (t.silence_days) input name="days" type="number" min="0.1" max=(LONGEST_SILENCE) step="0.1" value=(days) required; }
+    };
+    show(&Deed {
+        section: Section::Alerts,
+        title: t.silence_many,
+        what: html! { p.lead { (t.silence_many_what) } },
+        fields,
+        action: "/silences/new",
+        button: t.silence,
+        back: "/alerts",
+        reasoned: true,
+    })
+}
+
+async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
+    let unknown = || Problem::new(404, "Unknown silence", format!("there is no silence {id}"));
+    let number: Id = id.parse().map_err(|_| unknown())?;
+    Ok((number, pages.pipeline.silence(number).await?.ok_or_else(unknown)?))
+}
+
+pub(super) async fn ask_end(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+    let word = Word::default();
+    let found = known(&pages, &id).await;
+    viewer.show(
+        found.map(|(_, silence)| end_form(&viewer, &silence, |deed| deed.page(&viewer, &word, &Faults::default()))),
+    )
+}
+
+pub(super) async fn end(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Form(word): Form<Word>,
+) -> Response {
+    let ended = async {
+        let (silence, body) = known(&pages, &id).await?;
+        let mut faults = Faults::default();
+        word.check(&viewer, &mut faults);
+        if !faults.is_empty() {
+            return Ok(end_form(&viewer, &body, |deed| deed.again(&viewer, &word, &faults)));
+        }
+        let Word { by, reason, .. } = word;
+        pages.pipeline.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+        Ok(see_other("/alerts"))
+    };
+    answered(&viewer, ended.await)
+}
+
+fn end_form<T>(viewer: &Viewer, silence: &MatchingSilenceBody, show: impl FnOnce(&Deed<'_>) -> T) -> T {
+    let t = viewer.text();
+    show(&Deed {
+        section: Section::Alerts,
+        title: t.end_silence_title,
+        what: html! { p { (of(viewer, &silence.matchers)) } p.lead { (t.end_silence_what) } },
+        fields: html! {},
+        action: &format!("/silences/{}/end", silence.id),
+        button: t.end_silence,
+        back: "/alerts",
+        reasoned: true,
+    })
+}

@@ -1,0 +1,51 @@
+//! The time of a record that was set aside is confirmed: from now on it counts.
+
+use serde_json::json;
+
+use super::{Desk, Group};
+use crate::pipeline::read::Confirmation;
+use crate::pipeline::{Accepted, Refused};
+use crate::store::{ConfirmationRow, HistoryRow, Span};
+
+impl Desk<'_> {
+    pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
+        let id = sent.id;
+        let record = self.store.record(id).await?.ok_or(Refused::UnknownRecord { id })?;
+        let before = group.changes.confirmed.iter().any(|row| row.record == id);
+        if before || self.store.confirmation(id).await?.is_some() {
+            return Ok(Accepted::There { id, same_bytes: true });
+        }
+        if !self.said_before(id, group).await?.is_empty() {
+            return Err(Refused::AlreadyCorrected { id, existing: id });
+        }
+        if !record.voided {
+            return Err(Refused::NotSetAside { id });
+        }
+        let at = record.calibrated_at;
+        if let Some((existing, _)) = self.counting_at(Some(record.imu), at, group).await? {
+            return Err(Refused::TimeTaken { existing, kind: record.kind });
+        }
+        let mut rows = Vec::new();
+        for (index, &(gyro, _)) in record.verdicts.0.iter().enumerate() {
+            if let Some(existing) = self.row_at(Some(gyro), at, group).await? {
+                let serial = self.name_of(super::Table::Gyros, gyro, group);
+                return Err(Refused::GyroElsewhere { existing, index, serial });
+            }
+            let aside = self.store.voided_history(gyro, Span { from: at, to: at }).await?;
+            rows.extend(aside.into_iter().filter(|row| row.record == id).map(|figures| HistoryRow { gyro, figures }));
+        }
+        for row in &rows {
+            group.rows.insert((row.gyro, at), id);
+        }
+        group.records.insert((record.imu, at), (id, record.body_sha256));
+        self.memory.forget_of(rows.iter().map(|row| row.gyro));
+        group.changes.history.extend(rows);
+        let (author, reason) = (sent.author.clone(), sent.reason.clone());
+        let audited = json!({ "author": author, "reason": reason });
+        let line = self.ids.next(self.now);
+        let what = ("confirm", format!("records/{id}"));
+        group.changes.access.audit.push(sent.by.line(line, self.now, what, None::<&()>, Some(&audited)));
+        group.changes.confirmed.push(ConfirmationRow { record: id, at: self.now, author, reason });
+        Ok(Accepted::stored(id))
+    }
+}

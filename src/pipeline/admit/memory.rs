@@ -1,0 +1,142 @@
+//! What is remembered of gyros, so that a new record is held against their histories without asking the database each time.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use super::Group;
+use crate::core::mounting::Slot;
+use crate::core::own_history::Shown;
+use crate::core::time::UtcMicros;
+use crate::store::{Figures, Id, Span, Store, StoreError};
+
+/// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
+const REMEMBERED: usize = 32;
+/// Records before one that it is held against.
+const BEFORE: usize = 8;
+/// Gyros from which on everything is forgotten, about 3 kB each.
+const MOST_GYROS: usize = 20_000;
+
+/// The newest records of the gyros that have been seen, those included that are not stored yet.
+#[derive(Debug, Default)]
+pub(in crate::pipeline) struct Memory {
+    gyros: HashMap<u32, Ring>,
+}
+
+/// One gyro's newest records, oldest first.
+#[derive(Debug, Default)]
+struct Ring {
+    rows: Vec<Remembered>,
+    /// Whether there are none before them.
+    whole: bool,
+}
+
+/// A gyro in one of its records.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Remembered {
+    pub at: UtcMicros,
+    pub record: Id,
+    pub imu: u32,
+    pub slot: Slot,
+    pub shown: Shown,
+}
+
+impl From<&Figures> for Remembered {
+    fn from(figures: &Figures) -> Self {
+        let sd = figures.rigid_sd.map(|[d_i, d_s, _]| [d_i, d_s]);
+        let shown = Shown { d: figures.rigid, sd, scale: None };
+        Self { at: figures.at, record: figures.record, imu: figures.imu, slot: figures.slot, shown }
+    }
+}
+
+/// A gyro's records about an instant.
+#[derive(Debug, Default)]
+pub(super) struct Around {
+    /// The last few before it, the newest last.
+    pub before: Vec<Remembered>,
+    /// The first few after it, the newest first; looked for only where there are none before.
+    pub after: Vec<Remembered>,
+}
+
+impl Around {
+    /// The nearest of them.
+    pub fn nearest(&self, at: UtcMicros) -> Option<UtcMicros> {
+        let all = self.before.iter().chain(&self.after).map(|row| row.at);
+        all.min_by_key(|other| other.0.abs_diff(at.0))
+    }
+}
+
+impl Memory {
+    /// Forgets everything: what is remembered is not what was stored.
+    pub fn forget(&mut self) {
+        self.gyros.clear();
+    }
+
+    pub fn forget_of(&mut self, gyros: impl IntoIterator<Item = u32>) {
+        gyros.into_iter().for_each(|gyro| drop(self.gyros.remove(&gyro)));
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.gyros.len() > MOST_GYROS
+    }
+
+    /// Reads what is stored of a gyro, and adds what the group holds of it.
+    async fn recall(&mut self, store: &Store, gyro: u32, group: &Group) -> Result<&mut Ring, StoreError> {
+        let unseen = match self.gyros.entry(gyro) {
+            Entry::Occupied(seen) => return Ok(seen.into_mut()),
+            Entry::Vacant(unseen) => unseen,
+        };
+        let is_new = group.changes.gyros.iter().any(|(number, _)| *number == gyro);
+        let stored = if is_new { Vec::new() } else { store.newest_history(gyro, Span::EVER, REMEMBERED).await? };
+        let whole = stored.len() < REMEMBERED;
+        let counts = |figures: &&Figures| !group.withdraws(figures.record);
+        let mut rows: Vec<Remembered> = stored.iter().filter(counts).map(Remembered::from).collect();
+        let of_group = group.changes.history.iter().filter(|row| row.gyro == gyro);
+        rows.extend(of_group.map(|row| Remembered::from(&row.figures)));
+        rows.sort_by_key(|row| row.at);
+        Ok(unseen.insert(Ring { rows, whole }))
+    }
+
+    /// What is known of a gyro about `at`.
+    pub(super) async fn around(
+        &mut self,
+        store: &Store,
+        gyro: u32,
+        at: UtcMicros,
+        group: &Group,
+    ) -> Result<Around, StoreError> {
+        let ring = self.recall(store, gyro, group).await?;
+        let place = ring.rows.partition_point(|row| row.at < at);
+        let mut around = Around { before: ring.rows[place.saturating_sub(BEFORE)..place].to_vec(), after: Vec::new() };
+        if place == 0 && !ring.whole {
+            let upto = Span { to: UtcMicros(at.0 - 1), ..Span::EVER };
+            let stored = store.newest_history(gyro, upto, BEFORE).await?;
+            around.before = stored.iter().filter(|row| !group.withdraws(row.record)).map(Remembered::from).collect();
+        }
+        if around.before.is_empty() {
+            around.after = ring.rows[place..].iter().take(BEFORE).rev().copied().collect();
+        }
+        Ok(around)
+    }
+
+    /// The remembered record of a gyro with the very same figures.
+    pub(super) fn identical(&self, gyro: u32, shown: &Shown) -> Option<Remembered> {
+        let bits = |d: [f64; 3]| d.map(f64::to_bits);
+        let same_scale = |other: &Shown| shown.scale.zip(other.scale).is_none_or(|(a, b)| a.to_bits() == b.to_bits());
+        let mut rows = self.gyros.get(&gyro)?.rows.iter();
+        rows.find(|row| bits(row.shown.d) == bits(shown.d) && same_scale(&row.shown)).copied()
+    }
+
+    /// Adds a record that has been admitted, of a gyro that was asked for, or is new.
+    pub(super) fn add(&mut self, gyro: u32, row: Remembered) {
+        let ring = self.gyros.entry(gyro).or_insert_with(|| Ring { rows: Vec::new(), whole: true });
+        let place = ring.rows.partition_point(|there| there.at <= row.at);
+        if place == 0 && !ring.whole {
+            return;
+        }
+        ring.rows.insert(place, row);
+        if ring.rows.len() > 2 * REMEMBERED {
+            ring.rows.drain(..REMEMBERED);
+            ring.whole = false;
+        }
+    }
+}

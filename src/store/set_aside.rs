@@ -1,0 +1,112 @@
+//! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
+
+use super::batch::{Batch, Rows};
+use super::db::{Sql, Whole, among, cell, insert, on};
+use super::error::StoreError;
+use super::history::{self, HistoryRow};
+use super::id::Id;
+use super::open::Store;
+use crate::core::time::UtcMicros;
+
+/// What a transaction sets aside.
+#[derive(Debug, Default)]
+pub struct SetAside {
+    /// Rows of new records, which never come into the history.
+    pub history: Vec<HistoryRow>,
+    /// Stored records, which are withdrawn with the same transaction.
+    pub stored: Vec<Id>,
+}
+
+/// Somebody has confirmed the time of a record that was set aside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConfirmationRow {
+    pub record: Id,
+    pub at: UtcMicros,
+    pub author: String,
+    pub reason: String,
+}
+
+/// After the records themselves have been written.
+pub(super) fn insert(set_aside: &SetAside, batch: &mut Batch) {
+    batch.add(
+        insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
+        history::rows(set_aside.history.iter()),
+    );
+}
+
+/// `rows` are those of the confirmed records, which count from now on.
+pub(super) fn confirm<'a>(
+    confirmed: &[ConfirmationRow],
+    rows: impl Iterator<Item = &'a HistoryRow>,
+    batch: &mut Batch,
+) {
+    if confirmed.is_empty() {
+        return;
+    }
+    batch.add(
+        among!("UPDATE record SET voided = 0 WHERE id"),
+        Rows::of(confirmed.iter().map(|confirmed| confirmed.record.0)),
+    );
+    let (mut keys, mut said) = (Rows::default(), Rows::default());
+    let is_confirmed = |row: &&HistoryRow| confirmed.iter().any(|it| it.record == row.figures.record);
+    for HistoryRow { gyro, figures } in rows.filter(is_confirmed) {
+        keys.row().integer(i64::from(*gyro)).integer(figures.at.0).integer(figures.record.0);
+    }
+    batch.add(
+        Sql {
+            sqlite: "DELETE FROM voided_history WHERE gyro = $C0 AND calibrated_at = $C1 AND record = $C2",
+            postgres: "DELETE FROM voided_history USING jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE gyro = CAST(j.value->>0 AS BIGINT) AND calibrated_at = CAST(j.value->>1 AS BIGINT)
+                       AND record = CAST(j.value->>2 AS BIGINT)",
+        },
+        keys,
+    );
+    for ConfirmationRow { record, at, author, reason } in confirmed {
+        said.row().integer(record.0).integer(at.0).text(author).text(reason);
+    }
+    batch.add(insert!("confirmation (record, at, author, reason)", [int 0, int 1, text 2, text 3]), said);
+}
+
+/// Enters what is noted about stored records in the place of what was noted before.
+pub(super) fn note(noted: &[(Id, String)], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for (record, notes) in noted {
+        rows.row().integer(record.0).bytes(notes.as_bytes());
+    }
+    batch.add(
+        Sql {
+            sqlite: "UPDATE record SET notes = CAST($C1 AS TEXT) WHERE id = $C0",
+            postgres: "UPDATE record SET notes =
+                           convert_from(substr($2, CAST(j.value->>1 AS INT), CAST(j.value->>2 AS INT)), 'UTF8')
+                       FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
+                       WHERE record.id = CAST(j.value->>0 AS BIGINT)",
+        },
+        rows,
+    );
+}
+
+impl Store {
+    /// Who confirmed the time of a record that was set aside.
+    pub async fn confirmation(&self, record: Id) -> Result<Option<ConfirmationRow>, StoreError> {
+        let sql = "SELECT at, author, reason FROM confirmation WHERE record = $1";
+        let row: Option<(i64, String, String)> =
+            on!(self.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
+        Ok(row.map(|(at, author, reason)| ConfirmationRow { record, at: UtcMicros(at), author, reason }))
+    }
+
+    /// Whether a record is set aside until somebody confirms its time.
+    pub async fn is_set_aside(&self, record: Id) -> Result<bool, StoreError> {
+        let sql = "SELECT count(*) > 0 FROM record WHERE id = $1 AND voided <> 0
+                   AND NOT EXISTS (SELECT 1 FROM correction WHERE item = record.id)";
+        Ok(on!(self.readers, db => sqlx::query_scalar(sql).bind(record.0).fetch_one(db).await?))
+    }
+
+    /// The records of a gyro that are set aside, oldest first.
+    pub async fn set_aside_of_gyro(&self, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StoreError> {
+        let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
+                   AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
+                   ORDER BY calibrated_at, record";
+        let rows: Vec<(i64, i64)> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
+        Ok(rows.into_iter().map(|(record, at)| (Id(record), UtcMicros(at))).collect())
+    }
+}

@@ -1,0 +1,348 @@
+//! Notes of a record beside what is known of its IMU and gyros, as answers show them and as the database keeps them.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::note::NoteBody;
+use super::record::SlotBody;
+use super::time;
+use crate::core::history_note::{HistoryNote, NameKind, Named, Quantity, Seat, TimeDoubt};
+use crate::core::note::Note;
+
+/// The form of what is kept.
+const VERSION: u64 = 1;
+
+/// A note by its code, with its parameters.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "code", rename_all = "snake_case")]
+enum Coded {
+    TimeInDoubt { set_aside: bool, epoch: Option<String>, nearest: Option<String> },
+    OthersSetAside { records: Vec<NamedBody> },
+    AheadOfNow { hours: f64 },
+    NewSerial { slot: SlotBody, serial: String, had: String, nearest: Option<String> },
+    LookAlike { of: KindBody, name: String, known: String },
+    SerialsExchanged { fits: Vec<FitBody> },
+    OtherUnit { serials: Vec<String>, budgets: f64 },
+    IdenticalFigures { serials: Vec<String>, record: String, calibrated_at: String },
+    UnitFactor { serials: Vec<String>, quantity: QuantityBody, factor: f64, unit: Option<String> },
+    Moved { serial: String, from: SeatBody, to: SeatBody },
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct NamedBody {
+    record: String,
+    calibrated_at: String,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct FitBody {
+    serial: String,
+    figures_of: String,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct SeatBody {
+    imu: String,
+    slot: SlotBody,
+}
+
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum KindBody {
+    Imu,
+    Station,
+    Serial,
+}
+
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+enum QuantityBody {
+    E,
+    G,
+}
+
+/// The unit in which E or G would be so many times what it is in the right one.
+fn likely_unit(quantity: Quantity, factor: f64) -> Option<&'static str> {
+    let is = |other: f64| (factor / other - 1.0).abs() < 1e-6;
+    let units: &[(f64, &str)] = match quantity {
+        Quantity::E => &[(60.0, "pulse/arcmin"), (3600.0, "pulse/deg"), (206_264.806, "pulse/rad")],
+        Quantity::G => &[
+            (60.0, "pulse/(min g0)"),
+            (3600.0, "pulse/(h g0)"),
+            (1.0 / 9.806_65, "pulse/(s m/s^2)"),
+            (1.0 / 206_264.806, "rad/s per g0 (of 1 pulse an arcsec)"),
+            (1.0 / 3600.0, "deg/(s g0) (of 1 pulse an arcsec)"),
+        ],
+    };
+    units.iter().find(|(unit, _)| is(*unit)).map(|(_, unit)| *unit)
+}
+
+impl From<&HistoryNote> for Coded {
+    fn from(note: &HistoryNote) -> Self {
+        let seat = |seat: &Seat| SeatBody { imu: seat.imu.clone(), slot: seat.slot.into() };
+        match note {
+            HistoryNote::TimeInDoubt(doubt) => {
+                let (epoch, nearest) = match doubt {
+                    TimeDoubt::NearEpoch { epoch } => (Some(time::format(*epoch)), None),
+                    TimeDoubt::FarFromOthers { nearest } => (None, Some(time::format(*nearest))),
+                };
+                Self::TimeInDoubt { set_aside: true, epoch, nearest }
+            }
+            HistoryNote::OthersSetAside { records } => {
+                let body = |it: &Named| NamedBody { record: it.record.clone(), calibrated_at: time::format(it.at) };
+                Self::OthersSetAside { records: records.iter().map(body).collect() }
+            }
+            HistoryNote::AheadOfNow { hours } => Self::AheadOfNow { hours: *hours },
+            HistoryNote::NewSerial { slot, serial, had, nearest } => Self::NewSerial {
+                slot: (*slot).into(),
+                serial: serial.clone(),
+                had: had.clone(),
+                nearest: nearest.clone(),
+            },
+            HistoryNote::LookAlike { of, name, known } => Self::LookAlike {
+                of: match of {
+                    NameKind::Imu => KindBody::Imu,
+                    NameKind::Station => KindBody::Station,
+                    NameKind::Serial => KindBody::Serial,
+                },
+                name: name.clone(),
+                known: known.clone(),
+            },
+            HistoryNote::SerialsExchanged { fits } => {
+                let body = |(serial, of): &(String, String)| FitBody { serial: serial.clone(), figures_of: of.clone() };
+                Self::SerialsExchanged { fits: fits.iter().map(body).collect() }
+            }
+            HistoryNote::OtherUnit { serials, budgets } => {
+                Self::OtherUnit { serials: serials.clone(), budgets: *budgets }
+            }
+            HistoryNote::IdenticalFigures { serials, record } => Self::IdenticalFigures {
+                serials: serials.clone(),
+                record: record.record.clone(),
+                calibrated_at: time::format(record.at),
+            },
+            HistoryNote::UnitFactor { serials, quantity, factor } => Self::UnitFactor {
+                serials: serials.clone(),
+                quantity: match quantity {
+                    Quantity::E => QuantityBody::E,
+                    Quantity::G => QuantityBody::G,
+                },
+                factor: *factor,
+                unit: likely_unit(*quantity, *factor).map(str::to_owned),
+            },
+            HistoryNote::Moved { serial, from, to } => {
+                Self::Moved { serial: serial.clone(), from: seat(from), to: seat(to) }
+            }
+        }
+    }
+}
+
+fn coded(note: &HistoryNote) -> Map<String, Value> {
+    match serde_json::to_value(Coded::from(note)) {
+        Ok(Value::Object(members)) => members,
+        _ => Map::new(),
+    }
+}
+
+/// What the words name.
+pub fn parameters(note: &HistoryNote) -> Map<String, Value> {
+    let mut members = coded(note);
+    members.remove("code");
+    members.retain(|_, value| !value.is_null());
+    members
+}
+
+/// The words for a reader.
+pub fn words(note: &HistoryNote) -> String {
+    Coded::from(note).words()
+}
+
+/// The notes of a record as they are kept; nothing where there are none.
+pub fn kept(notes: &[Note]) -> Option<String> {
+    let notes: Vec<Value> = notes
+        .iter()
+        .filter_map(|note| match note {
+            Note::History(note) => Some(Value::Object(coded(note))),
+            _ => None,
+        })
+        .collect();
+    (!notes.is_empty()).then(|| serde_json::json!({ "version": VERSION, "notes": notes }).to_string())
+}
+
+/// What is kept of a record, with one note more.
+pub fn with(kept: Option<&str>, note: &HistoryNote) -> String {
+    let document: Value = kept.and_then(|kept| serde_json::from_str(kept).ok()).unwrap_or_default();
+    let mut notes = document.get("notes").and_then(Value::as_array).cloned().unwrap_or_default();
+    notes.push(Value::Object(coded(note)));
+    serde_json::json!({ "version": VERSION, "notes": notes }).to_string()
+}
+
+/// Kept notes for a reader. One that only a later version knows is shown by its code.
+pub fn read(kept: Option<&str>) -> Vec<NoteBody> {
+    let document: Value = kept.and_then(|kept| serde_json::from_str(kept).ok()).unwrap_or_default();
+    let notes = document.get("notes").and_then(Value::as_array);
+    notes.into_iter().flatten().filter_map(body).collect()
+}
+
+fn body(note: &Value) -> Option<NoteBody> {
+    let mut parameters = note.as_object()?.clone();
+    let code = parameters.remove("code")?.as_str()?.to_owned();
+    parameters.retain(|_, value| !value.is_null());
+    let detail = serde_json::from_value::<Coded>(note.clone()).map_or_else(|_| code.clone(), |coded| coded.words());
+    Some(NoteBody { code: code.into(), detail, parameters })
+}
+
+/// The day of a time that was written by [`time::format`].
+fn day(time: &str) -> &str {
+    time.split('T').next().unwrap_or(time)
+}
+
+fn list(names: &[String]) -> String {
+    names.join(", ")
+}
+
+impl Coded {
+    fn words(&self) -> String {
+        match self {
+            Self::TimeInDoubt { epoch: Some(epoch), .. } => format!(
+                "the time is near {}, where clocks that were never set begin: set aside until somebody confirms the time",
+                day(epoch)
+            ),
+            Self::TimeInDoubt { nearest, .. } => format!(
+                "the time is decades from the other records of its gyros, of which the nearest is of {}: set aside until somebody confirms the time",
+                nearest.as_deref().map_or("", day)
+            ),
+            Self::OthersSetAside { records } => {
+                let named: Vec<String> =
+                    records.iter().map(|it| format!("{} ({})", it.record, day(&it.calibrated_at))).collect();
+                format!(
+                    "earlier records are decades before this one and were set aside until somebody confirms their times: {}",
+                    list(&named)
+                )
+            }
+            Self::AheadOfNow { hours } => {
+                format!("the time is {hours:.1} hours ahead of the service's clock: is the station's clock right?")
+            }
+            Self::NewSerial { slot, serial, had, nearest } => {
+                let slot = slot_name(*slot);
+                let head = format!("{serial} is new in {slot}, which had {had} before");
+                match nearest {
+                    Some(nearest) => format!("{head}; the nearest known serial is {nearest}"),
+                    None => head,
+                }
+            }
+            Self::LookAlike { of, name, known } => match of {
+                KindBody::Imu => format!("the new IMU {name} looks like the known IMU {known}"),
+                KindBody::Station => format!("the new station {name} looks like the known station {known}"),
+                KindBody::Serial => format!("the new serial {name} looks like the known serial {known}"),
+            },
+            Self::SerialsExchanged { fits } => {
+                let pairs: Vec<String> =
+                    fits.iter().map(|fit| format!("{} has the figures of {}", fit.serial, fit.figures_of)).collect();
+                format!("serials are exchanged: {}", list(&pairs))
+            }
+            Self::OtherUnit { serials, budgets } => format!(
+                "all gyros ({}) are off their last levels by more than {budgets:.0} budgets: are these the figures of another unit?",
+                list(serials)
+            ),
+            Self::IdenticalFigures { serials, record, calibrated_at } => format!(
+                "{}: identical to record {record} of {calibrated_at}; is it the same measurement with another time?",
+                list(serials)
+            ),
+            Self::UnitFactor { serials, quantity, factor, unit } => {
+                let quantity = match quantity {
+                    QuantityBody::E => "E",
+                    QuantityBody::G => "G",
+                };
+                let times = if *factor > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
+                let times = times.trim_end_matches('0').trim_end_matches('.');
+                let head = format!("{quantity} of {} is {times} times what it was before", list(serials));
+                match unit {
+                    Some(unit) => format!("{head}: is it in {unit}?"),
+                    None => format!("{head}: is it in another unit?"),
+                }
+            }
+            Self::Moved { serial, from, to } => format!(
+                "{serial} was in {} {} in its last record and is in {} {} now",
+                from.imu,
+                slot_name(from.slot),
+                to.imu,
+                slot_name(to.slot)
+            ),
+        }
+    }
+}
+
+fn slot_name(slot: SlotBody) -> &'static str {
+    crate::core::mounting::Slot::from(slot).name()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::mounting::Slot;
+    use crate::core::time::UtcMicros;
+
+    fn every_kind() -> Vec<Note> {
+        let named = |record: &str| Named { record: record.to_owned(), at: UtcMicros(1_767_254_400_000_000) };
+        let seat = |imu: &str, slot| Seat { imu: imu.to_owned(), slot };
+        let serials = vec!["A".to_owned(), "B".to_owned()];
+        let unit = |quantity, factor| HistoryNote::UnitFactor { serials: vec!["A".to_owned()], quantity, factor };
+        let kinds = [
+            HistoryNote::TimeInDoubt(TimeDoubt::NearEpoch { epoch: UtcMicros(946_684_800_000_000) }),
+            HistoryNote::TimeInDoubt(TimeDoubt::FarFromOthers { nearest: UtcMicros(1_767_254_400_000_000) }),
+            HistoryNote::OthersSetAside { records: vec![named("r1"), named("r2")] },
+            HistoryNote::AheadOfNow { hours: 3.25 },
+            HistoryNote::NewSerial { slot: Slot::G2, serial: "B".into(), had: "8".into(), nearest: Some("8".into()) },
+            HistoryNote::NewSerial { slot: Slot::G2, serial: "B".into(), had: "8".into(), nearest: None },
+            HistoryNote::LookAlike { of: NameKind::Imu, name: "I".into(), known: "1".into() },
+            HistoryNote::LookAlike { of: NameKind::Station, name: "I".into(), known: "1".into() },
+            HistoryNote::LookAlike { of: NameKind::Serial, name: "I".into(), known: "1".into() },
+            HistoryNote::SerialsExchanged { fits: vec![("A".into(), "B".into()), ("B".into(), "A".into())] },
+            HistoryNote::OtherUnit { serials: serials.clone(), budgets: 81.4 },
+            HistoryNote::IdenticalFigures { serials, record: named("r1") },
+            unit(Quantity::E, 3600.0),
+            unit(Quantity::G, 1.0 / 9.806_65),
+            unit(Quantity::G, 9.806_65),
+            HistoryNote::Moved { serial: "A".into(), from: seat("I-1", Slot::G1), to: seat("I-2", Slot::G3) },
+        ];
+        kinds.into_iter().map(Note::History).collect()
+    }
+
+    #[test]
+    fn what_is_kept_says_the_same_as_what_was_answered() {
+        let notes = every_kind();
+        let answered: Vec<NoteBody> = notes.iter().map(NoteBody::of).collect();
+        assert_eq!(read(kept(&notes).as_deref()), answered);
+        assert_eq!(kept(&[]), None);
+        assert_eq!(read(None), []);
+    }
+
+    #[test]
+    fn a_note_of_a_later_version_is_shown_by_its_code() {
+        let later = r#"{"version":2,"notes":[{"code":"of_tomorrow","weight":2},{"code":"ahead_of_now","hours":1.0}]}"#;
+        let [first, second] = &read(Some(later))[..] else { panic!("two notes") };
+        assert_eq!(
+            (&*first.code, &*first.detail, &first.parameters["weight"]),
+            ("of_tomorrow", "of_tomorrow", &2.into())
+        );
+        assert!(second.detail.contains("1.0 hours ahead"));
+    }
+
+    #[test]
+    fn words_name_what_they_are_about() {
+        let said: Vec<String> = every_kind().iter().map(|note| NoteBody::of(note).detail).collect();
+        for (place, words) in [
+            (0, "near 2000-01-01"),
+            (1, "is of 2026-01-01"),
+            (2, "r1 (2026-01-01), r2"),
+            (4, "B is new in G2, which had 8 before; the nearest known serial is 8"),
+            (9, "A has the figures of B, B has the figures of A"),
+            (11, "A, B: identical to record r1 of 2026-01-01T08:00:00Z"),
+            (12, "E of A is 3600 times what it was before: is it in pulse/deg?"),
+            (13, "G of A is 1/9.80665 times what it was before: is it in pulse/(s m/s^2)?"),
+            (14, "G of A is 9.80665 times what it was before: is it in another unit?"),
+            (15, "A was in I-1 G1 in its last record and is in I-2 G3 now"),
+        ] {
+            assert!(said[place].contains(words), "{}", said[place]);
+        }
+    }
+}

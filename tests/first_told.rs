@@ -1,0 +1,179 @@
+//! A hook that begins to listen is first told what fires, and never hears the end of what it did not hear fire.
+
+mod lab;
+mod receiver;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use axum::http::StatusCode;
+use axum::response::IntoResponse;
+use lab::{Lab, day, record};
+use receiver::Receiver;
+use serde_json::{Value, json};
+
+async fn posts(lab: &Lab, serial: &str, at: i64, d_i: f64) {
+    lab.posts(&record(&format!("IMU-{serial}"), &day(at), &[("G1", serial, d_i, 2.0)])).await;
+}
+
+/// The gyro steps at its fourth record.
+async fn steps(lab: &Lab, serial: &str) {
+    for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05)] {
+        posts(lab, serial, at, d_i).await;
+    }
+}
+
+/// The gyro is back at its level, so often that all is resolved.
+async fn recovers(lab: &Lab, serial: &str) {
+    for at in [160, 200, 240] {
+        posts(lab, serial, at, 1.0).await;
+    }
+    assert_eq!(firing(lab, serial).await, 0);
+}
+
+async fn firing(lab: &Lab, serial: &str) -> usize {
+    let found = lab.get(&format!("/v1/alerts?state=firing&serial={serial}")).await.ok();
+    found["alerts"].as_array().unwrap().len()
+}
+
+async fn hook(lab: &Lab, target: &Receiver, more: Value) -> String {
+    let mut hook = json!({ "kind": "standard-webhooks", "url": target.url() });
+    hook.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+    lab.post("/v1/hooks", &hook).await.created()["id"].as_str().unwrap().to_owned()
+}
+
+async fn change(lab: &Lab, hook: &str, change: Value) {
+    let request = lab.request(reqwest::Method::PATCH, &format!("/v1/hooks/{hook}"));
+    let request = request.header("content-type", "application/json").body(change.to_string());
+    lab::Answer::of(request).await.ok();
+}
+
+/// What a target has been told, alert by alert: gyro, rule and event; once nothing is open for the hook.
+async fn told(lab: &Lab, hook: &str, target: &Receiver) -> Vec<Vec<String>> {
+    let patience = Instant::now() + Duration::from_secs(60);
+    while lab.get(&format!("/v1/hooks/{hook}")).await.ok()["queue"]["open"] != 0 {
+        assert!(Instant::now() < patience);
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    let of_message = |body: &Value| -> Vec<String> {
+        let text = |alert: &Value, member: &str| alert[member].as_str().unwrap().to_owned();
+        let alerts = body["alerts"].as_array().unwrap().iter();
+        let mut all: Vec<String> =
+            alerts.map(|alert| ["serial", "rule", "event"].map(|member| text(alert, member)).join(" ")).collect();
+        all.sort();
+        all
+    };
+    target.told().iter().map(|told| of_message(&told.json())).collect()
+}
+
+/// Two rules see the step.
+fn both(serial: &str, event: &str) -> Vec<String> {
+    ["baseline", "step"].map(|rule| format!("{serial} {rule} {event}")).into()
+}
+
+#[tokio::test]
+async fn a_new_hook_is_told_at_once_what_fires_and_no_end_of_what_it_did_not_hear() {
+    let mut lab = Lab::open().await;
+    steps(&lab, "A").await;
+    steps(&lab, "B").await;
+    steps(&lab, "C").await;
+    recovers(&lab, "C").await;
+    let targets = [Receiver::start().await, Receiver::start().await, Receiver::start().await];
+    let all = hook(&lab, &targets[0], json!({})).await;
+    let of_b = hook(&lab, &targets[1], json!({ "filter": { "gyros": ["B"], "rules": ["step"] } })).await;
+    let each = hook(&lab, &targets[2], json!({ "batch": false })).await;
+    assert_eq!(told(&lab, &all, &targets[0]).await, [[both("A", "alert.fired"), both("B", "alert.fired")].concat()]);
+    assert_eq!(told(&lab, &of_b, &targets[1]).await, [["B step alert.fired"]]);
+    let singly = told(&lab, &each, &targets[2]).await;
+    assert_eq!(singly.len(), 4, "{singly:?}");
+    // After a restart it is still known who has heard what.
+    lab.restart().await;
+    recovers(&lab, "A").await;
+    let ended = told(&lab, &all, &targets[0]).await;
+    assert_eq!(ended[1..].concat().iter().filter(|one| one.ends_with("alert.resolved")).count(), 2, "{ended:?}");
+    assert_eq!(told(&lab, &of_b, &targets[1]).await.len(), 1, "A is nothing to it");
+}
+
+#[tokio::test]
+async fn a_hook_whose_filter_changes_hears_what_it_lets_through_from_now_on_and_the_end_of_what_it_heard() {
+    let lab = Lab::open().await;
+    let target = Receiver::start().await;
+    let id = hook(&lab, &target, json!({ "filter": { "gyros": ["A"] } })).await;
+    steps(&lab, "A").await;
+    steps(&lab, "B").await;
+    assert_eq!(told(&lab, &id, &target).await, [both("A", "alert.fired")]);
+    change(&lab, &id, json!({ "filter": { "gyros": ["B"] } })).await;
+    assert_eq!(told(&lab, &id, &target).await[1..], [both("B", "alert.fired")]);
+    change(&lab, &id, json!({ "name": "night" })).await;
+    recovers(&lab, "A").await;
+    let all = told(&lab, &id, &target).await;
+    let ends: Vec<String> = all[2..].concat();
+    assert_eq!(ends.iter().filter(|one| *one == "A step alert.resolved").count(), 1, "{all:?}");
+    assert!(ends.iter().all(|one| one.starts_with('A')), "nothing else of A, nothing twice of B: {all:?}");
+}
+
+#[tokio::test]
+async fn a_hook_that_is_enabled_again_hears_how_things_stand_and_not_what_it_missed() {
+    let lab = Lab::open().await;
+    let target = Receiver::start().await;
+    let id = hook(&lab, &target, json!({})).await;
+    steps(&lab, "A").await;
+    steps(&lab, "B").await;
+    assert_eq!(told(&lab, &id, &target).await.len(), 2);
+    change(&lab, &id, json!({ "enabled": false })).await;
+    recovers(&lab, "A").await;
+    steps(&lab, "C").await;
+    steps(&lab, "D").await;
+    recovers(&lab, "D").await;
+    change(&lab, &id, json!({ "enabled": true })).await;
+    let all = told(&lab, &id, &target).await;
+    let expected = [both("A", "alert.resolved"), both("B", "alert.fired"), both("C", "alert.fired")].concat();
+    assert_eq!(all[2..], [expected], "of D, which came and went, nothing");
+    recovers(&lab, "C").await;
+    let ends = told(&lab, &id, &target).await[3..].concat();
+    assert_eq!(ends.iter().filter(|one| one.ends_with("alert.resolved")).count(), 2, "{ends:?}");
+}
+
+#[tokio::test]
+async fn a_hook_that_is_back_from_410_hears_what_fires_instead_of_what_waited() {
+    let lab = Lab::with(|config| config.hooks.retry_waits_s = vec![3600.0]).await;
+    let gone = Arc::new(AtomicBool::new(true));
+    let is_gone = gone.clone();
+    let target = Receiver::answering(move |_, _| match is_gone.load(Ordering::SeqCst) {
+        true => StatusCode::GONE.into_response(),
+        false => ().into_response(),
+    })
+    .await;
+    let id = hook(&lab, &target, json!({})).await;
+    steps(&lab, "A").await;
+    let patience = Instant::now() + Duration::from_secs(60);
+    while lab.get(&format!("/v1/hooks/{id}")).await.ok()["enabled"] == true {
+        assert!(Instant::now() < patience);
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    steps(&lab, "B").await;
+    recovers(&lab, "A").await;
+    gone.store(false, Ordering::SeqCst);
+    let refused = target.told().len();
+    change(&lab, &id, json!({ "enabled": true })).await;
+    let all = told(&lab, &id, &target).await;
+    assert_eq!(all[refused..], [both("B", "alert.fired")], "that A fires never came, so its end does not either");
+}
+
+#[tokio::test]
+async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_during_it_too() {
+    let lab = Lab::open().await;
+    let (early, late) = (Receiver::start().await, Receiver::start().await);
+    let first = hook(&lab, &early, json!({})).await;
+    steps(&lab, "A").await;
+    assert_eq!(told(&lab, &first, &early).await, [both("A", "alert.fired")]);
+    let order = json!({"matchers": {"serial": "A"}, "until": "2026-11-30T00:00:00Z", "by": "Li", "reason": "known"});
+    let silence = lab.post("/v1/silences", &order).await.created()["id"].as_str().unwrap().to_owned();
+    let second = hook(&lab, &late, json!({})).await;
+    steps(&lab, "B").await;
+    assert_eq!(told(&lab, &second, &late).await, [both("B", "alert.fired")], "A is silenced");
+    lab.post(&format!("/v1/silences/{silence}/end"), &json!({"by": "Li", "reason": "over"})).await.ok();
+    assert_eq!(told(&lab, &second, &late).await[1..], [both("A", "alert.fired")]);
+    assert_eq!(told(&lab, &first, &early).await.len(), 2, "it knows already");
+}

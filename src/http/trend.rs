@@ -4,6 +4,7 @@ mod answer;
 mod csv;
 mod json;
 mod periods;
+mod point;
 
 use axum::extract::{Path, State};
 use axum::http::header::ACCEPT;
@@ -16,15 +17,16 @@ use utoipa_axum::routes;
 
 use self::answer::{Seen, answer, etag, is_known, not_modified};
 use self::periods::PeriodTrend;
+use self::point::{bench_point, separated_point};
 use super::App;
 use super::events::EventBody;
 use super::query::{self, Parameters, bad};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
-use crate::core::judge::{Coefficient, State as Judgement};
+use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables, sample_of};
+use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 
@@ -353,54 +355,4 @@ fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Opti
     let next = (end < rows.len()).then(|| cursor::encode(at(last).0));
     rows.truncate(end);
     next
-}
-
-fn separated_point<'t>(
-    Row { figures, voided, set_aside }: &Row,
-    (column, statuses): (usize, &Statuses),
-    method: JudgedMethod,
-    tables: &'t Tables,
-) -> Point<'t> {
-    let measured = sample_of(figures, method).d[column];
-    let name = match (method, figures.published) {
-        (JudgedMethod::Published, Some(_)) => "published",
-        _ => "rigid",
-    };
-    Point {
-        calibrated_at: figures.at,
-        value: measured.value,
-        sd: measured.sd,
-        method: name,
-        imu: tables.imus.name(figures.imu).map(|name| &**name),
-        slot: Some(figures.slot.name()),
-        station: tables.stations.name(figures.station).map_or("", |name| &**name),
-        record: figures.record,
-        state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
-        status: Some(statuses.get(figures, column).name()),
-        voided: *voided,
-        set_aside: set_aside.then_some(true),
-    }
-}
-
-fn bench_point<'t>(
-    row: &BenchRow,
-    voided: Option<bool>,
-    coefficient: Coefficient,
-    tables: &'t Tables,
-) -> Option<Point<'t>> {
-    let column = coefficient.column().filter(|&column| column < 2)?;
-    Some(Point {
-        calibrated_at: row.measured_at,
-        value: row.d[column],
-        sd: row.sd[column],
-        method: row.method.name(),
-        imu: None,
-        slot: None,
-        station: tables.stations.name(row.station).map_or("", |name| &**name),
-        record: row.id,
-        state: None,
-        status: None,
-        voided,
-        set_aside: None,
-    })
 }

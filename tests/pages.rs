@@ -453,6 +453,7 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let server = a_small_fleet().await;
     let firing = page(&server, "/alerts", &[]).await;
     assert!(firing.contains(r#"href="/gyros/JUMP%2F1""#) && !firing.contains("STEADY"), "{firing}");
+    assert!(firing.contains("badge confirmed\">confirmed<") && !firing.contains("badge warning"), "{firing}");
     for empty in
         ["/alerts?state=silenced", "/alerts?serial=STEADY&state=all", "/alerts?serial=nobody", "/alerts?rule=overdue"]
     {

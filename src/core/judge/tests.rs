@@ -542,23 +542,34 @@ fn a_shift_that_does_not_matter_raises_nothing_and_noise_widens_the_limit() {
 
 #[test]
 fn the_standard_deviation_of_a_shift_follows_the_noise_model() {
-    // 37 equal cells before: s^2 = 5e-6/(5 + 37 - F) with F = 37 var(mean of 37) of AR(1), here by the matrix.
+    // k equal cells before: s^2 = 5 s0^2/(5 + k - F), and no less than s0^2/4, with F = k var(mean of k) of AR(1), here by the matrix.
     let noise = Noise { phi: 0.5, walk: 8e-4, of_fleet: true };
     let limits = Limits { noise, ..Limits::default() };
-    let v = verdict(&samples(None, &series(45, |_| 3.0)), &[], 44, Rule::Shift, &limits);
-    let w: Vec<f64> = (0..40).map(|i| if i < 37 { -1.0 / 37.0 } else { 1.0 / 3.0 }).collect();
-    let t = |i: usize| 14.0 * i as f64 / 365.25;
-    let (mut scatter, mut walk, mut inflation) = (0.115 * 0.5, 0.0, 0.0);
-    for i in 0..40 {
-        for j in 0..40 {
-            let correlated = 0.5_f64.powi((i as i32 - j as i32).abs());
-            scatter += w[i] * w[j] * correlated;
-            walk += w[i] * w[j] * 64e-8 * t(i.min(j));
-            inflation += if i < 37 && j < 37 { correlated / 37.0 } else { 0.0 };
+    for n in [10, 14, 40] {
+        let v = verdict(
+            &samples(None, &series(n + 5, |_| 3.0)),
+            &[Mark::of(day(60.0), Event::Firmware)],
+            n + 4,
+            Rule::Shift,
+            &limits,
+        );
+        let k = n - 3;
+        let w: Vec<f64> = (0..n).map(|i| if i < k { -1.0 / k as f64 } else { 1.0 / 3.0 }).collect();
+        let t = |i: usize| 14.0 * i as f64 / 365.25;
+        let (mut scatter, mut walk, mut inflation) = (0.115 * 0.5, 0.0, 0.0);
+        for i in 0..n {
+            for j in 0..n {
+                let correlated = 0.5_f64.powi((i as i32 - j as i32).abs());
+                scatter += w[i] * w[j] * correlated;
+                walk += w[i] * w[j] * 64e-8 * t(i.min(j));
+                inflation += if i < k && j < k { correlated / k as f64 } else { 0.0 };
+            }
         }
+        let s2 = (5e-6 / (5.0 + k as f64 - inflation)).max(0.25e-6);
+        assert!((v.sd.unwrap() / (s2 * scatter + walk).sqrt() - 1.0).abs() < 1e-9, "{n}: {v}");
+        let Finding::Shift { scatter, .. } = v.finding else { panic!("{v}") };
+        assert!((scatter * scatter / s2 - 1.0).abs() < 1e-9, "{n}");
     }
-    let s2 = (5e-6 / (5.0 + 37.0 - inflation)).max(0.25e-6);
-    assert!((v.sd.unwrap() / (s2 * scatter + walk).sqrt() - 1.0).abs() < 1e-9, "{v}");
 }
 
 #[test]
@@ -591,6 +602,33 @@ fn successive_differences_share_the_noise_of_the_record_between_them() {
     let z = -(2.0 * s * s + (0.005_f64 / 1.2).powi(2)) / variance.sqrt();
     assert!((v.probability.unwrap() - super::decide::normal_cdf(z)).abs() < 1e-12, "{v}");
     assert!((v.sd.unwrap() - 1.2 * 2.0_f64.sqrt() * s).abs() < 1e-12);
+
+    // Records that do move, each with a standard deviation of its own, by the full matrix V = D S D^T (D takes differences, S is diagonal):
+    // m = d.d/n is off by tr V/n, with variance (2 tr V^2 + 4 (d.V d - tr V^2))/n^2. The last record is the one that is left out.
+    let x = [0.0, 4e-3, 1e-3, 6e-3, 2e-3, 7e-3, 1e-3, 5e-3, 0.0, 4e-3, 0.5];
+    let mut points = samples(None, &series(11, |i| 3.0 + x[i]));
+    let sd = |i: usize| 1e-3 * (1.0 + 0.1 * i as f64);
+    points.iter_mut().enumerate().for_each(|(i, sample)| sample.d[0].sd = Some(sd(i)));
+    let v = verdict(&points, &[], 10, Rule::RmsSuccessive, &Limits::default());
+    let d: Vec<f64> = (0..9).map(|i| x[i + 1] - x[i]).collect();
+    let entry = |i: usize, j: usize| {
+        let by = |row: usize, record: usize| f64::from(i32::from(record == row + 1) - i32::from(record == row));
+        (0..10).map(|record| by(i, record) * sd(record).powi(2) * by(j, record)).sum::<f64>()
+    };
+    let (mut trace, mut square, mut d_v_d) = (0.0, 0.0, 0.0);
+    for i in 0..9 {
+        trace += entry(i, i);
+        for j in 0..9 {
+            square += entry(i, j) * entry(j, i);
+            d_v_d += d[i] * entry(i, j) * d[j];
+        }
+    }
+    let m = d.iter().map(|d| d * d).sum::<f64>() / 9.0;
+    let variance = (2.0 * square + 4.0 * (d_v_d - square)) / 81.0;
+    assert!(d_v_d > 2.0 * square && (v.value.unwrap() - 1.2 * m.sqrt()).abs() < 1e-12);
+    let z = (m - trace / 9.0 - (0.005_f64 / 1.2).powi(2)) / variance.sqrt();
+    assert!((v.probability.unwrap() - super::decide::normal_cdf(z)).abs() < 1e-9, "{v}");
+    assert!((v.sd.unwrap() - 1.2 * variance.sqrt() / (2.0 * m.sqrt())).abs() < 1e-12);
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub const REQUESTS: &str = "gyrowatch_http_requests_total";
 pub const REQUEST_TIME: &str = "gyrowatch_http_request_duration_seconds";
 pub const ITEMS: &str = "gyrowatch_items_total";
 pub const VERDICTS: &str = "gyrowatch_verdicts_total";
+pub const STATUSES: &str = "gyrowatch_verdict_statuses_total";
 pub const JUDGING: &str = "gyrowatch_judging_duration_seconds";
 pub const COMMIT: &str = "gyrowatch_commit_duration_seconds";
 pub const GROUP: &str = "gyrowatch_commit_items";
@@ -72,6 +73,7 @@ fn describe() {
         "Items submitted, by kind and what became of them: stored, there before, refused, failed."
     );
     describe_counter!(VERDICTS, "Verdicts on new records, by rule and state.");
+    describe_counter!(STATUSES, "Verdicts on new records, by rule and status.");
     describe_histogram!(JUDGING, Unit::Seconds, "Judging one group of items.");
     describe_histogram!(COMMIT, Unit::Seconds, "Writing one group of items until it is on disk.");
     describe_histogram!(GROUP, "Items that shared one commit.");

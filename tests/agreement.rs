@@ -111,7 +111,10 @@ async fn a_gyro_whose_methods_disagree_is_not_well_until_the_alert_is_over() {
     let off = lab.post("/v1/bench-results", &bench("A", "2026-03-05T08:00:00Z", 1.02, 2.001)).await.created();
     assert_eq!(states(&lab, "A").await, ["exceeded", "exceeded"]);
     let gyro = lab.get("/v1/gyros/A").await.ok();
+    assert_eq!(gyro["status"], "unconfirmed");
+    assert_eq!(lab.get("/v1/alerts?serial=A&rule=agreement").await.ok()["alerts"][0]["status"], "unconfirmed");
     assert_eq!(verdict(&gyro, "A", "D_I", "agreement")["state"], "exceeded");
+    assert_eq!(verdict(&gyro, "A", "D_I", "agreement")["status"], "unconfirmed");
     assert_eq!(verdict(&gyro, "A", "D_S", "agreement")["state"], "within");
     assert_eq!(states(&lab, "B").await, before);
     let unmeasured = lab.get("/v1/gyros/B").await.ok();
@@ -164,7 +167,8 @@ async fn what_is_too_old_beside_the_newest_result_does_not_count() {
     assert_eq!((counted(&apart), &apart["range"]), (vec![false, true], &json!({"D_I": null, "D_S": null})));
     let d_i = verdict(&apart, "A", "D_I", "agreement");
     assert_eq!((&d_i["state"], &d_i["value"]), (&json!("indeterminate"), &Value::Null));
-    assert_eq!(d_i["reason"], "D_I: the rule agreement needs 2 results within 180 days, 1 is there.");
+    assert_eq!(d_i["reason"], "D_I: not enough data for agreement. It needs 2 results within 180 days and has 1.");
+    assert_eq!(d_i["status"], "not_enough_data");
     // Whoever names a span compares what is in it.
     let named = lab.get("/v1/gyros/A/agreement?from=2025-01-01T00:00:00Z").await.ok();
     assert_eq!(counted(&named), [true, true]);

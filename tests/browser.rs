@@ -89,8 +89,8 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.wait("location.search.includes('lfg-0004')").await;
     browser.click("table.fleet tbody th a").await;
     browser.wait("document.querySelector('[data-drawn]')").await;
-    browser.sees("D_I lies +0.0").await;
-    browser.sees("A second campaign confirms it.").await;
+    browser.sees("deg/(h g0) above its baseline").await;
+    browser.sees("Confirmed by a second campaign.").await;
 
     browser.click("#alerts a[href*='/acknowledge']").await;
     browser.wait("document.querySelector('form.deed')").await;
@@ -150,7 +150,7 @@ async fn a_plot_with_one_calibration_shows_a_month_and_the_budget_about_it() {
     let width = "(([a, b]) => b - a)(document.querySelector('[data-plot]').layout.yaxis.range)";
     let width = browser.eval(width).await.as_f64().unwrap();
     assert!((width - 0.02).abs() < 1e-9, "{width}");
-    browser.sees("undecided").await;
+    browser.sees("not enough data").await;
     browser.has_behaved().await;
 }
 

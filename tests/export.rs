@@ -82,12 +82,15 @@ async fn an_exported_history_says_what_the_trends_answer() {
                 if method == "rigid" {
                     let state = Some(row[&format!("{coefficient}_state")].as_str()).filter(|it| !it.is_empty());
                     assert_eq!(state, point["state"].as_str(), "{path}");
+                    let status = row[&format!("{coefficient}_status")].as_str();
+                    assert_eq!(Some(status), point["status"].as_str(), "{path}");
                 }
                 compared += 1;
             }
         }
     }
     assert_eq!(compared, 3 * 5 * (CALIBRATIONS - 1));
+    assert!(exported.iter().all(|line| !line["status"].is_empty()));
     let with_sd = exported.iter().filter(|line| number(line, "rigid_D_I_sd").is_some()).count();
     assert_eq!(with_sd, 3, "an unknown standard deviation is an empty cell");
 }

@@ -98,6 +98,7 @@ async fn metrics_count_requests_items_verdicts_and_commits() {
     assert!(metric(&text, "gyrowatch_commit_duration_seconds_sum") > 0.0);
     let steps = metric(&text, r#"gyrowatch_verdicts_total{rule="step",state="indeterminate"}"#);
     assert_eq!(steps, 6.0, "three gyros, two coefficients, no earlier record");
+    assert_eq!(metric(&text, r#"gyrowatch_verdict_statuses_total{rule="step",status="not_enough_data"}"#), 6.0);
     assert!(metric(&text, "gyrowatch_database_log_size_bytes") > 4096.0);
     assert_eq!(metric(&text, "gyrowatch_writes_waiting"), 0.0);
 }

@@ -52,6 +52,9 @@ async fn the_fleet_shows_the_worst_first_and_is_narrowed_down_by_its_address() {
     assert!(place(&all, "JUMP/1") < place(&all, "STEADY"));
     assert!(all.contains(r#"href="/gyros/JUMP%2F1""#) && all.contains("distance from baseline"));
     for (address, shown, hidden) in [
+        ("/?status=confirmed", "JUMP/1", "STEADY"),
+        ("/?status=in_tolerance", "STEADY", "JUMP/1"),
+        // As earlier versions had it.
         ("/?state=exceeded", "JUMP/1", "STEADY"),
         ("/?state=within", "STEADY", "JUMP/1"),
         ("/?q=imu-b", "JUMP/1", "STEADY"),
@@ -61,7 +64,11 @@ async fn the_fleet_shows_the_worst_first_and_is_narrowed_down_by_its_address() {
         let some = page(&server, address, &[]).await;
         assert!(some.contains(shown) && !some.contains(hidden), "{address}: {some}");
     }
-    assert!(page(&server, "/?q=nobody", &[]).await.contains("Nothing fits"));
+    for nothing in ["/?q=nobody", "/?status=drifting", "/?status=nonsense"] {
+        assert!(page(&server, nothing, &[]).await.contains("Nothing fits"), "{nothing}");
+    }
+    let chinese = page(&server, "/", &[("accept-language", "zh")]).await;
+    assert!(place(&chinese, "已证实") < place(&chinese, "合格") && !chinese.contains("超限"), "{chinese}");
 }
 
 #[tokio::test]
@@ -75,31 +82,30 @@ async fn a_gyro_is_shown_down_to_every_figure_without_a_script() {
         assert!(steady.contains(there), "{there} is not in {steady}");
     }
     let jumping = page(&server, "/gyros/JUMP%2F1", &[]).await;
-    assert!(jumping.contains("D_I lies +0.05000 from its baseline 3.00000"), "{jumping}");
+    assert!(jumping.contains("D_I is 0.0500 deg/(h g0) above its baseline 3.0000"), "{jumping}");
     assert!(jumping.contains("/v1/gyros/JUMP%2F1/trend?coefficient=D_I&amp;method=rigid&amp;format=csv"));
     let published = page(&server, "/gyros/STEADY?method=published", &[]).await;
     assert!(published.contains("method=published&amp;format=csv"));
 }
 
 #[tokio::test]
-async fn a_gyro_whose_methods_disagree_stands_among_the_worst() {
+async fn a_gyro_whose_methods_disagree_is_unconfirmed_however_well_it_keeps_its_budget() {
     let server = a_small_fleet().await;
     let bench = json!({"serial": "STEADY", "station": "BENCH-1", "measured_at": "2026-02-20T08:00:00Z",
         "method": "torque_feedback", "d_i_deg_per_h_g0": 2.5, "d_s_deg_per_h_g0": -2.2501});
     assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
-    // A hundred budgets apart, where the other gyro has moved by five.
+    // A hundred budgets apart in two results; the other gyro has moved by five, in several campaigns.
     let fleet = page(&server, "/?state=exceeded", &[]).await;
     let table = &fleet[place(&fleet, "<tbody>")..];
-    assert!(place(table, "STEADY") < place(table, "JUMP/1"), "{table}");
-    let steady = &table[place(table, "STEADY")..place(table, "JUMP/1")];
-    assert!(steady.contains("agreement of methods"), "{steady}");
+    assert!(place(table, "JUMP/1") < place(table, "STEADY"), "{table}");
+    assert!(table[place(table, "STEADY")..].contains("agreement of methods"), "{table}");
     for path in ["/gyros/STEADY", "/gyros/STEADY/report"] {
         let shown = page(&server, path, &[]).await;
         let head = &shown[place(&shown, "<h1>")..place(&shown, "</h1>")];
-        assert!(head.contains("badge exceeded"), "{path}: {head}");
+        assert!(head.contains("badge unconfirmed\">unconfirmed<"), "{path}: {head}");
     }
     let imu = page(&server, "/imus/IMU-A", &[]).await;
-    assert!(imu[place(&imu, "STEADY")..].contains("badge exceeded"), "{imu}");
+    assert!(imu[place(&imu, "STEADY")..].contains("badge unconfirmed"), "{imu}");
 }
 
 #[tokio::test]
@@ -171,7 +177,7 @@ async fn the_viewers_language_and_theme_are_kept() {
 
 #[tokio::test]
 async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
-    let server = Server::start().await;
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     let campaign = support::data("practice/campaign-02.json");
     let answer = server.post("/v1/campaigns", "application/json", campaign).await.json();
     let id = answer["id"].as_str().unwrap();
@@ -202,11 +208,20 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
 
 #[tokio::test]
 async fn a_record_is_shown_with_what_was_separated_from_it() {
-    let server = Server::start().await;
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     let answer = server.post("/v1/records", "application/json", support::data("paper.json")).await.json();
     let shown = page(&server, &format!("/records/{}", answer["id"].as_str().unwrap()), &[]).await;
     // Golden figures of Tables 3 and 4.
-    for there in ["2.957643", "4.618005", "0.075874", "2.958219", "54.737806", "114.177661", "0.8425 … 0.8529"] {
+    for there in [
+        "2.957643",
+        "4.618005",
+        "0.075874",
+        "2.958219",
+        "54.737806",
+        "114.177661",
+        "0.8425 … 0.8529",
+        "judging.requirements",
+    ] {
         assert!(shown.contains(there), "{there} is not in {shown}");
     }
     assert_eq!(server.get("/records/nonsense").await.status, 404);
@@ -438,6 +453,7 @@ async fn an_alert_is_found_acknowledged_and_silenced_on_its_pages() {
     let server = a_small_fleet().await;
     let firing = page(&server, "/alerts", &[]).await;
     assert!(firing.contains(r#"href="/gyros/JUMP%2F1""#) && !firing.contains("STEADY"), "{firing}");
+    assert!(firing.contains("badge confirmed\">confirmed<") && !firing.contains("badge warning"), "{firing}");
     for empty in
         ["/alerts?state=silenced", "/alerts?serial=STEADY&state=all", "/alerts?serial=nobody", "/alerts?rule=overdue"]
     {
@@ -549,11 +565,11 @@ async fn a_calibration_is_voided_on_its_page_and_counts_no_more() {
     let own = page(&server, &format!("/records/{id}"), &[]).await;
     assert!(own.contains("Voided: it counts no more.") && !own.contains("/void"), "{own}");
     let words = stands["verdicts"].as_array().unwrap().iter().find(|said| said["rule"] == "baseline").unwrap();
-    let words = words["reason"].as_str().unwrap().split(';').next().unwrap();
-    assert!(words.starts_with("D_I lies") && own.contains(words), "{words} is not in {own}");
+    let words = words["reason"].as_str().unwrap().split(" (").next().unwrap();
+    assert!(words.starts_with("D_I is 0.0500 deg/(h g0) above") && own.contains(words), "{words} is not in {own}");
     assert!(own.contains("None of this counts any more.") && own.contains("class=\"uncounted\""), "{own}");
     let chinese = page(&server, &format!("/records/{id}"), &[("accept-language", "zh")]).await;
-    assert!(chinese.contains("现均不再计入") && chinese.contains("D_I偏离基线"), "{chinese}");
+    assert!(chinese.contains("现均不再计入") && chinese.contains("D_I比基线3.0000"), "{chinese}");
     for again in [server.get(path).await, sends_form(&server, path, &meant).await] {
         assert_eq!(again.status, 409, "what does not count cannot be voided");
     }
@@ -693,19 +709,136 @@ async fn a_hook_is_set_up_tried_switched_off_and_deleted_on_its_pages() {
 async fn a_report_has_its_plots_without_a_script() {
     let server = a_small_fleet().await;
     let gyro = page(&server, "/gyros/JUMP%2F1/report", &[]).await;
-    for there in
-        ["<svg role=\"img\"", "class=\"outside\"", "D_I lies +0.05000 from its baseline", "Alerts on this gyro"]
-    {
+    for there in [
+        "<svg role=\"img\"",
+        "class=\"confirmed\"",
+        "above its baseline 3.0000",
+        "judging.budget",
+        "Alerts on this gyro",
+    ] {
         assert!(gyro.contains(there), "{there} is not in {gyro}");
     }
     // One picture each of D_I, D_S and the closure, with a shape for every calibration.
     assert_eq!(gyro.matches("<figure class=\"chart\"").count(), 3);
-    let shapes = ["class=\"outside\"", "class=\"flagged\"", "class=\"within\"", "class=\"open\""];
-    assert_eq!(shapes.iter().map(|shape| gyro.matches(shape).count()).sum::<usize>(), 3 * 8);
+    let shapes = ["confirmed", "unconfirmed", "drifting", "in_tolerance", "not_enough_data"];
+    let shapes = shapes.map(|status| format!("class=\"{status}\""));
+    assert_eq!(shapes.iter().map(|shape| gyro.matches(shape.as_str()).count()).sum::<usize>(), 3 * 8);
     assert!(!gyro.contains("/assets/plotly"));
     let imu = page(&server, "/imus/IMU-B/report", &[("accept-language", "zh")]).await;
     assert!(imu.contains("惯性组合报告") && imu.contains("JUMP/1") && imu.contains("偏离基线"));
     assert_eq!(server.get("/gyros/NOBODY/report").await.status, 404);
+}
+
+/// A gyro without standard deviations, a month apart, in whatever IMU; its D_O is zero.
+async fn posts(server: &Server, imu: &str, month: u32, d: [f64; 2]) -> String {
+    let mut body = record(imu, "ST-1", "TESTED", 0, d);
+    body["calibrated_at"] = format!("2025-{month:02}-01T08:00:00Z").into();
+    let answer = server.post_json("/v1/records", &body).await;
+    assert_eq!(answer.status, 201, "{}", answer.text());
+    answer.json()["id"].as_str().unwrap().to_owned()
+}
+
+#[tokio::test]
+async fn an_environmental_test_is_seen_with_what_the_gyro_was_before_and_after() {
+    let server = Server::start().await;
+    for (month, d_s) in [(1, 2.0), (2, 2.001)] {
+        posts(&server, "IMU-A", month, [1.0, d_s]).await;
+    }
+    let test = json!({"event": "environmental_test", "kind": "random vibration", "reason": "acceptance", "author": "Li",
+        "from": "2025-02-10T00:00:00Z", "to": "2025-02-12T00:00:00Z"});
+    assert_eq!(server.post_json("/v1/gyros/TESTED/events", &test).await.status, 201);
+    let waiting = page(&server, "/gyros/TESTED", &[]).await;
+    let table = &waiting[place(&waiting, "id=\"tests\"")..];
+    assert!(table[..place(table, "</section>")].contains("not enough data"), "{table}");
+    let after = posts(&server, "IMU-A", 3, [1.0, 2.0213]).await;
+    posts(&server, "IMU-A", 4, [1.0, 2.001]).await;
+
+    for path in ["/gyros/TESTED", "/gyros/TESTED/report", "/imus/IMU-A/report"] {
+        let shown = page(&server, path, &[]).await;
+        let table = &shown[place(&shown, "id=\"tests\"")..];
+        let table = &table[..place(table, "</section>")];
+        // 2.0213 - 2.001, in one campaign: the next one is back where the gyro was.
+        for there in [
+            "random vibration",
+            "2.001000",
+            "2.021300",
+            "+0.020300",
+            "0.0100",
+            "judging.budget",
+            "unconfirmed",
+            "in tolerance",
+            &after,
+        ] {
+            assert!(table.contains(there), "{path}: {there} is not in {table}");
+        }
+        assert!(!table.contains("not compared"), "{table}");
+        assert!(shown.contains("environmental test: random vibration"), "{path}");
+    }
+    let report = page(&server, "/gyros/TESTED/report", &[]).await;
+    assert_eq!(report.matches("<rect class=\"test\"").count(), 3, "one in each strip");
+    let numbers = page(&server, "/gyros/TESTED", &[]).await;
+    let (from, until) = (1_739_145_600_000_i64, 1_739_318_400_000_i64);
+    assert!(numbers.contains(&format!("{{\"t\":{from},\"until\":{until},")), "{numbers}");
+    let chinese = page(&server, "/gyros/TESTED/report", &[("accept-language", "zh")]).await;
+    assert!(chinese.contains("环境试验前后") && chinese.contains("待复测"), "{chinese}");
+    // An event that takes time is part of every stretch that it reaches into.
+    for (from, count) in [("2025-02-11T00:00:00Z", 1), ("2025-02-13T00:00:00Z", 0)] {
+        let trend = server.get(&format!("/v1/gyros/TESTED/trend?from={from}")).await.json();
+        let events = trend["events"].as_array().unwrap();
+        assert_eq!(events.len(), count, "{from}: {trend}");
+        assert!(
+            events.iter().all(|event| event["kind"] == "random vibration" && event["to"] == "2025-02-12T00:00:00Z")
+        );
+    }
+}
+
+#[tokio::test]
+async fn a_gyro_that_moves_begins_a_new_level_of_d_o_alone() {
+    let server = Server::start().await;
+    for month in 1..=8 {
+        posts(&server, if month < 5 { "IMU-A" } else { "IMU-B" }, month, [1.0, 2.0]).await;
+    }
+    let shown = page(&server, "/gyros/TESTED", &[]).await;
+    let (_, numbers) = shown.split_once("<script type=\"application/json\">").unwrap();
+    let plot: Value = serde_json::from_str(numbers.split_once("</script>").unwrap().0).unwrap();
+    let bands = |strip: usize| plot["strips"][strip]["bands"].as_array().unwrap().len();
+    assert_eq!([bands(0), bands(1), bands(2)], [1, 1, 2], "{plot}");
+    assert_eq!(plot["since"], Value::Null, "no event has begun a baseline");
+    assert!(plot["marks"].as_array().unwrap().iter().any(|mark| mark["label"] == "IMU-B G1"));
+}
+
+#[tokio::test]
+async fn a_gyro_out_of_use_is_not_overdue_and_says_so() {
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__INTERVAL_DAYS", "60")]).await;
+    for (serial, imu) in [("RETIRED", "IMU-A"), ("STORED", "IMU-B"), ("LATE", "IMU-C")] {
+        for day in 0..4 {
+            let answer = server.post_json("/v1/records", &record(imu, "ST-1", serial, day * 7, [1.0, 2.0])).await;
+            assert_eq!(answer.status, 201, "{}", answer.text());
+        }
+    }
+    for (serial, event) in [("RETIRED", "retired"), ("STORED", "in_storage")] {
+        let ended = json!({"event": event, "reason": "spare", "at": "2026-02-20T00:00:00Z"});
+        assert_eq!(server.post_json(&format!("/v1/gyros/{serial}/events"), &ended).await.status, 201);
+    }
+    let fleet = page(&server, "/", &[]).await;
+    let table = &fleet[place(&fleet, "<tbody>")..];
+    let [late, retired, stored] = ["/gyros/LATE", "/gyros/RETIRED", "/gyros/STORED"].map(|link| place(table, link));
+    assert!(late < retired && late < stored, "what is in use comes first: {table}");
+    assert!(table.contains(">retired<") && table.contains(">in storage<"), "{table}");
+    assert_eq!(table.matches("badge overdue").count(), 1, "{table}");
+    let overdue = page(&server, "/?status=overdue", &[]).await;
+    let overdue = &overdue[place(&overdue, "<tbody>")..];
+    assert!(overdue.contains("LATE") && !overdue.contains("RETIRED") && !overdue.contains("STORED"), "{overdue}");
+    let listed = server.get("/v1/gyros?status=overdue").await.json();
+    assert_eq!((listed["gyros"].as_array().unwrap().len(), &listed["gyros"][0]["serial"]), (1, &json!("LATE")));
+    let listed = server.get("/v1/gyros").await.json();
+    let of = |serial: &str| listed["gyros"].as_array().unwrap().iter().find(|gyro| gyro["serial"] == serial).unwrap();
+    assert_eq!((&of("LATE")["status"], &of("LATE")["state"]), (&json!("overdue"), &json!("within")));
+    assert_eq!((&of("STORED")["status"], &of("STORED")["out_of_use"]), (&json!("in_tolerance"), &json!("in_storage")));
+    // The next record brings it back.
+    let answer = server.post_json("/v1/records", &record("IMU-B", "ST-1", "STORED", 60, [1.0, 2.0])).await;
+    assert_eq!(answer.status, 201, "{}", answer.text());
+    assert_eq!(server.get("/v1/gyros/STORED").await.json()["out_of_use"], Value::Null);
 }
 
 /// A campaign with one member replaced, or added.

@@ -20,6 +20,10 @@ fn states(points: &[Value]) -> Vec<&str> {
     points.iter().map(|point| point["state"].as_str().unwrap()).collect()
 }
 
+fn statuses(points: &[Value]) -> Vec<&str> {
+    points.iter().map(|point| point["status"].as_str().unwrap()).collect()
+}
+
 #[tokio::test]
 async fn a_trend_holds_every_point_with_where_it_comes_from() {
     let lab = lab_with(&[(0, 1.0), (40, 1.001)]).await;
@@ -29,8 +33,8 @@ async fn a_trend_holds_every_point_with_where_it_comes_from() {
     let point = &trend["points"][1];
     assert_eq!(point["calibrated_at"], day(40));
     assert_close(&point["value"], 1.001, 1e-12);
-    let expected =
-        json!({"sd": null, "method": "rigid", "imu": "IMU-1", "slot": "G1", "station": "ST-1", "state": "within"});
+    let expected = json!({"sd": null, "method": "rigid", "imu": "IMU-1", "slot": "G1", "station": "ST-1",
+        "state": "within", "status": "in_tolerance"});
     for (member, value) in expected.as_object().unwrap() {
         assert_eq!(&point[member], value, "{member}");
     }
@@ -48,21 +52,27 @@ async fn a_step_is_flagged_with_its_size_and_reason() {
     let answer = lab.posts(&record("IMU-1", &day(120), &[("G1", "A", 1.0142, 2.0)])).await;
     let step = verdict(&answer, "A", "D_I", "step");
     assert_eq!((&step["state"], &step["limit"]), (&json!("exceeded"), &json!(0.01)));
-    assert_close(&step["value"], 0.0122, 1e-9);
-    assert!(step["reason"].as_str().unwrap().contains("+0.0122"), "{step}");
+    // From 1.001, the median of the three before.
+    assert_close(&step["value"], 0.0132, 1e-9);
+    assert!(step["reason"].as_str().unwrap().starts_with("D_I is 0.0132 deg/(h g0) above"), "{step}");
     assert_eq!(verdict(&answer, "A", "D_S", "step")["state"], "within");
     assert_eq!(verdict(&answer, "A", "D_I", "baseline")["state"], "exceeded");
-    assert_eq!(verdict(&answer, "A", "D_I", "range")["state"], "indeterminate", "one record in 30 days");
+    // 30 days hold one record: the newest three, from 1.001 to 1.0142.
+    assert_close(&verdict(&answer, "A", "D_I", "range")["value"], 0.0132, 1e-9);
     assert_eq!(states(&lab.sees_trend("A", "").await), ["indeterminate", "within", "within", "exceeded"]);
+    let expected = ["not_enough_data", "in_tolerance", "in_tolerance", "unconfirmed"];
+    assert_eq!(statuses(&lab.sees_trend("A", "").await), expected);
     let gyro = lab.get("/v1/gyros/A").await.ok();
     assert_eq!((&gyro["state"], &gyro["latest"]["states"]["D_S"]), (&json!("exceeded"), &json!("within")));
+    assert_eq!((&gyro["status"], &gyro["latest"]["statuses"]["D_I"]), (&json!("unconfirmed"), &json!("unconfirmed")));
+    assert_eq!(gyro["latest"]["statuses"]["D_S"], "in_tolerance");
     assert_eq!(verdict(&gyro, "A", "D_I", "step"), step);
     assert_eq!(gyro["calibrations"], 4);
 }
 
 #[tokio::test]
 async fn a_record_that_arrives_late_takes_its_place_and_what_it_changes_is_judged_again() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (160, 1.015), (200, 1.015)]).await;
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.008), (160, 1.0155), (200, 1.0155)]).await;
     let before = lab.sees_trend("A", "").await;
     assert_eq!(states(&before)[3..], ["exceeded", "exceeded"]);
     let stepped = before[3]["record"].as_str().unwrap();
@@ -75,19 +85,19 @@ async fn a_record_that_arrives_late_takes_its_place_and_what_it_changes_is_judge
     assert_eq!(states(&after)[3], "within");
     let again = of_it(&lab).await;
     let step = verdict(&again, "A", "D_I", "step");
-    assert_eq!(step["state"], "within", "the step is now 1.008 to 1.015");
-    assert_close(&step["value"], 0.007, 1e-9);
+    assert_eq!(step["state"], "within", "the median of the three before is now 1.008");
+    assert_close(&step["value"], 0.0075, 1e-9);
     assert!(step["reason"].as_str().unwrap().contains("1.008"), "{step}");
     assert_eq!(verdict(&again, "A", "D_I", "baseline")["state"], "exceeded", "that one has not changed");
 }
 
 #[tokio::test]
 async fn a_late_record_within_the_baseline_moves_it_for_all() {
-    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.009)]).await;
+    let lab = lab_with(&[(0, 1.0), (40, 1.002), (80, 1.004), (120, 1.0105)]).await;
     assert_eq!(states(&lab.sees_trend("A", "").await)[3], "within");
-    lab.posts(&record("IMU-1", &day(20), &[("G1", "A", 0.994, 2.0)])).await;
+    lab.posts(&record("IMU-1", &day(20), &[("G1", "A", 0.999, 2.0)])).await;
     let last = lab.sees_trend("A", "last=1").await;
-    assert_eq!(states(&last), ["exceeded"], "the baseline is now 0.998");
+    assert_eq!(states(&last), ["exceeded"], "the median of the first three is now 1.000, no more 1.002");
 }
 
 #[tokio::test]
@@ -114,7 +124,8 @@ async fn a_new_baseline_starts_the_comparison_anew() {
     let mark = json!({"reason": "re-installed after repair", "at": day(100), "author": "Li"});
     let set = lab.post("/v1/gyros/A/baseline", &mark).await.created();
     assert_eq!((&set["serial"], &set["at"]), (&json!("A"), &json!(day(100))));
-    assert_eq!(states(&lab.sees_trend("A", "").await)[4..], ["within", "within", "within"]);
+    // What happened is still a step and a range: a new baseline does not take that back.
+    assert_eq!(states(&lab.sees_trend("A", "").await)[4..], ["exceeded", "within", "within"]);
     assert_eq!(lab.post("/v1/gyros/A/baseline", &mark).await.ok()["id"], set["id"]);
     let event = &lab.get("/v1/gyros/A").await.ok()["events"][0];
     assert_eq!((&event["event"], &event["author"]), (&json!("baseline"), &json!("Li")));
@@ -212,6 +223,70 @@ async fn a_spreadsheet_gets_every_point_as_csv() {
     let point = &lab.sees_trend("A", "").await[1];
     assert_eq!(rows[1]["value"].parse::<f64>().unwrap(), point["value"].as_f64().unwrap(), "at full precision");
     assert_eq!((rows[1]["imu"].as_str(), rows[1]["state"].as_str()), ("IMU-1", point["state"].as_str().unwrap()));
+    assert_eq!(rows[1]["status"], point["status"].as_str().unwrap());
+    for (asked, last) in [("", "record,state,status"), ("&voided=include", "record,state,voided,status")] {
+        let text = lab.get(&format!("/v1/gyros/A/trend?format=csv{asked}")).await.text;
+        assert!(text.lines().next().unwrap().ends_with(last), "{text}");
+    }
+}
+
+/// One state, and what it means: a violation seen once, one seen twice, and a level that has moved by half a budget.
+#[tokio::test]
+async fn a_status_tells_what_a_state_leaves_open() {
+    let violated: Vec<(i64, f64)> = (0..5).map(|k| (40 * k, if k < 3 { 1.0 } else { 1.02 })).collect();
+    let lab = lab_with(&violated).await;
+    let points = lab.sees_trend("A", "").await;
+    assert_eq!(states(&points)[3..], ["exceeded", "exceeded"]);
+    let expected = ["not_enough_data", "in_tolerance", "in_tolerance", "unconfirmed", "confirmed"];
+    assert_eq!(statuses(&points), expected);
+    assert_eq!(statuses(&lab.sees_trend("A", "coefficient=D_S").await)[1..], ["in_tolerance"; 4]);
+
+    // Half a budget, four weeks long, after half a year: no specification is violated.
+    for week in 0..28 {
+        let d_i = if week < 24 { 1.0 } else { 1.005 };
+        lab.posts(&record("IMU-2", &day(7 * week + 1), &[("G1", "B", d_i, 2.0)])).await;
+    }
+    let last = lab.sees_trend("B", "last=1").await;
+    assert_eq!((states(&last), statuses(&last)), (vec!["exceeded"], vec!["drifting"]));
+    // What an alert says, and the list of alerts as a table.
+    let alerts = lab.get("/v1/alerts?serial=B&state=firing").await.ok();
+    let alerts = alerts["alerts"].as_array().unwrap();
+    assert!(!alerts.is_empty() && alerts.iter().all(|alert| alert["status"] == "drifting"), "{alerts:?}");
+    let table = lab.get("/v1/alerts?serial=A&rule=baseline&format=csv").await.text;
+    assert!(table.lines().next().unwrap().contains(",status") && table.contains("confirmed"), "{table}");
+}
+
+#[tokio::test]
+async fn gyros_are_listed_by_status() {
+    let lab = lab_with(&[(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.02), (160, 1.02)]).await;
+    for serial in ["C", "D", "E"] {
+        lab.posts(&record(&format!("IMU-{serial}"), &day(1), &[("G1", serial, 1.0, 2.0)])).await;
+    }
+    let serials = |page: &Value| -> Vec<Value> {
+        page["gyros"].as_array().unwrap().iter().map(|gyro| gyro["serial"].clone()).collect()
+    };
+    for (query, expected) in [
+        ("status=confirmed", vec!["A"]),
+        ("state=exceeded", vec!["A"]),
+        ("status=confirmed&state=within", vec![]),
+        ("status=unconfirmed", vec![]),
+        ("status=not_enough_data", vec!["C", "D", "E"]),
+        ("state=indeterminate", vec!["C", "D", "E"]),
+    ] {
+        assert_eq!(serials(&lab.get(&format!("/v1/gyros?{query}")).await.ok()), expected, "{query}");
+    }
+    assert_eq!(lab.get("/v1/gyros?status=confirmed&limit=1").await.ok()["next"], Value::Null);
+    // One page after another holds each once, however many are left out between.
+    let asked = "/v1/gyros?status=not_enough_data&limit=2";
+    let first = lab.get(asked).await.ok();
+    let next = lab.get(&format!("{asked}&cursor={}", first["next"].as_str().unwrap())).await.ok();
+    assert_eq!((serials(&first), serials(&next)), (vec![json!("C"), json!("D")], vec![json!("E")]));
+    assert_eq!(next["next"], Value::Null);
+    for (query, words) in [("status=well", "in_tolerance"), ("state=well", "within")] {
+        let answer = lab.get(&format!("/v1/gyros?{query}")).await;
+        answer.refused(400);
+        assert!(answer.text.contains(words), "{}", answer.text);
+    }
 }
 
 #[tokio::test]

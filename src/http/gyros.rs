@@ -11,8 +11,8 @@ use super::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
-use crate::core::judge::State as Judgement;
 use crate::core::judge::history::Measured;
+use crate::core::judge::{Event, State as Judgement, Status};
 use crate::pipeline::{Figures, Span, Standing, Tables, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
@@ -32,6 +32,38 @@ struct GyrosQuery {
     limit: Option<usize>,
     /// `next` of the page before.
     cursor: Option<String>,
+    /// Only gyros of this status; `overdue` finds those as well whose status is worse.
+    status: Option<String>,
+    /// Only gyros of this state.
+    state: Option<String>,
+}
+
+/// What a list is narrowed down to.
+#[derive(Debug, Clone, Copy)]
+struct Filter {
+    status: Option<Status>,
+    state: Option<Judgement>,
+}
+
+impl Filter {
+    fn of(asked: &GyrosQuery) -> Result<Self, Problem> {
+        let unknown = |name: &str, known: &[&str], said: &str| {
+            query::bad(&format!("{name} must be one of {}, is {said}", known.join(", ")))
+        };
+        let status = asked
+            .status
+            .as_deref()
+            .map(|said| Status::from_name(said).ok_or_else(|| unknown("status", &Status::ALL.map(Status::name), said)));
+        let state = asked.state.as_deref().map(|said| {
+            Judgement::from_name(said).ok_or_else(|| unknown("state", &Judgement::ALL.map(Judgement::name), said))
+        });
+        Ok(Self { status: status.transpose()?, state: state.transpose()? })
+    }
+
+    fn fits(self, standing: &Standing) -> bool {
+        self.status.is_none_or(|status| standing.is(status))
+            && self.state.is_none_or(|state| standing.state == Some(state))
+    }
 }
 
 #[derive(Serialize, ToSchema)]
@@ -51,6 +83,12 @@ struct Gyro {
     /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included: `indeterminate` while none
     /// could judge its drift, null before the first. `exceeded` in any case while an alert of `agreement` is not resolved.
     state: Option<&'static str>,
+    /// The worst of its verdicts and of what its alerts know besides, and whether its calibration is overdue: `confirmed`, `out_of_tolerance`,
+    /// `unconfirmed`, `drifting`, `overdue`, `borderline`, `too_uncertain`, `not_enough_data` or `in_tolerance`, the worst first. Null
+    /// for a gyro that only a bench has seen.
+    status: Option<&'static str>,
+    /// `retired` or `in_storage`, until it is calibrated again: it is never overdue.
+    out_of_use: Option<&'static str>,
 }
 
 /// The newest calibration, deg/(h g0).
@@ -67,6 +105,7 @@ struct Latest {
     /// The closure.
     d_o: FigureBody,
     states: StatesBody,
+    statuses: StatusesBody,
 }
 
 /// `within`, `exceeded`, or `indeterminate`.
@@ -80,7 +119,18 @@ struct StatesBody {
     d_o: &'static str,
 }
 
-/// Every gyro, with its newest figures and state.
+/// What the verdicts on each come to, in the words of a gyro's `status`.
+#[derive(Serialize, ToSchema)]
+struct StatusesBody {
+    #[serde(rename = "D_I")]
+    d_i: &'static str,
+    #[serde(rename = "D_S")]
+    d_s: &'static str,
+    #[serde(rename = "D_O")]
+    d_o: &'static str,
+}
+
+/// Every gyro, with its newest figures and status.
 #[utoipa::path(get, path = "/v1/gyros", tag = "gyros", params(GyrosQuery), responses(
     (status = 200, description = "the gyros", body = Gyros),
     (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
@@ -88,15 +138,36 @@ async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQu
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
     let after = u32::try_from(after).map_err(|_| query::bad("cursor is none that this service has given out"))?;
-    let store = app.pipeline.store();
-    let mut rows = store.newest_of_gyros(after, limit as u32 + 1).await?;
-    let more = rows.len() > limit;
-    rows.truncate(limit);
-    let next = rows.last().filter(|_| more).map(|(number, _)| cursor::encode(i64::from(*number)));
-    let standings = app.pipeline.standings(rows).await?;
-    let tables = store.names().read();
+    let filter = Filter::of(&asked)?;
+    let (standings, next) = page(&app, after, limit, filter).await?;
+    let tables = app.pipeline.store().names().read();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &tables));
     Ok(Json(Gyros { gyros: gyros.collect(), next }))
+}
+
+/// As many gyros as fit on a page, and where the next begins.
+async fn page(
+    app: &App,
+    mut after: u32,
+    limit: usize,
+    filter: Filter,
+) -> Result<(Vec<Standing>, Option<String>), Problem> {
+    let mut found: Vec<Standing> = Vec::new();
+    loop {
+        // One more than is shown tells whether there is another page.
+        let rows = app.pipeline.store().newest_of_gyros(after, limit as u32 + 1).await?;
+        let (last, more) = (rows.last().map(|(number, _)| *number), rows.len() > limit);
+        found.extend(app.pipeline.standings(rows).await?.into_iter().filter(|standing| filter.fits(standing)));
+        if found.len() > limit {
+            found.truncate(limit);
+            let next = found.last().map(|standing| cursor::encode(i64::from(standing.number)));
+            return Ok((found, next));
+        }
+        match last {
+            Some(last) if more => after = last,
+            _ => return Ok((found, None)),
+        }
+    }
 }
 
 /// One gyro.
@@ -104,7 +175,7 @@ async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQu
 struct GyroDetail {
     #[serde(flatten)]
     gyro: Gyro,
-    /// Verdicts on its newest record; where a bench has measured it, also how the methods agree.
+    /// Verdicts on its newest record, each with its `status`; where a bench has measured it, also how the methods agree.
     verdicts: Vec<VerdictBody>,
     /// What was done to it, oldest first.
     events: Vec<EventBody>,
@@ -140,16 +211,19 @@ impl Gyro {
     fn of(standing: &Standing, method: JudgedMethod, tables: &Tables) -> Self {
         Self {
             serial: standing.serial.to_string(),
-            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, method, tables)),
+            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing.drift, method, tables)),
             state: standing.state.map(Judgement::name),
+            status: standing.status.map(Status::name),
+            out_of_use: standing.out_of_use.map(Event::name),
         }
     }
 }
 
 impl Latest {
-    fn of(figures: &Figures, method: JudgedMethod, tables: &Tables) -> Self {
+    fn of(figures: &Figures, statuses: [Status; 3], method: JudgedMethod, tables: &Tables) -> Self {
         let [d_i, d_s, d_o] = sample_of(figures, method).d.map(|Measured { value, sd }| FigureBody { value, sd });
         let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(Judgement::Indeterminate).name());
+        let [status_i, status_s, status_o] = statuses.map(Status::name);
         let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
         Self {
             calibrated_at: time::format(figures.at),
@@ -166,6 +240,7 @@ impl Latest {
             d_s,
             d_o,
             states: StatesBody { d_i: i, d_s: s, d_o: o },
+            statuses: StatusesBody { d_i: status_i, d_s: status_s, d_o: status_o },
         }
     }
 }

@@ -4,6 +4,7 @@ mod answer;
 mod csv;
 mod json;
 mod periods;
+mod point;
 
 use axum::extract::{Path, State};
 use axum::http::header::ACCEPT;
@@ -16,15 +17,16 @@ use utoipa_axum::routes;
 
 use self::answer::{Seen, answer, etag, is_known, not_modified};
 use self::periods::PeriodTrend;
+use self::point::{bench_point, separated_point};
 use super::App;
 use super::events::EventBody;
 use super::query::{self, Parameters, bad};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
-use crate::core::judge::{Coefficient, State as Judgement};
+use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Tables, sample_of};
+use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 
@@ -104,6 +106,9 @@ struct Point<'a> {
     record: Id,
     /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
     state: Option<&'static str>,
+    /// What the verdicts on it come to: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `borderline`, `too_uncertain`,
+    /// `not_enough_data` or `in_tolerance`; null for what is not judged.
+    status: Option<&'static str>,
     /// True where it does not count any more; shown where voided points are asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     voided: Option<bool>,
@@ -147,7 +152,8 @@ async fn get_trend(
     let gyro = query::gyro(&app, &serial)?;
     let request = Request::read(&app, &asked, &headers)?;
     let mut events = app.pipeline.store().events(gyro).await?;
-    events.retain(|event| (request.span.from..=request.span.to).contains(&event.at));
+    // What took time is seen wherever it reaches into the stretch.
+    events.retain(|event| event.at <= request.span.to && event.until.unwrap_or(event.at) >= request.span.from);
     let done: Vec<EventBody> = events.iter().map(EventBody::of).collect();
     let seen = |rows: &mut dyn Iterator<Item = Seen>| {
         rows.chain(events.iter().map(|event| (event.id.0, None))).collect::<Vec<_>>()
@@ -166,13 +172,15 @@ async fn get_trend(
     let body = match request.method {
         Method::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
-            tag = etag(&request, &seen(&mut rows.iter().map(Row::seen)), &next);
+            let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
+            let statuses = Statuses::of(app.pipeline.store(), gyro, figures, &[column]).await?;
+            tag = etag(&request, &seen(&mut rows.iter().map(|row| row.seen(&statuses, column))), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
             let names = app.pipeline.store().names();
             request.written(&serial, names, &done, next, |tables| {
-                rows.iter().map(|row| separated_point(row, request.coefficient, method, tables)).collect()
+                rows.iter().map(|row| separated_point(row, (column, &statuses), method, tables)).collect()
             })?
         }
         Method::Bench(method) => {
@@ -212,9 +220,9 @@ struct Row {
 }
 
 impl Row {
-    fn seen(&self) -> Seen {
-        let judged = self.figures.states.worst().map(Judgement::name);
-        (self.figures.record.0, if self.voided == Some(true) { Some("voided") } else { judged })
+    fn seen(&self, statuses: &Statuses, column: usize) -> Seen {
+        let judged = statuses.get(&self.figures, column).name();
+        (self.figures.record.0, Some(if self.voided == Some(true) { "voided" } else { judged }))
     }
 }
 
@@ -261,6 +269,11 @@ impl Request {
         }
         let every = Self::period(asked.every.as_deref(), voided)?;
         Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, every, csv })
+    }
+
+    /// Of the coefficient, among D_I, D_S and D_O.
+    fn column(&self) -> usize {
+        self.coefficient.column().unwrap_or_default()
     }
 
     /// One page of rows, and where the next begins.
@@ -342,53 +355,4 @@ fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Opti
     let next = (end < rows.len()).then(|| cursor::encode(at(last).0));
     rows.truncate(end);
     next
-}
-
-fn separated_point<'t>(
-    Row { figures, voided, set_aside }: &Row,
-    coefficient: Coefficient,
-    method: JudgedMethod,
-    tables: &'t Tables,
-) -> Point<'t> {
-    let column = coefficient.column().unwrap_or_default();
-    let measured = sample_of(figures, method).d[column];
-    let name = match (method, figures.published) {
-        (JudgedMethod::Published, Some(_)) => "published",
-        _ => "rigid",
-    };
-    Point {
-        calibrated_at: figures.at,
-        value: measured.value,
-        sd: measured.sd,
-        method: name,
-        imu: tables.imus.name(figures.imu).map(|name| &**name),
-        slot: Some(figures.slot.name()),
-        station: tables.stations.name(figures.station).map_or("", |name| &**name),
-        record: figures.record,
-        state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
-        voided: *voided,
-        set_aside: set_aside.then_some(true),
-    }
-}
-
-fn bench_point<'t>(
-    row: &BenchRow,
-    voided: Option<bool>,
-    coefficient: Coefficient,
-    tables: &'t Tables,
-) -> Option<Point<'t>> {
-    let column = coefficient.column().filter(|&column| column < 2)?;
-    Some(Point {
-        calibrated_at: row.measured_at,
-        value: row.d[column],
-        sd: row.sd[column],
-        method: row.method.name(),
-        imu: None,
-        slot: None,
-        station: tables.stations.name(row.station).map_or("", |name| &**name),
-        record: row.id,
-        state: None,
-        voided,
-        set_aside: None,
-    })
 }

@@ -10,11 +10,12 @@ use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::silences;
+use super::standing;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
-use crate::core::judge::{Rule, Severity};
+use crate::core::judge::{Rule, Severity, Status};
 use crate::core::notify::Standing;
 use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
 use crate::wire::alert::AlertBody;
@@ -186,7 +187,7 @@ fn heading(viewer: &Viewer, gyros: bool) -> Markup {
     let t = viewer.text();
     html! {
         thead { tr {
-            th { (t.severity) }
+            th { (t.status_word) }
             @if gyros { th { (t.serial) } }
             th { (t.violates) } th { (t.reason_word) } th { (t.since) } th { (t.fired) } th { (t.state) }
         } }
@@ -210,12 +211,11 @@ pub(super) fn table<'a>(
 
 fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> Markup {
     let t = viewer.text();
-    let critical = alert.severity == Severity::Critical.name();
     let open = alert.state != Standing::Resolved.name();
     let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
     html! {
         tr {
-            td { (severity(viewer, critical)) }
+            td { (standing::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
             @if gyros { th scope="row" { a.id href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
@@ -245,11 +245,6 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
 
 pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
     html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
-}
-
-fn severity(viewer: &Viewer, critical: bool) -> Markup {
-    let t = viewer.text();
-    html! { span class={ "badge " (if critical { "exceeded" } else { "warning" }) } { (if critical { t.severity_critical } else { t.warning }) } }
 }
 
 /// A time as the service writes it on the wire.

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::layout::symbol;
 use super::plot::{ALONE, Band, Plot, Series, Strip};
+use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 
 /// Width and height of one strip, with the room that its axes take.
@@ -93,7 +94,12 @@ fn one(plot: &Plot, strip: &Strip, scale: &Scale) -> Markup {
                 }
                 @for mark in &plot.marks {
                     @let x = place(scale.x(mark.t));
-                    line.(if mark.event { "event" } else { "change" }) x1=(x) x2=(x) y1=(TOP) y2=(HEIGHT - BOTTOM) { title { (mark.label) } }
+                    @if let Some(until) = mark.until {
+                        @let (from, to) = (scale.x(mark.t).clamp(LEFT, WIDTH - RIGHT), scale.x(until).clamp(LEFT, WIDTH - RIGHT));
+                        rect.test x=(place(from)) y=(TOP) width=(place((to - from).max(1.0))) height=(HEIGHT - TOP - BOTTOM) { title { (mark.label) } }
+                    } @else {
+                        line.(if mark.event { "event" } else { "change" }) x1=(x) x2=(x) y1=(TOP) y2=(HEIGHT - BOTTOM) { title { (mark.label) } }
+                    }
                 }
                 @for series in &strip.series { (points(scale, series)) }
             }
@@ -115,7 +121,7 @@ fn band(scale: &Scale, &(from, to, level, budget, control): &Band) -> Markup {
     }
 }
 
-/// Error bars, and a shape for each state: a filled triangle lies outside the budget.
+/// Error bars, and a shape for each status: a triangle where a rule says that a limit is passed.
 fn points(scale: &Scale, series: &Series) -> Markup {
     let sd = |k: usize| series.sd.as_ref().and_then(|sd| sd[k]);
     html! {
@@ -123,9 +129,12 @@ fn points(scale: &Scale, series: &Series) -> Markup {
             @let (x, y) = (scale.x(t), scale.y(v));
             @if let Some(sd) = sd(k) { line.bar x1=(place(x)) x2=(place(x)) y1=(place(scale.y(v - sd))) y2=(place(scale.y(v + sd))) {} }
             @if series.bench { path.bench d={ "M" (place(x)) " " (place(y - 5.0)) "l4 5l-4 5l-4-5z" } {} }
-            @else if series.state[k] >= 2 {
-                path.(if series.state[k] == 3 { "outside" } else { "flagged" }) d={ "M" (place(x)) " " (place(y - 4.5)) "l4 7h-8z" } {}
-            } @else { circle.(if series.state[k] == 1 { "open" } else { "within" }) cx=(place(x)) cy=(place(y)) r="2.8" {} }
+            @else {
+                @let status = Status::ALL[usize::from(series.status[k])];
+                @if status >= Status::Drifting {
+                    path.(status.name()) d={ "M" (place(x)) " " (place(y - 4.5)) "l4 7h-8z" } {}
+                } @else { circle.(status.name()) cx=(place(x)) cy=(place(y)) r="2.8" {} }
+            }
         }
     }
 }
@@ -138,7 +147,6 @@ fn place(pixels: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::State;
     use crate::core::judge::history::Measured;
     use crate::pages::plot::{Mark, Point};
 
@@ -156,8 +164,7 @@ mod tests {
         let point = |(k, v): (usize, &f64)| Point {
             at: UtcMicros(k as i64 * UtcMicros::DAY),
             measured: Measured { value: *v, sd: Some(0.001) },
-            state: Some(if *v > 1.5 { State::Exceeded } else { State::Within }),
-            outside: *v > 1.5,
+            status: Some(if *v > 1.5 { Status::Confirmed } else { Status::InTolerance }),
             place: String::new(),
         };
         let points: Vec<Point> = values.iter().enumerate().map(point).collect();
@@ -167,13 +174,14 @@ mod tests {
             bands: vec![(0, 86_400_000, 1.0, Some(0.5), Some(0.2))],
             around: 0.5,
         };
-        let marks = vec![Mark { t: 43_200_000, label: "repair".into(), event: true }];
+        let mark = |until, label: &str| Mark { t: 43_200_000, until, label: label.into(), event: true };
+        let marks = vec![mark(None, "repair"), mark(Some(86_400_000), "vibration")];
         Plot {
             name: "A".into(),
             unit: "deg/(h g0)",
             strips: vec![strip],
             marks,
-            states: [""; 4],
+            statuses: [("", ""); 9],
             since: None,
             alone: ALONE,
         }
@@ -182,12 +190,14 @@ mod tests {
     #[test]
     fn every_point_is_drawn_in_its_shape_and_higher_values_stand_higher() {
         let drawn = strips(&plot(&[1.0, 1.2, 2.0])).into_string();
-        assert_eq!((drawn.matches("<circle").count(), drawn.matches("class=\"outside\"").count()), (2, 1), "{drawn}");
+        assert_eq!((drawn.matches("<circle").count(), drawn.matches("class=\"confirmed\"").count()), (2, 1), "{drawn}");
         assert!(
             drawn.contains("class=\"event\"")
                 && drawn.contains("class=\"band\"")
                 && drawn.matches("class=\"control\"").count() == 2
                 && drawn.contains("repair")
+                && drawn.matches("class=\"test\"").count() == 1
+                && drawn.contains("<title>vibration</title>")
         );
         let heights: Vec<f64> =
             drawn.split("cy=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();

@@ -6,16 +6,16 @@ use maud::{Markup, html};
 
 use super::corrections;
 use super::layout::{DRIFTS, instant};
-use super::plot::{ALONE, Band, Mark, Plot, Point, Series, Strip, millis};
+use super::plot::{ALONE, Band, Mark, Plot, Point, Series, Strip, millis, shown};
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
-use crate::core::judge::Limits;
 use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::DEFAULT_BUDGET;
+use crate::core::judge::{Limits, Status};
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Baseline, BenchRow, Course, Figures, Tables, sample_of};
+use crate::pipeline::{Baseline, BenchRow, Course, EventRow, Figures, Statuses, Tables, sample_of};
 
 /// Changes of seat or station that are drawn at the most: two stations in turn would hide the plot behind lines.
 const MOST_CHANGES: usize = 30;
@@ -86,7 +86,7 @@ pub(super) fn plot(
     viewer: &Viewer,
     serial: &str,
     shown: Shown,
-    (course, bands): (&Course, &Bands),
+    (course, bands, statuses): (&Course, &Bands, &Statuses),
     tables: &Tables,
 ) -> Plot {
     let t = viewer.text();
@@ -96,7 +96,8 @@ pub(super) fn plot(
         let bands = &bands[column];
         let mut series = Vec::new();
         if !bench_only && !course.figures.is_empty() {
-            series.push(separated(shown.title(t), &course.figures, (shown.separation(), column), (bands, tables)));
+            let judged = (statuses, tables);
+            series.push(separated(shown.title(t), &course.figures, (shown.separation(), column), judged));
         }
         for method in BenchMethod::ALL.into_iter().filter(|_| column < 2) {
             let of_method: Vec<&BenchRow> = course.benches.iter().filter(|row| row.method == method).collect();
@@ -107,13 +108,14 @@ pub(super) fn plot(
         let around = budgets(&course.limits)[column].unwrap_or(DEFAULT_BUDGET);
         Strip { symbol: DRIFTS[column], series, bands: bands.clone(), around }
     });
-    let since = course.baselines.last().filter(|_| course.baselines.len() > 1).map(|baseline| millis(baseline.from));
+    let own = course.baselines.iter().skip(1).rfind(|baseline| !baseline.moved);
+    let since = own.map(|baseline| millis(baseline.from));
     Plot {
         name: serial.to_owned(),
         unit: t.unit,
         strips: strips.collect(),
         marks: marks(t, course, tables),
-        states: [t.within, t.indeterminate, t.flagged, t.exceeded],
+        statuses: Status::ALL.map(|status| (status.name(), t.status(status))),
         since,
         alone: ALONE,
     }
@@ -127,11 +129,29 @@ fn budgets(limits: &Limits) -> [Option<f64>; 3] {
 /// The levels of D_I, D_S and D_O, with what they are held against.
 pub(super) type Bands = [Vec<Band>; 3];
 
+/// What is drawn of a course: the rows whose statuses are told.
+pub(super) fn drawn(course: &Course, method: JudgedMethod) -> impl Iterator<Item = &Figures> {
+    (0..3).flat_map(move |column| shown(&course.figures, |figures| sample_of(figures, method).d[column].value))
+}
+
+/// The stretches of one column: D_I and D_S go on where the gyro has moved, D_O does not.
+fn stretches(baselines: &[Baseline], column: usize) -> Vec<Baseline> {
+    let mut joined: Vec<Baseline> = Vec::new();
+    for baseline in baselines {
+        match joined.last_mut() {
+            Some(before) if baseline.moved && column < 2 => before.until = baseline.until,
+            _ => joined.push(*baseline),
+        }
+    }
+    joined
+}
+
 pub(super) fn bands(course: &Course, method: JudgedMethod) -> Bands {
     let budgets = budgets(&course.limits);
     let samples: Vec<Sample> = course.figures.iter().map(|figures| sample_of(figures, method)).collect();
-    let last = course.baselines.len().saturating_sub(1);
     [0, 1, 2].map(|column| {
+        let baselines = stretches(&course.baselines, column);
+        let last = baselines.len().saturating_sub(1);
         let band = |(k, baseline): (usize, &Baseline)| {
             let start = samples.partition_point(|sample| sample.at < baseline.from);
             let end = if k == last { samples.len() } else { samples.partition_point(|s| s.at < baseline.until) };
@@ -140,7 +160,7 @@ pub(super) fn bands(course: &Course, method: JudgedMethod) -> Bands {
             let (from, until) = (millis(baseline.from), millis(baseline.until));
             Some((from, until, baseline.level[column]?, budgets[column], control(&values)))
         };
-        course.baselines.iter().enumerate().filter_map(band).collect()
+        baselines.iter().enumerate().filter_map(band).collect()
     })
 }
 
@@ -157,24 +177,17 @@ fn control(values: &[f64]) -> Option<f64> {
     (count >= LEAST_RANGES).then(|| 3.0 * ranges.sum::<f64>() / (count as f64 * MEAN_RANGE))
 }
 
-/// Whether a value lies outside the budget about the baseline of its time.
-pub(super) fn is_outside(bands: &[Band], at: UtcMicros, value: f64) -> bool {
-    let of_time = |band: &&Band| (band.0..=band.1).contains(&millis(at));
-    bands.iter().rfind(of_time).is_some_and(|band| band.3.is_some_and(|budget| (value - band.2).abs() > budget))
-}
-
 fn separated(
     name_of_method: &str,
     rows: &[Figures],
     (method, column): (JudgedMethod, usize),
-    (bands, tables): (&[Band], &Tables),
+    (statuses, tables): (&Statuses, &Tables),
 ) -> Series {
     let measured = |figures: &Figures| sample_of(figures, method).d[column];
     let point = |figures: &Figures| Point {
         at: figures.at,
         measured: measured(figures),
-        state: figures.states.0[column],
-        outside: is_outside(bands, figures.at, measured(figures).value),
+        status: Some(statuses.get(figures, column)),
         place: format!("{} · {}", seat(figures, tables), name(tables.stations.name(figures.station))),
     };
     Series::new(name_of_method, false, rows, |figures| measured(figures).value, point)
@@ -184,8 +197,7 @@ fn benched(name_of_method: &str, rows: &[&BenchRow], column: usize, tables: &Tab
     let point = |row: &&BenchRow| Point {
         at: row.measured_at,
         measured: Measured { value: row.d[column], sd: row.sd[column] },
-        state: None,
-        outside: false,
+        status: None,
         place: name(tables.stations.name(row.station)).to_owned(),
     };
     Series::new(name_of_method, true, rows, |row| row.d[column], point)
@@ -217,13 +229,34 @@ fn changes(course: &Course, tables: &Tables) -> Vec<Change> {
 
 fn marks(t: &Text, course: &Course, tables: &Tables) -> Vec<Mark> {
     let events = course.events.iter();
-    let mut marks: Vec<Mark> =
-        events.map(|event| Mark { t: millis(event.at), label: t.event(event.event).to_owned(), event: true }).collect();
+    let mark = |event: &EventRow| Mark {
+        t: millis(event.at),
+        until: event.until.map(millis),
+        label: label(t, event),
+        event: true,
+    };
+    let mut marks: Vec<Mark> = events.map(mark).collect();
     let changes = changes(course, tables);
     if changes.len() <= MOST_CHANGES {
-        marks.extend(changes.into_iter().map(|change| Mark { t: millis(change.at), label: change.to, event: false }));
+        marks.extend(changes.into_iter().map(|change| Mark {
+            t: millis(change.at),
+            until: None,
+            label: change.to,
+            event: false,
+        }));
     }
     marks
+}
+
+/// `environmental test: vibration`.
+fn label(t: &Text, event: &EventRow) -> String {
+    let name = t.event(event.event);
+    event.test.as_ref().map_or_else(|| name.to_owned(), |test| format!("{name}{}{test}", t.colon))
+}
+
+/// The same on a page, of which the test's name is not translated.
+pub(super) fn event_name(t: &Text, event: &EventRow) -> Markup {
+    html! { (t.event(event.event)) @if let Some(test) = &event.test { (t.colon) span translate="no" { (test) } } }
 }
 
 /// Events and changes in the order of time, newest first.
@@ -235,7 +268,10 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
         .iter()
         .map(|event| {
             let said = html! {
-                td { strong { (t.event(event.event)) } }
+                td {
+                    strong { (event_name(t, event)) }
+                    @if let Some(until) = event.until { br; span.quiet { (t.until) " " (instant(until)) } }
+                }
                 td translate="no" { (event.reason) @if let Some(author) = &event.author { " " span.quiet { "(" (author) ")" } } }
             };
             (event.at, said)
@@ -275,10 +311,18 @@ mod tests {
     }
 
     #[test]
-    fn outside_is_told_by_the_baseline_of_the_time() {
-        let bands = [(0, 10, 1.0, Some(0.5), None), (10, 20, 5.0, Some(0.5), None)];
-        let at = |millis: i64| UtcMicros(1000 * millis);
-        assert!(!is_outside(&bands, at(5), 1.4) && is_outside(&bands, at(5), 1.6) && is_outside(&bands, at(15), 1.4));
-        assert!(!is_outside(&bands, at(30), 9.0), "no baseline, no budget");
+    fn where_a_gyro_moves_only_the_level_of_d_o_begins_anew() {
+        let stretch = |from: i64, until: i64, moved| Baseline {
+            from: UtcMicros(from),
+            until: UtcMicros(until),
+            moved,
+            level: [Some(1.0), Some(2.0), Some(from as f64)],
+        };
+        let all = [stretch(0, 10, false), stretch(10, 20, true), stretch(20, 30, false), stretch(30, 40, true)];
+        let seen = |column| -> Vec<(i64, i64)> {
+            stretches(&all, column).iter().map(|one| (one.from.0, one.until.0)).collect()
+        };
+        assert_eq!((seen(0), seen(1)), (vec![(0, 20), (20, 40)], vec![(0, 20), (20, 40)]));
+        assert_eq!(seen(2), [(0, 10), (10, 20), (20, 30), (30, 40)]);
     }
 }

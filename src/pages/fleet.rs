@@ -9,12 +9,12 @@ use super::Pages;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::spark;
-use super::standing::Grade;
+use super::standing as badges;
 use super::viewer::Viewer;
-use crate::core::judge::State;
+use crate::core::judge::Status;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Glimpse, Standing, Tables, sample_of};
+use crate::pipeline::{Glimpse, Standing, Tables, Violation, sample_of};
 use crate::wire::problem::Problem;
 
 /// Gyros on one page, and values in one small line.
@@ -26,7 +26,10 @@ pub(super) struct Filters {
     /// Part of a serial, IMU or station.
     #[serde(default)]
     q: String,
-    /// `exceeded`, `warning`, `indeterminate`, `within` or `overdue`.
+    /// By its name on the wire.
+    #[serde(default)]
+    status: String,
+    /// As links of earlier versions have it: `exceeded`, `warning`, `indeterminate`, `within` or `overdue`.
     #[serde(default)]
     state: String,
     #[serde(default)]
@@ -38,7 +41,6 @@ pub(super) struct Filters {
 /// A gyro with its names.
 struct Row {
     standing: Standing,
-    grade: Grade,
     imu: String,
     station: String,
 }
@@ -87,12 +89,13 @@ impl Row {
         let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name).to_owned();
         let station =
             newest.and_then(|figures| tables.stations.name(figures.station)).map_or("", |name| &**name).to_owned();
-        Self { grade: Grade::of(&standing), standing, imu, station }
+        Self { standing, imu, station }
     }
 
-    /// What comes first: the grade, then what is overdue, then how near the nearest limit is.
-    fn urgency(&self) -> (Grade, bool, f64) {
-        (self.grade, self.standing.overdue_days.is_some(), self.standing.load)
+    /// What comes first: what is in use, by its status, then what is overdue, then by how near the nearest limit is.
+    fn urgency(&self) -> (bool, Option<Status>, bool, f64) {
+        let Standing { status, overdue_days, load, out_of_use, .. } = &self.standing;
+        (out_of_use.is_none(), *status, overdue_days.is_some(), *load)
     }
 }
 
@@ -101,46 +104,67 @@ impl Filters {
         let wanted = self.q.trim().to_lowercase();
         let named = [&*row.standing.serial, &row.imu, &row.station].map(str::to_lowercase);
         let by_name = wanted.is_empty() || named.iter().any(|name| name.contains(&wanted));
-        let by_state = match self.state.as_str() {
-            "" => true,
-            "overdue" => row.standing.overdue_days.is_some(),
-            state => row.grade.name() == state,
-        };
-        by_name && by_state && (self.station.is_empty() || self.station == row.station)
+        let wanted = self.statuses();
+        let by_status = wanted.is_none_or(|wanted| wanted.iter().any(|status| row.standing.is(*status)));
+        by_name && by_status && (self.station.is_empty() || self.station == row.station)
     }
 
-    /// The address of the same list with another state and page.
-    fn address(&self, state: &str, page: usize) -> String {
+    /// What is wanted; none where all is.
+    fn statuses(&self) -> Option<&'static [Status]> {
+        if !self.status.is_empty() {
+            let one = Status::ALL.iter().position(|status| status.name() == self.status);
+            return Some(one.map_or(&[], |place| &Status::ALL[place..=place]));
+        }
+        match self.state.as_str() {
+            "" => None,
+            "exceeded" => Some(&BEYOND),
+            "warning" => Some(&[Status::Drifting]),
+            "indeterminate" => Some(&[Status::Borderline, Status::TooUncertain, Status::NotEnoughData]),
+            "within" => Some(&[Status::InTolerance]),
+            "overdue" => Some(&[Status::Overdue]),
+            _ => Some(&[]),
+        }
+    }
+
+    /// The address of another page of the same list.
+    fn page(&self, page: usize) -> String {
+        self.with((&self.status, &self.state), page)
+    }
+
+    /// The address of the same list with another status.
+    fn address(&self, status: &str) -> String {
+        self.with((status, ""), 0)
+    }
+
+    fn with(&self, (status, state): (&str, &str), page: usize) -> String {
         let page = if page > 0 { page.to_string() } else { String::new() };
-        let all = [("q", self.q.trim()), ("state", state), ("station", &self.station), ("page", &page)];
+        let all =
+            [("q", self.q.trim()), ("status", status), ("state", state), ("station", &self.station), ("page", &page)];
         let given = all.iter().filter(|(_, value)| !value.is_empty());
         let query: Vec<String> = given.map(|(key, value)| format!("{key}={}", encoded(value))).collect();
         if query.is_empty() { "/".into() } else { format!("/?{}", query.join("&")) }
     }
 }
 
-/// How many of the fleet are in each state; each leads to them.
+/// Beyond a specification limit.
+const BEYOND: [Status; 3] = [Status::Confirmed, Status::OutOfTolerance, Status::Unconfirmed];
+
+/// How many of the fleet have each status; each leads to them.
 fn tiles(viewer: &Viewer, all: &[Row], filters: &Filters) -> Markup {
     let t = viewer.text();
-    let of_grade = |grade: Grade| {
-        let count = all.iter().filter(|row| row.grade == grade).count();
-        (grade.name(), grade.word(t), count)
+    let of_status = |status: Status| {
+        let count = all.iter().filter(|row| row.standing.is(status)).count();
+        (status.name(), t.status(status), count)
     };
-    let overdue = all.iter().filter(|row| row.standing.overdue_days.is_some()).count();
-    let counts = [
-        of_grade(Grade::Exceeded),
-        of_grade(Grade::Warning),
-        of_grade(Grade::Undecided),
-        of_grade(Grade::Within),
-        ("overdue", t.overdue, overdue),
-        ("", t.all_states, all.len()),
-    ];
+    let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || filters.status == *name;
+    let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
+    let counts = counts.chain([("", t.all_states, all.len())]);
     html! {
         ul.tiles {
-            @for (state, name, count) in counts {
+            @for (status, name, count) in counts {
                 li {
-                    a.(if state.is_empty() { "total" } else { state }) href=(filters.address(state, 0))
-                        aria-current=[(filters.state == state).then_some("true")] {
+                    a.(if status.is_empty() { "total" } else { status }) href=(filters.address(status))
+                        aria-current=[(filters.status == status && filters.state.is_empty()).then_some("true")] {
                         strong { (count) } span { (name) }
                     }
                 }
@@ -151,11 +175,13 @@ fn tiles(viewer: &Viewer, all: &[Row], filters: &Filters) -> Markup {
 
 fn search(viewer: &Viewer, filters: &Filters) -> Markup {
     let t = viewer.text();
-    let narrowed = !(filters.q.is_empty() && filters.state.is_empty() && filters.station.is_empty());
+    let narrowed = !(filters.q.is_empty() && filters.statuses().is_none() && filters.station.is_empty());
     html! {
         form.search role="search" action="/" method="get" {
             input type="search" name="q" value=(filters.q) placeholder=(t.search_hint) aria-label=(t.search_hint);
-            @if !filters.state.is_empty() { input type="hidden" name="state" value=(filters.state); }
+            @for (name, value) in [("status", &filters.status), ("state", &filters.state)] {
+                @if !value.is_empty() { input type="hidden" name=(name) value=(value); }
+            }
             @if !filters.station.is_empty() { input type="hidden" name="station" value=(filters.station); }
             button { (t.search) }
             @if !filters.station.is_empty() { span.note { (t.station) ": " (filters.station) } }
@@ -170,7 +196,7 @@ fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], no
         div.scroll tabindex="0" {
             table.fleet {
                 thead { tr {
-                    th { (t.state) } th { (t.serial) } th { (t.imu) }
+                    th { (t.status_word) } th { (t.serial) } th { (t.imu) }
                     th { (symbol("D_I")) ", " (t.unit) } th { (symbol("D_S")) ", " (t.unit) }
                     th { (t.violates) } th { (t.calibrated) }
                 } }
@@ -185,7 +211,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     html! {
         tr {
-            td { (row.grade.badge(t)) }
+            td { (badges::badge(t, standing.status)) " " (badges::out_of_use(t, standing.out_of_use)) }
             th scope="row" { a.id href={ "/gyros/" (encoded(&standing.serial)) } { (standing.serial) } }
             td {
                 @if let Some(figures) = &standing.newest {
@@ -198,9 +224,8 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
                 }
             }
             td {
-                @for (coefficient, rule) in &standing.exceeded {
-                    @let grade = Grade::judged(Some(State::Exceeded), std::iter::once(*rule));
-                    span.broken.(grade.name()) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
+                @for Violation { coefficient, rule, status } in &standing.violations {
+                    span.broken.(status.name()) title=(t.status(*status)) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
                 }
                 @if standing.overdue_days.is_some() { span.broken.overdue { (t.overdue) } }
             }
@@ -239,9 +264,9 @@ fn pager(viewer: &Viewer, filters: &Filters, number: usize, last: usize) -> Mark
     html! {
         @if last > 0 {
             nav.pager aria-label=(t.page_of) {
-                @if number > 0 { a rel="prev" href=(filters.address(&filters.state, number - 1)) { (t.previous) } }
+                @if number > 0 { a rel="prev" href=(filters.page(number - 1)) { (t.previous) } }
                 span { (number + 1) " / " (last + 1) }
-                @if number < last { a rel="next" href=(filters.address(&filters.state, number + 1)) { (t.next) } }
+                @if number < last { a rel="next" href=(filters.page(number + 1)) { (t.next) } }
             }
         }
     }
@@ -253,20 +278,20 @@ fn stations(viewer: &Viewer, all: &[Row]) -> Markup {
     let mut stations = std::collections::BTreeMap::<&str, (usize, usize, UtcMicros)>::new();
     for row in all {
         let Some(figures) = &row.standing.newest else { continue };
-        let (count, exceeded, last) = stations.entry(&row.station).or_insert((0, 0, figures.at));
+        let (count, beyond, last) = stations.entry(&row.station).or_insert((0, 0, figures.at));
         *count += 1;
-        *exceeded += usize::from(row.grade == Grade::Exceeded);
+        *beyond += usize::from(row.standing.status.is_some_and(|status| BEYOND.contains(&status)));
         *last = (*last).max(figures.at);
     }
     html! {
         @if !stations.is_empty() {
             h2 { (t.stations) }
             div.scroll tabindex="0" { table {
-                thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.exceeded) } th { (t.last_seen) } } }
-                tbody { @for (name, (count, exceeded, last)) in stations {
+                thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.beyond) } th { (t.last_seen) } } }
+                tbody { @for (name, (count, beyond, last)) in stations {
                     tr {
                         th scope="row" { a.id href={ "/?station=" (encoded(name)) } { (name) } }
-                        td.n { (count) } td.n { (exceeded) } td { (instant(last)) }
+                        td.n { (count) } td.n { (beyond) } td { (instant(last)) }
                     }
                 } }
             } }
@@ -280,8 +305,23 @@ mod tests {
 
     #[test]
     fn filters_stay_in_the_address() {
-        let filters = Filters { q: " IMU 07&".into(), station: "ST-2".into(), ..Filters::default() };
-        assert_eq!(filters.address("exceeded", 2), "/?q=IMU%2007%26&state=exceeded&station=ST-2&page=2");
-        assert_eq!(Filters::default().address("", 0), "/");
+        let filters =
+            Filters { q: " IMU 07&".into(), station: "ST-2".into(), status: "confirmed".into(), ..Filters::default() };
+        assert_eq!(filters.page(2), "/?q=IMU%2007%26&status=confirmed&station=ST-2&page=2");
+        assert_eq!(filters.address("overdue"), "/?q=IMU%2007%26&status=overdue&station=ST-2");
+        assert_eq!(Filters::default().page(0), "/");
+    }
+
+    #[test]
+    fn addresses_of_earlier_versions_find_what_they_found() {
+        let of = |state: &str| Filters { state: state.into(), ..Filters::default() };
+        assert_eq!(of("exceeded").page(1), "/?state=exceeded&page=1");
+        assert_eq!(of("exceeded").address("drifting"), "/?status=drifting", "another choice takes its place");
+        let every: Vec<&Status> = ["exceeded", "warning", "indeterminate", "within", "overdue"]
+            .iter()
+            .flat_map(|old| of(old).statuses().unwrap())
+            .collect();
+        assert!(every.len() == Status::ALL.len() && Status::ALL.iter().all(|status| every.contains(&status)));
+        assert_eq!((of("").statuses(), of("nonsense").statuses()), (None, Some(&[][..])));
     }
 }

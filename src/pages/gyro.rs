@@ -8,20 +8,22 @@ use serde::Deserialize;
 use super::course::{self, Bands, Shown};
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
-use super::standing::Grade;
+use super::standing;
+use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
-use super::{Pages, alerts};
+use super::{Pages, alerts, before_after};
 use crate::core::access::Role;
-use crate::core::judge::{Coefficient, Rule, State};
+use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Comparison, Course, Figures, Id, Tables, sample_of};
+use crate::pipeline::{Comparison, Course, Figures, Id, Standing, Statuses, Tables, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
 
-/// Calibrations in one table.
+/// Calibrations in one table, on the page and in a report.
 const ROWS: usize = 30;
+pub(super) const MOST_ROWS: usize = 40;
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Asked {
@@ -47,6 +49,10 @@ pub(super) struct Facts {
     /// What its course is held against.
     pub bands: Bands,
     pub comparison: Comparison,
+    /// How it stands; none for a gyro that has neither a calibration nor a bench result.
+    pub standing: Option<Standing>,
+    /// What the rules say of the records that are drawn and listed.
+    pub statuses: Statuses,
     /// On its newest record.
     pub verdicts: Vec<Said>,
     /// Those that are not resolved.
@@ -54,25 +60,39 @@ pub(super) struct Facts {
 }
 
 impl Facts {
-    pub async fn of(pages: &Pages, number: u32, serial: &str, shown: Shown) -> Result<Self, Problem> {
-        let course = pages.pipeline.course(number, serial, shown.separation()).await?;
-        let comparison = pages.pipeline.compare_methods(number, None).await?;
-        let verdicts = newest_verdicts(pages, serial, &course).await?;
+    /// `skip`: how many of the newest records the table passes over.
+    pub async fn of(pages: &Pages, number: u32, serial: &str, shown: Shown, skip: usize) -> Result<Self, Problem> {
+        let pipeline = &pages.pipeline;
+        let course = pipeline.course(number, serial, shown.separation()).await?;
+        let comparison = pipeline.compare_methods(number, None).await?;
         let bands = course::bands(&course, shown.separation());
-        Ok(Self { course, bands, comparison, verdicts, alerts: alerts::open_ones(pages, number).await? })
+        let standing = pipeline.standings(vec![(number, course.figures.last().copied())]).await?.pop();
+        let mut verdicts = newest_verdicts(pages, serial, &course).await?;
+        for violation in standing.iter().flat_map(|standing| &standing.violations) {
+            verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
+        }
+        let drawn = course::drawn(&course, shown.separation());
+        let listed = course.figures.iter().rev().skip(first_row(skip, course.figures.len())).take(MOST_ROWS);
+        let statuses = Statuses::of(pipeline.store(), number, drawn.chain(listed), &[0, 1, 2]).await?;
+        let alerts = alerts::open_ones(pages, number).await?;
+        Ok(Self { course, bands, comparison, standing, statuses, verdicts, alerts })
     }
 
-    /// As the fleet has it: the verdicts on the newest record, and that the methods disagree for as long as an alert says so.
-    pub fn grade(&self) -> Grade {
-        let asked = |name: &str| Coefficient::from_name(name).and_then(|of| self.course.limits.agreement(of)).is_some();
-        let mut of_agreement = self.alerts.iter().filter(|alert| alert.rule == Rule::Agreement.name());
-        let disagree = of_agreement.any(|alert| asked(&alert.coefficient));
-        let of_newest = self.course.figures.last().map(|newest| verdicts::worst(newest, &self.verdicts));
-        let broken = self.verdicts.iter().filter(|said| said.body.state == State::Exceeded.name());
-        let broken = broken.filter_map(|said| Rule::from_name(&said.body.rule));
-        let of_methods = disagree.then_some(Rule::Agreement);
-        Grade::judged(of_newest.max(of_methods.map(|_| State::Exceeded)), broken.chain(of_methods))
+    /// Its status, and that it is out of use where it is.
+    pub fn badge(&self, t: &Text) -> Markup {
+        let (status, ended) = self.standing.as_ref().map_or((None, None), |one| (one.status, one.out_of_use));
+        html! { (standing::badge(t, status)) " " (standing::out_of_use(t, ended)) }
     }
+
+    /// What its plot is made from.
+    pub fn plotted(&self) -> (&Course, &Bands, &Statuses) {
+        (&self.course, &self.bands, &self.statuses)
+    }
+}
+
+/// Where a page of the table begins; beyond the oldest there is the last page.
+fn first_row(skip: usize, count: usize) -> usize {
+    if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS }
 }
 
 /// The number of a gyro.
@@ -84,13 +104,14 @@ pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
 async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> Result<Page, Problem> {
     let number = known(pages, serial)?;
     let shown = Shown::asked(asked.method.as_deref(), pages.config.judging.method);
-    let facts = Facts::of(pages, number, serial, shown).await?;
+    let facts = Facts::of(pages, number, serial, shown, asked.skip).await?;
     let tables = pages.pipeline.store().names().read();
     let body = html! {
         (head(viewer, serial, &facts, &tables))
         (deeds(viewer, serial))
         (verdict_section(viewer, &facts.verdicts))
         (history(viewer, serial, shown, &facts, &tables))
+        (before_after::section(viewer, &facts.course, pages.config.judging.method))
         (alert_section(viewer, &facts.alerts))
         (agreement(viewer, serial, &facts.comparison))
         (course::happenings(viewer, &facts.course, &tables))
@@ -138,7 +159,7 @@ fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup
     html! {
         h1 {
             (serial) " "
-            (facts.grade().badge(t))
+            (facts.badge(t))
         }
         @if let Some(figures) = facts.course.figures.last() {
             p.lead {
@@ -170,7 +191,7 @@ fn verdict_section(viewer: &Viewer, verdicts: &[Said]) -> Markup {
 
 fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
-    let plot = course::plot(viewer, serial, shown, (&facts.course, &facts.bands), tables);
+    let plot = course::plot(viewer, serial, shown, facts.plotted(), tables);
     let left_out = plot.strips.iter().flat_map(|strip| &strip.series).find_map(|series| series.thinned());
     html! {
         section {
@@ -252,8 +273,7 @@ fn changes_explained(viewer: &Viewer, serial: &str) -> Markup {
 fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
     let count = facts.course.figures.len();
-    // Beyond the oldest there is the last page.
-    let skip = if skip < count { skip } else { count.saturating_sub(1) / ROWS * ROWS };
+    let skip = first_row(skip, count);
     let rows = facts.course.figures.iter().rev().skip(skip).take(ROWS);
     let to = |skip: usize| format!("/gyros/{}?method={}&skip={skip}#calibrations", encoded(serial), shown.name());
     html! {
@@ -264,7 +284,7 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts:
                     (skip + 1) "–" ((skip + ROWS).min(count)) " / " (count) ", "
                     (t.method_of(shown.separation())) ", " (t.unit)
                 }
-                (calibration_table(viewer, shown, &facts.bands, rows, tables, viewer.may(Role::Engineer)))
+                (calibration_table(viewer, shown, &facts.statuses, rows, tables, viewer.may(Role::Engineer)))
                 nav.pager aria-label=(t.calibrations) {
                     @if skip > 0 { a href=(to(0)) { (t.newer) } }
                     @if skip + ROWS < count { a rel="next" href=(to(skip + ROWS)) { (t.older) } }
@@ -278,7 +298,7 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts:
 pub(super) fn calibration_table<'a>(
     viewer: &Viewer,
     shown: Shown,
-    bands: &Bands,
+    statuses: &Statuses,
     rows: impl Iterator<Item = &'a Figures>,
     tables: &Tables,
     deeds: bool,
@@ -288,10 +308,10 @@ pub(super) fn calibration_table<'a>(
         div.scroll tabindex="0" { table.cards {
             thead { tr {
                 th { (t.calibrated) } th { (t.imu) } th { (t.station) }
-                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.state) }
+                th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
                 @if deeds { th { (t.actions_word) } }
             } }
-            tbody { @for figures in rows { (calibration(viewer, shown, figures, (bands, tables), deeds)) } }
+            tbody { @for figures in rows { (calibration(viewer, shown, figures, (statuses, tables), deeds)) } }
         } }
     }
 }
@@ -300,16 +320,14 @@ fn calibration(
     viewer: &Viewer,
     shown: Shown,
     figures: &Figures,
-    (bands, tables): (&Bands, &Tables),
+    (statuses, tables): (&Statuses, &Tables),
     deeds: bool,
 ) -> Markup {
     let t = viewer.text();
     let sample = sample_of(figures, shown.separation());
-    let beyond = (0..3).filter(|&column| figures.states.0[column] == Some(State::Exceeded));
-    // As in the plot: what some rule flags inside the budget is a warning.
-    let outside = |column: &usize| course::is_outside(&bands[*column], figures.at, sample.d[*column].value);
-    let (exceeded, flagged): (Vec<usize>, Vec<usize>) = beyond.partition(outside);
-    let calm = if figures.states.worst() == Some(State::Within) { Grade::Within } else { Grade::Undecided };
+    let worst = statuses.worst(figures);
+    let grave = Status::ALL.into_iter().rev().filter(|status| *status > Status::NotEnoughData && *status <= worst);
+    let of_status = |status: Status| (0..3).filter(move |&column| statuses.get(figures, column) == status);
     html! {
         tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
@@ -319,10 +337,12 @@ fn calibration(
                 td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
             }
             td {
-                @for (grade, columns) in [(Grade::Exceeded, &exceeded), (Grade::Warning, &flagged)] {
-                    @if !columns.is_empty() { (grade.badge(t)) " " @for column in columns { (symbol(DRIFTS[*column])) " " } }
+                @for status in grave {
+                    @if of_status(status).next().is_some() {
+                        (standing::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
+                    }
                 }
-                @if exceeded.is_empty() && flagged.is_empty() { (calm.badge(t)) }
+                @if worst <= Status::NotEnoughData { (standing::badge(t, Some(worst))) }
             }
             @if deeds { td { (void_link(viewer, "records", figures.record, figures.at)) } }
         }

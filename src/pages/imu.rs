@@ -8,7 +8,7 @@ use super::Pages;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
-use super::standing::Grade;
+use super::standing;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
@@ -106,7 +106,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
     html! {
         div.scroll tabindex="0" { table.cards {
             thead { tr {
-                th { (t.slot) } th { (t.serial) } th { (t.state) }
+                th { (t.slot) } th { (t.serial) } th { (t.status_word) }
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (when) }
             } }
             tbody { @for gyro in gyros {
@@ -114,7 +114,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
                     tr {
                         td { (newest.slot.name()) }
                         th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
-                        td { (Grade::of(gyro).badge(t)) }
+                        td { (standing::badge(t, gyro.status)) " " (standing::out_of_use(t, gyro.out_of_use)) }
                         @for (measured, name) in sample_of(newest, pages.config.judging.method).d.into_iter().zip(DRIFTS) {
                             td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
                         }

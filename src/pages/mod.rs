@@ -6,6 +6,7 @@
 mod against;
 mod alerts;
 mod assets;
+mod before_after;
 mod calibration;
 mod chart;
 mod confirm;

@@ -1,6 +1,8 @@
 //! E, G and P of an IMU's gyros in the form of the paper's Tables 3 and 4: each figure with its standard deviation, what is
 //! required of it, and whether it keeps that.
 
+use std::collections::BTreeSet;
+
 use maud::{Markup, html};
 
 use super::figure;
@@ -85,8 +87,15 @@ pub(super) fn tables(t: &Text, gyros: &[Parameters], required: impl Fn(Slot, &st
         @if gyros.iter().any(|gyro| gyro.p.is_some()) {
             (table(t, ("P", "pulse/(s g0²)"), gyros, |gyro| Some((gyro.p?, [None; 3], None))))
         }
-        @if gyros.iter().any(|gyro| required(gyro) != Requirement::default()) { p.note { (t.requirement_note) } }
+        @let keys = keys(gyros.iter().map(required));
+        @if !keys.is_empty() { p.note { (t.requirement_note) @for key in keys { " " code { (key) } } (t.stop) } }
     }
+}
+
+/// What in the configuration says so.
+fn keys(required: impl Iterator<Item = Requirement>) -> BTreeSet<String> {
+    let bounds = required.flat_map(|one| one.e.into_iter().chain(one.g).chain([one.e_norm]).flatten());
+    bounds.map(|bounds| bounds.from.to_string()).collect()
 }
 
 /// Values, what is required of each, and the length with what is required of it.
@@ -158,10 +167,12 @@ mod tests {
         let record: RecordBody =
             serde_json::from_str(include_str!("../../tests/data/paper.json")).expect("the paper's record");
         let gyros: Vec<Parameters> = record.gyros.iter().map(Parameters::stated).collect();
-        let config = Config::defaults();
+        let mut config = Config::defaults();
+        config.judging.requirements = true;
         let required = required(&config.judging, &record.imu, &record.geometry);
         let shown = tables(Language::English.text(), &gyros, required).into_string();
         assert!(shown.contains("0.847300") && shown.contains("0.8425 … 0.8529"), "{shown}");
+        assert!(shown.contains("<code>judging.requirements</code>"), "{shown}");
         assert_eq!(bounds_alike(-0.609, -0.5972), "-0.6090 … -0.5972");
         assert_eq!(shown.matches("class=\"badge ").count(), 3 * (3 + 1 + 3));
         let e: Vec<f64> = record.gyros.iter().flat_map(|gyro| gyro.e_pulse_per_arcsec.0).collect();

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::text::Text;
 use super::thin;
-use crate::core::judge::State;
+use crate::core::judge::Status;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
 
@@ -19,9 +19,8 @@ const MOST_POINTS: usize = 1000;
 pub(super) struct Point {
     pub at: UtcMicros,
     pub measured: Measured,
-    pub state: Option<State>,
-    /// Whether it lies outside the budget about its baseline.
-    pub outside: bool,
+    /// None for what is not judged.
+    pub status: Option<Status>,
     /// Where and by whom it was measured.
     pub place: String,
 }
@@ -36,8 +35,8 @@ pub(super) struct Series {
     pub t: Vec<i64>,
     pub v: Vec<f64>,
     pub sd: Option<Vec<Option<f64>>>,
-    /// 0 within or not judged, 1 undecided, 2 flagged but inside the budget, 3 exceeded and outside.
-    pub state: Vec<u8>,
+    /// Place in [`Status::ALL`]; 0, the first, for what is not judged.
+    pub status: Vec<u8>,
     /// Index into `places`.
     place: Vec<u32>,
     places: Vec<String>,
@@ -61,6 +60,8 @@ pub(super) struct Strip {
 #[derive(Serialize)]
 pub(super) struct Mark {
     pub t: i64,
+    /// When it was over, of what took time.
+    pub until: Option<i64>,
     pub label: String,
     pub event: bool,
 }
@@ -72,8 +73,8 @@ pub(super) struct Plot {
     pub unit: &'static str,
     pub strips: Vec<Strip>,
     pub marks: Vec<Mark>,
-    /// The words of states, as `Series::state` counts them.
-    pub states: [&'static str; 4],
+    /// Names and words, as `Series::status` counts them.
+    pub statuses: [(&'static str, &'static str); 9],
     /// Where the newest baseline begins.
     pub since: Option<i64>,
     /// [`ALONE`].
@@ -83,8 +84,7 @@ pub(super) struct Plot {
 impl Series {
     /// Of all `rows`, in order of time, those that make the picture; only those become points.
     pub fn new<T>(name: &str, bench: bool, rows: &[T], value: impl Fn(&T) -> f64, point: impl Fn(&T) -> Point) -> Self {
-        let values: Vec<f64> = rows.iter().map(value).collect();
-        let kept: Vec<Point> = thin::indices(&values, MOST_POINTS).into_iter().map(|i| point(&rows[i])).collect();
+        let kept: Vec<Point> = shown(rows, value).into_iter().map(point).collect();
         let mut places = Vec::new();
         let mut known = HashMap::<&str, u32>::new();
         let place = kept.iter().map(|point| {
@@ -101,7 +101,7 @@ impl Series {
             t: kept.iter().map(|point| millis(point.at)).collect(),
             v: kept.iter().map(|point| rounded(point.measured.value)).collect(),
             sd: any_sd.then(|| kept.iter().map(|point| point.measured.sd.map(rounded)).collect()),
-            state: kept.iter().map(code).collect(),
+            status: kept.iter().map(code).collect(),
             place,
             places,
             of: rows.len(),
@@ -112,6 +112,12 @@ impl Series {
     pub fn thinned(&self) -> Option<usize> {
         (self.of > self.t.len()).then_some(self.of)
     }
+}
+
+/// The rows that make the picture.
+pub(super) fn shown<T>(rows: &[T], value: impl Fn(&T) -> f64) -> Vec<&T> {
+    let values: Vec<f64> = rows.iter().map(value).collect();
+    thin::indices(&values, MOST_POINTS).into_iter().map(|i| &rows[i]).collect()
 }
 
 impl Plot {
@@ -140,12 +146,8 @@ pub(super) fn millis(at: UtcMicros) -> i64 {
 }
 
 fn code(point: &Point) -> u8 {
-    match point.state {
-        Some(State::Exceeded) if point.outside => 3,
-        Some(State::Exceeded) => 2,
-        Some(State::Indeterminate) => 1,
-        Some(State::Within) | None => 0,
-    }
+    let place = Status::ALL.iter().position(|status| Some(*status) == point.status);
+    place.unwrap_or(0) as u8
 }
 
 /// To 1e-9 deg/(h g0): a millionth of what is judged, and half the weight.
@@ -163,20 +165,15 @@ mod tests {
 
     #[test]
     fn what_a_station_calls_itself_cannot_end_the_block() {
-        let point = Point {
-            at: UtcMicros(1_000),
-            measured: Measured::exact(1.0),
-            state: None,
-            outside: false,
-            place: "</script><b>".into(),
-        };
+        let point =
+            Point { at: UtcMicros(1_000), measured: Measured::exact(1.0), status: None, place: "</script><b>".into() };
         let strips = vec![Strip { symbol: "D_I", series: vec![of_points(&[point])], bands: vec![], around: 0.01 }];
         let plot = Plot {
             name: "</script>".into(),
             unit: "",
             strips,
             marks: vec![],
-            states: [""; 4],
+            statuses: [("", ""); 9],
             since: None,
             alone: ALONE,
         };
@@ -189,8 +186,7 @@ mod tests {
         let point = |i: i64| Point {
             at: UtcMicros(i * UtcMicros::DAY),
             measured: Measured::exact(if i == 7_777 { 9.0 } else { (i as f64).sin() }),
-            state: None,
-            outside: false,
+            status: None,
             place: String::new(),
         };
         let points: Vec<Point> = (0..20_000).map(point).collect();

@@ -9,12 +9,12 @@ use super::course::{self, Shown};
 use super::gyro::{Facts, agreement, calibration_table, known};
 use super::layout::{Page, Section, instant, symbol};
 use super::viewer::Viewer;
-use super::{Pages, alerts, chart, figure, imu, verdicts};
+use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
 use crate::pipeline::Kind;
 use crate::wire::problem::Problem;
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.
-const ROWS: usize = 40;
+const ROWS: usize = super::gyro::MOST_ROWS;
 
 pub(super) async fn gyro(Held(pages): Held<Pages>, viewer: Viewer, Path(serial): Path<String>) -> Response {
     viewer.show(of_gyro(&pages, &viewer, &serial).await)
@@ -28,23 +28,24 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
     let t = viewer.text();
     let number = known(pages, serial)?;
     let shown = Shown::asked(None, pages.config.judging.method);
-    let facts = Facts::of(pages, number, serial, shown).await?;
+    let facts = Facts::of(pages, number, serial, shown, 0).await?;
     let tables = pages.pipeline.store().names().read();
     let count = facts.course.figures.len();
     let body = html! {
         article.report {
-            h1 { (t.report_of_gyro) " " (serial) " " (facts.grade().badge(t)) }
+            h1 { (t.report_of_gyro) " " (serial) " " (facts.badge(t)) }
             (as_of(pages, viewer))
             section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &tables)) }
             section { h2 { (t.verdicts) } (verdicts::all(viewer, &facts.verdicts)) }
-            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&course::plot(viewer, serial, shown, (&facts.course, &facts.bands), &tables))) }
+            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&course::plot(viewer, serial, shown, facts.plotted(), &tables))) }
+            (before_after::section(viewer, &facts.course, pages.config.judging.method))
             (agreement(viewer, serial, &facts.comparison))
             (course::happenings(viewer, &facts.course, &tables))
             (open_alerts(viewer, &facts))
             section {
                 h2 { (t.calibrations) }
                 p.note { (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(shown.separation())) ", " (t.unit) }
-                (calibration_table(viewer, shown, &facts.bands, facts.course.figures.iter().rev().take(ROWS), &tables, false))
+                (calibration_table(viewer, shown, &facts.statuses, facts.course.figures.iter().rev().take(ROWS), &tables, false))
             }
             (signature(viewer))
         }
@@ -58,7 +59,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     let shown = Shown::asked(None, pages.config.judging.method);
     let mut gyros = Vec::new();
     for standing in &found.seats.now {
-        gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, shown).await?));
+        gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, shown, 0).await?));
     }
     let tables = pages.pipeline.store().names().read();
     let campaigns = found.records.iter().filter(|head| head.kind == Kind::Campaign).count();
@@ -79,9 +80,10 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
             @if let Some(newest) = &found.parameters { section { h2 { (t.newest_parameters) } (newest) } }
             @for (serial, facts) in &gyros {
                 section.sheet {
-                    h2 { (t.serial) " " (serial) " " (facts.grade().badge(t)) }
+                    h2 { (t.serial) " " (serial) " " (facts.badge(t)) }
                     (verdicts::all(viewer, &facts.verdicts))
-                    (chart::strips(&course::plot(viewer, serial, shown, (&facts.course, &facts.bands), &tables)))
+                    (chart::strips(&course::plot(viewer, serial, shown, facts.plotted(), &tables)))
+                    (before_after::section(viewer, &facts.course, pages.config.judging.method))
                     (agreement(viewer, serial, &facts.comparison))
                     (course::happenings(viewer, &facts.course, &tables))
                     (open_alerts(viewer, facts))
@@ -113,7 +115,9 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: 
             dt { (t.judged_by) } dd { (t.method_of(shown.separation())) }
             dt { (t.budget_word) }
             dd {
-                @for (name, budget) in budgets { @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget.value)) } " " } }
+                @for (name, budget) in budgets {
+                    @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget.value)) " (" code { (budget.from) } ")" } " " }
+                }
                 (t.unit)
             }
         }

@@ -1,13 +1,13 @@
-//! Verdicts in words: what is broken first, what is kept folded away.
+//! Verdicts in words: the worst first, what has passed folded away.
 
 use maud::{Markup, html};
 
 use super::layout::symbol;
-use super::standing::Grade;
-use super::text::{Language, reason};
+use super::standing;
+use super::text::{Language, Text, reason};
 use super::viewer::Viewer;
-use crate::core::judge::{Coefficient, Rule, State, Verdict};
-use crate::pipeline::Figures;
+use crate::core::judge::{Coefficient, Rule, Status, Verdict, digits, sd_digits};
+use crate::pipeline::Violation;
 use crate::wire::answer::VerdictBody;
 
 /// A verdict, and what its rule saw, from which words are made in the viewer's language.
@@ -24,6 +24,18 @@ impl Said {
         all.map(|(body, seen)| Self { body: body.clone(), seen: *seen }).collect()
     }
 
+    /// What an alert knows besides: a second record may have confirmed that a requirement is not met.
+    pub fn is_known_to_be(&mut self, violation: &Violation) {
+        let same = self.body.rule == violation.rule.name() && self.body.coefficient == violation.coefficient.name();
+        if same && violation.status > self.status() {
+            self.body.status = violation.status.name().into();
+        }
+    }
+
+    fn status(&self) -> Status {
+        Status::from_name(&self.body.status).unwrap_or(Status::NotEnoughData)
+    }
+
     fn reason(&self, language: Language) -> String {
         match (language, &self.seen) {
             (Language::Chinese, Some(verdict)) => reason::in_chinese(verdict),
@@ -33,30 +45,18 @@ impl Said {
     }
 }
 
-/// The worst that any rule that could judge says of the newest record; of the drift none may have, however well E and G keep to
-/// their requirements.
-pub(super) fn worst(newest: &Figures, verdicts: &[Said]) -> State {
-    let of_drift = newest.states.worst().unwrap_or(State::Indeterminate);
-    let judged = verdicts.iter().filter(|said| said.body.value.is_some());
-    judged.filter_map(|said| State::from_name(&said.body.state)).fold(of_drift, State::max)
-}
-
-/// What is broken and what is undecided in full, the rest folded.
+/// What is the matter in full, the worst first; the rest folded.
 pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     let t = viewer.text();
-    let of_state = |state: State| verdicts.iter().filter(move |said| said.body.state == state.name());
-    // A rule that found too few records has decided nothing.
-    let (undecided, waiting): (Vec<_>, Vec<_>) =
-        of_state(State::Indeterminate).partition(|said| said.body.value.is_some());
-    let kept = of_state(State::Within).count();
+    let calm = |status: Status| matches!(status, Status::InTolerance | Status::NotEnoughData);
+    let (rest, grave): (Vec<&Said>, Vec<&Said>) = sorted(verdicts).into_iter().partition(|said| calm(said.status()));
+    let waiting = rest.iter().filter(|said| said.status() == Status::NotEnoughData).count();
     html! {
-        ul.verdicts {
-            @for verdict in of_state(State::Exceeded).chain(undecided) { (one(viewer, verdict)) }
-        }
-        @if kept + waiting.len() > 0 {
+        ul.verdicts { @for verdict in grave { (one(viewer, verdict)) } }
+        @if !rest.is_empty() {
             details {
-                summary { (t.verdicts_within) " " (kept) @if !waiting.is_empty() { " · " (t.too_few) " " (waiting.len()) } }
-                ul.verdicts { @for verdict in of_state(State::Within).chain(waiting) { (one(viewer, verdict)) } }
+                summary { (t.passed) " " (rest.len() - waiting) (t.stop) @if waiting > 0 { " " (t.too_few) " " (waiting) (t.stop) } }
+                ul.verdicts { @for verdict in rest { (one(viewer, verdict)) } }
             }
         }
     }
@@ -64,30 +64,88 @@ pub(super) fn list(viewer: &Viewer, verdicts: &[Said]) -> Markup {
 
 /// All of them, nothing folded: on paper nothing can be unfolded.
 pub(super) fn all(viewer: &Viewer, verdicts: &[Said]) -> Markup {
-    let of_state = |state: State| verdicts.iter().filter(move |said| said.body.state == state.name());
     html! {
         @if verdicts.is_empty() { p { (viewer.text().not_judged) } }
-        ul.verdicts {
-            @for state in [State::Exceeded, State::Indeterminate, State::Within] {
-                @for verdict in of_state(state) { (one(viewer, verdict)) }
-            }
-        }
+        ul.verdicts { @for verdict in sorted(verdicts) { (one(viewer, verdict)) } }
     }
+}
+
+/// The worst first; what has passed before what waits for data.
+fn sorted(verdicts: &[Said]) -> Vec<&Said> {
+    let mut sorted: Vec<&Said> = verdicts.iter().collect();
+    sorted.sort_by_key(|said| {
+        let status = said.status();
+        (status == Status::NotEnoughData, std::cmp::Reverse(status))
+    });
+    sorted
 }
 
 fn one(viewer: &Viewer, said: &Said) -> Markup {
     let (t, verdict) = (viewer.text(), &said.body);
-    let state = State::from_name(&verdict.state).unwrap_or(State::Indeterminate);
     let rule = Rule::from_name(&verdict.rule);
-    let grade = Grade::judged(Some(state), rule.into_iter());
-    let meaning = Coefficient::from_name(&verdict.coefficient).map_or("", |coefficient| t.meaning(coefficient));
+    let coefficient = Coefficient::from_name(&verdict.coefficient);
     html! {
         li {
-            (grade.badge(t)) " "
-            span title=(meaning) { (symbol(&verdict.coefficient)) } " " strong { (rule.map_or("", |rule| t.rule(rule))) }
-            @if verdict.confirmed { " (" (t.confirmed) ")" }
+            (standing::badge(t, Some(said.status()))) " "
+            span title=[coefficient.map(|coefficient| t.meaning(coefficient))] { (symbol(&verdict.coefficient)) } " "
+            strong { (rule.map_or("", |rule| t.rule(rule))) }
             br;
             (said.reason(viewer.language))
+            @if let Some((rule, coefficient)) = rule.zip(coefficient) { (figures(t, said, rule.unit(coefficient))) }
         }
+    }
+}
+
+/// What the reason does not say: the stored figures, where it was made with other limits; else the limit, where there is nothing yet to
+/// compare with it.
+fn figures(t: &Text, said: &Said, unit: &str) -> Markup {
+    let VerdictBody { value, limit, sd, limit_from, .. } = &said.body;
+    let (p, unit) = (digits(*limit), t.spoken(unit));
+    html! {
+        @match (value, &said.seen, limit_from) {
+            (Some(value), None, _) => span.note {
+                " " (format!("{value:.p$}")) @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
+                " " (unit) ", " (t.limit_within) " " (format!("{limit:.p$}")) (t.stop)
+            },
+            (None, _, Some(key)) => span.note { " " (t.limit) " " (format!("{limit:.p$}")) " " (unit) " (" code { (key) } ")" (t.stop) },
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_verdict_of_an_earlier_version_shows_its_stored_figures() {
+        let body = VerdictBody {
+            serial: "A".into(),
+            coefficient: "D_I".into(),
+            rule: "cusum".into(),
+            state: "exceeded".into(),
+            status: "drifting".into(),
+            value: Some(40.3),
+            limit: 5.14,
+            limit_from: None,
+            sd: None,
+            probability: None,
+            confirmed: false,
+            reason: "As it was decided when the record was judged; the limits or the history have changed since."
+                .into(),
+        };
+        let said = Said { body, seen: None };
+        let shown =
+            |language: Language| figures(language.text(), &said, Rule::Cusum.unit(Coefficient::DI)).into_string();
+        assert!(shown(Language::English).contains("40.30 standard deviations, limit 5.14."));
+        assert!(shown(Language::Chinese).contains("40.30 倍标准差, 限值 5.14。"));
+        assert!(!said.reason(Language::Chinese).is_ascii());
+        // What judging again finds says its figures in its reason.
+        let waiting = Said {
+            body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..said.body.clone() },
+            seen: None,
+        };
+        let shown = figures(Language::English.text(), &waiting, "deg/(h g0)").into_string();
+        assert!(shown.contains("Limit 5.14 deg/(h g0) (<code>judging.budget</code>)"), "{shown}");
     }
 }

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use super::Pipeline;
-use super::alerting::{Naming, Origin, finding_of};
+use super::alerting::{Naming, Origin, finding_of, status_of};
 use super::line::{load_marks, mark_of, sample_of};
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Mark, Measured};
-use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Verdict, agreement};
+use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status, Verdict, agreement};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
@@ -38,22 +38,28 @@ pub struct Compared {
     pub counts: bool,
 }
 
-/// That the methods disagree on a coefficient of a gyro, as its alert has it.
+/// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a second record has
+/// confirmed that a requirement is not met.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Disagreement {
+pub(super) struct Told {
     pub coefficient: Coefficient,
-    /// The range over its limit.
+    pub rule: Rule,
+    pub status: Status,
+    /// The figure over its limit.
     pub load: f64,
 }
 
 impl Pipeline {
-    /// What the methods disagree on, of one gyro or of all, in one query: comparing the results of every gyro would take several for each.
-    pub(super) async fn disagreements(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Disagreement>>, StoreError> {
-        let mut found: HashMap<u32, Vec<Disagreement>> = HashMap::new();
-        for row in self.store.unresolved(Rule::Agreement, gyro).await? {
-            let finding = finding_of(&row)?;
-            let load = finding.value.map_or(0.0, |range| range / finding.limit);
-            found.entry(row.gyro).or_default().push(Disagreement { coefficient: row.coefficient, load });
+    /// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take several for each.
+    pub(super) async fn told(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Told>>, StoreError> {
+        let mut found: HashMap<u32, Vec<Told>> = HashMap::new();
+        for rule in [Rule::Agreement, Rule::Requirement] {
+            for row in self.store.unresolved(rule, gyro).await? {
+                let finding = finding_of(&row)?;
+                let load = finding.value.map_or(0.0, |value| value / finding.limit);
+                let told = Told { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
+                found.entry(row.gyro).or_default().push(told);
+            }
         }
         Ok(found)
     }

@@ -1,13 +1,15 @@
 //! One gyro's whole course: every calibration, bench result and event, and the levels it was held against.
 
+use std::collections::HashMap;
+
 use super::Pipeline;
 use super::fleet::level;
 use super::line::{distinct, mark_of, sample_of};
 use crate::config::JudgedMethod;
-use crate::core::judge::Limits;
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
+use crate::core::judge::{Coefficient, Event, Limits, Rule};
 use crate::core::time::UtcMicros;
-use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError};
+use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +22,8 @@ pub struct Course {
     /// Records that do not count until somebody confirms their times.
     pub set_aside: Vec<(Id, UtcMicros)>,
     pub baselines: Vec<Baseline>,
+    /// Environmental tests, with what the gyro was before and after.
+    pub tests: Vec<Tested>,
     /// What its newest record is judged against.
     pub limits: Limits,
 }
@@ -29,8 +33,33 @@ pub struct Course {
 pub struct Baseline {
     pub from: UtcMicros,
     pub until: UtcMicros,
+    /// Whether nothing but a move to another IMU or slot began it: the levels of D_I and D_S go on.
+    pub moved: bool,
     /// D_I, D_S and the closure; none where there are too few records.
     pub level: [Option<f64>; 3],
+}
+
+/// An environmental test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tested {
+    pub event: EventRow,
+    /// The last record before it, and the first after.
+    pub before: Option<Figures>,
+    pub after: Option<Figures>,
+    /// What `before_after` says of D_I and D_S of the first record after it; none where another test or a reset lies between, and where
+    /// the rule is off.
+    pub verdicts: [Option<StoredVerdict>; 2],
+}
+
+impl Tested {
+    /// When it was over.
+    pub fn until(&self) -> UtcMicros {
+        end_of(&self.event)
+    }
+}
+
+fn end_of(event: &EventRow) -> UtcMicros {
+    event.until.map_or(event.at, |until| until.max(event.at))
 }
 
 impl Pipeline {
@@ -45,9 +74,45 @@ impl Pipeline {
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
         let marks: Vec<Mark> = events.iter().map(mark_of).collect();
+        let tests = self.tests(gyro, &events, &figures).await?;
         let baselines = baselines(&samples, &marks, &limits);
-        Ok(Course { baselines, figures, benches, events, corrections, set_aside, limits })
+        Ok(Course { baselines, figures, benches, events, corrections, set_aside, tests, limits })
     }
+
+    async fn tests(&self, gyro: u32, events: &[EventRow], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
+        let mut tests = tested(events, figures);
+        let after = tests.iter().filter_map(|test| Some(test.after?.record));
+        let sheets: HashMap<_, _> = match tests.is_empty() {
+            true => HashMap::new(),
+            false => self.store.verdict_sheets(after.collect::<Vec<_>>().into_iter()).await?.into_iter().collect(),
+        };
+        let ends: Vec<UtcMicros> = tests.iter().map(Tested::until).collect();
+        for test in &mut tests {
+            let Some(after) = &test.after else { continue };
+            // The rule judges by the test that was over last.
+            let judged = ends.iter().all(|end| *end <= test.until() || *end > after.at);
+            let sheet = sheets.get(&after.record).filter(|_| judged);
+            let verdicts = sheet.and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
+            let verdicts = verdicts.map_or(&[][..], |(_, verdicts)| verdicts);
+            test.verdicts = [Coefficient::DI, Coefficient::DS].map(|coefficient| {
+                let of_test = |one: &&StoredVerdict| (one.rule, one.coefficient) == (Rule::BeforeAfter, coefficient);
+                verdicts.iter().find(of_test).copied()
+            });
+        }
+        Ok(tests)
+    }
+}
+
+/// The environmental tests among `events`, oldest first, with the records before and after; not judged yet.
+fn tested(events: &[EventRow], figures: &[Figures]) -> Vec<Tested> {
+    let tests = events.iter().filter(|event| event.event == Event::EnvironmentalTest);
+    let with_records = tests.map(|event| Tested {
+        before: figures[..figures.partition_point(|row| row.at < event.at)].last().copied(),
+        after: figures.get(figures.partition_point(|row| row.at < end_of(event))).copied(),
+        event: event.clone(),
+        verdicts: [None; 2],
+    });
+    with_records.collect()
 }
 
 /// One baseline for each stretch between the events that reset it, and between the moves from one IMU or slot to another.
@@ -55,18 +120,19 @@ fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baselin
     let Some((first, last)) = samples.first().zip(samples.last()) else { return Vec::new() };
     let resets = marks.iter().filter(|mark| mark.event.resets_baseline() && mark.at > first.at && mark.at <= last.at);
     let moves = samples.windows(2).filter(|pair| pair[0].seat != pair[1].seat).map(|pair| pair[1].at);
-    let mut starts: Vec<UtcMicros> = std::iter::once(first.at).chain(resets.map(|mark| mark.at)).chain(moves).collect();
+    let own = std::iter::once(first.at).chain(resets.map(|mark| mark.at)).map(|at| (at, false));
+    let mut starts: Vec<(UtcMicros, bool)> = own.chain(moves.map(|at| (at, true))).collect();
     starts.sort_unstable();
-    starts.dedup();
-    let ends = starts[1..].iter().copied().chain([last.at]);
+    starts.dedup_by_key(|(at, _)| *at);
+    let ends = starts[1..].iter().map(|(at, _)| *at).chain([last.at]);
     let fixed = [limits.d_i.fixed_baseline, limits.d_s.fixed_baseline, None];
-    let stretch = |(&from, until): (&UtcMicros, UtcMicros)| {
+    let stretch = |(&(from, moved), until): (&(UtcMicros, bool), UtcMicros)| {
         let end = samples.partition_point(|sample| sample.at < until || until == last.at);
         let newest = samples[..end].last().map_or(from, |sample| sample.at);
         let drift = baseline_of(&samples[..end], marks, newest);
         let records = [drift, drift, seat_baseline_of(&samples[..end], marks, newest)];
         let stated = |column: usize| stated_level(marks, newest, column).or(fixed[column]);
-        Baseline { from, until, level: [0, 1, 2].map(|column| level(records[column], column, stated(column))) }
+        Baseline { from, until, moved, level: [0, 1, 2].map(|column| level(records[column], column, stated(column))) }
     };
     starts.iter().zip(ends).map(stretch).collect()
 }
@@ -74,7 +140,7 @@ fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baselin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::{Event, Measured, Seat};
+    use crate::core::judge::{Measured, Seat};
 
     fn day(day: i64) -> UtcMicros {
         UtcMicros(day * UtcMicros::DAY)
@@ -106,7 +172,11 @@ mod tests {
     fn a_move_begins_a_level_of_the_closure_alone() {
         let all = samples(&[(0, 1.0), (10, 1.0), (20, 1.0), (500, 4.0), (510, 5.0), (520, 6.0)]);
         let found = baselines(&all, &[], &Limits::from_budget(0.01));
-        let seen: Vec<_> = found.iter().map(|b| (b.from, b.level)).collect();
-        assert_eq!(seen, [(day(0), [Some(1.0); 3]), (day(500), [Some(1.0), Some(1.0), Some(5.0)])]);
+        let seen: Vec<_> = found.iter().map(|b| (b.from, b.moved, b.level)).collect();
+        assert_eq!(seen, [(day(0), false, [Some(1.0); 3]), (day(500), true, [Some(1.0), Some(1.0), Some(5.0)])]);
+        // Where an event resets the baseline at the very record that moves, all levels begin.
+        let marks = [Mark::of(day(500), Event::Reinstallation)];
+        let found = baselines(&all, &marks, &Limits::from_budget(0.01));
+        assert_eq!((found.len(), found[1].moved, found[1].level), (2, false, [Some(5.0); 3]));
     }
 }

@@ -4,11 +4,11 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::Pipeline;
-use super::agreement::Disagreement;
+use super::agreement::Told;
 use super::line::{distinct, marks_of, sample_of};
+use super::{Pipeline, status};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
-use crate::core::judge::{Coefficient, Rule, State, overdue};
+use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
@@ -24,12 +24,33 @@ pub struct Standing {
     /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included; indeterminate while
     /// none could judge its drift, none before the first calibration. While an alert of `agreement` fires, exceeded whatever they say.
     pub state: Option<State>,
+    /// What all of that comes to, and whether its calibration is overdue: the worst of it.
+    pub status: Option<Status>,
+    /// What the verdicts on D_I, D_S and D_O of its newest calibration come to.
+    pub drift: [Status; 3],
     /// What it violates.
-    pub exceeded: Vec<(Coefficient, Rule)>,
+    pub violations: Vec<Violation>,
     /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it fires.
     pub load: f64,
     /// Days since its last calibration, where that is longer than its interval.
     pub overdue_days: Option<f64>,
+    /// That it was retired or put into storage, and not calibrated since.
+    pub out_of_use: Option<Event>,
+}
+
+/// A rule that says that a gyro is beyond a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Violation {
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub status: Status,
+}
+
+impl Standing {
+    /// Whether a filter by status finds it: one that is overdue is, whatever else is the matter with it.
+    pub fn is(&self, status: Status) -> bool {
+        self.status == Some(status) || status == Status::Overdue && self.overdue_days.is_some()
+    }
 }
 
 /// The gyros whose newest calibration was made in one IMU.
@@ -106,11 +127,6 @@ impl Pipeline {
         Ok(self.store.histories(&stretches, 1).await?.concat())
     }
 
-    /// When each gyro was taken out of use last; nobody asks where none can be overdue.
-    async fn out_of_use(&self) -> Result<HashMap<u32, UtcMicros>, StoreError> {
-        if self.config.judging.has_intervals() { self.store.out_of_use().await } else { Ok(HashMap::new()) }
-    }
-
     /// How gyros stand with these newest calibrations.
     pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
@@ -119,13 +135,14 @@ impl Pipeline {
             .iter()
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
-        let disagreements = self.disagreements(None).await?;
-        let out_of_use = self.out_of_use().await?;
+        let only = if let [(one, _)] = newest.as_slice() { Some(*one) } else { None };
+        let told = self.told(only).await?;
+        let out_of_use = self.store.out_of_use().await?;
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
             let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
-            let of_methods = disagreements.get(&number).map_or(&[][..], Vec::as_slice);
-            let verdicts = (of_newest.copied().unwrap_or_default(), of_methods);
+            let told = told.get(&number).map_or(&[][..], Vec::as_slice);
+            let verdicts = (of_newest.copied().unwrap_or_default(), told);
             self.standing(&tables, number, newest, verdicts, out_of_use.get(&number).copied())
         };
         Ok(newest.into_iter().filter_map(standing).collect())
@@ -143,9 +160,9 @@ impl Pipeline {
         };
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
-        let of_methods = self.disagreements(Some(number)).await?.remove(&number).unwrap_or_default();
-        let out_of_use = self.out_of_use().await?.get(&number).copied();
-        let (verdicts, tables) = ((verdicts, of_methods.as_slice()), self.store.names().read());
+        let told = self.told(Some(number)).await?.remove(&number).unwrap_or_default();
+        let out_of_use = self.store.out_of_use().await?.get(&number).copied();
+        let (verdicts, tables) = ((verdicts, told.as_slice()), self.store.names().read());
         let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
             return Ok(None);
         };
@@ -154,36 +171,43 @@ impl Pipeline {
         Ok(Some((standing, said)))
     }
 
-    /// How a gyro stands with this newest calibration, the verdicts on it, and what its methods disagree on.
+    /// How a gyro stands with this newest calibration, the verdicts on it, and what alerts know besides.
     fn standing(
         &self,
         tables: &Tables,
         number: u32,
         newest: Option<Figures>,
-        (verdicts, disagreements): (&[StoredVerdict], &[Disagreement]),
-        out_of_use: Option<UtcMicros>,
+        (verdicts, told): (&[StoredVerdict], &[Told]),
+        out_of_use: Option<(UtcMicros, Event)>,
     ) -> Option<Standing> {
         let serial = tables.gyros.name(number)?.clone();
         let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
         let limits = self.config.judging.limits(imu, &serial);
         let interval = limits.interval_days;
-        let in_use = newest.as_ref().filter(|figures| out_of_use.is_none_or(|at| at < figures.at));
+        let out_of_use = out_of_use.filter(|(at, _)| newest.as_ref().is_none_or(|figures| *at >= figures.at));
+        let in_use = newest.as_ref().filter(|_| out_of_use.is_none());
         let late = in_use.zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
+        let overdue_days = late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value);
         let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
         // The alert of a rule that has been switched off since stands until the gyro's next item.
-        let asked = |found: &&Disagreement| limits.agreement(found.coefficient).is_some();
-        let disagreements: Vec<&Disagreement> = disagreements.iter().filter(asked).collect();
+        let asked = |told: &&Told| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
+        let disagreements: Vec<&Told> = told.iter().filter(asked).collect();
         let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
+        let violations: Vec<Violation> =
+            violations(verdicts, told).chain(disagreements.iter().map(|told| Violation::of(told))).collect();
+        let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
+        let of_verdicts = newest.as_ref().map(|_| status::of_gyro(verdicts));
         Some(Standing {
             number,
             serial,
             state: of_newest.max(of_methods),
-            exceeded: exceeded(verdicts)
-                .chain(disagreements.iter().map(|found| (found.coefficient, Rule::Agreement)))
-                .collect(),
+            status: worst_of.max().max(of_verdicts),
+            drift: status::of_drift(verdicts),
+            violations,
             load: loads.fold(0.0, f64::max),
-            overdue_days: late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value),
+            overdue_days,
+            out_of_use: out_of_use.map(|(_, event)| event),
             newest,
         })
     }
@@ -244,9 +268,21 @@ fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
     judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
-fn exceeded(verdicts: &[StoredVerdict]) -> impl Iterator<Item = (Coefficient, Rule)> {
+fn violations(verdicts: &[StoredVerdict], told: &[Told]) -> impl Iterator<Item = Violation> {
     let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
-    beyond.map(|verdict| (verdict.coefficient, verdict.rule))
+    beyond.map(|verdict| {
+        let StoredVerdict { coefficient, rule, .. } = *verdict;
+        let same = told.iter().find(|told| (told.coefficient, told.rule) == (coefficient, rule));
+        let status = same.map_or(verdict.status(), |told| told.status.max(verdict.status()));
+        Violation { coefficient, rule, status }
+    })
+}
+
+impl Violation {
+    fn of(told: &Told) -> Self {
+        let Told { coefficient, rule, status, .. } = *told;
+        Self { coefficient, rule, status }
+    }
 }
 
 /// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no measure.

@@ -39,6 +39,7 @@ mod outbox;
 mod read;
 mod reply;
 mod stations;
+mod status;
 mod verify;
 mod writer;
 
@@ -66,10 +67,10 @@ pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder
 pub use answer::StoredRecord;
 pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
 pub use compare::Sent;
-pub use course::{Baseline, Course};
+pub use course::{Baseline, Course, Tested};
 pub use diagnosing::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
 pub use document::{Origin, ReadDocument};
-pub use fleet::{Glimpse, Seats, Standing};
+pub use fleet::{Glimpse, Seats, Standing, Violation};
 pub use foresee::Foreseen;
 pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
@@ -83,6 +84,7 @@ pub use crate::store::{
 };
 pub use read::{BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;
+pub use status::Statuses;
 pub use verify::Verified;
 
 /// The way in, and the way back to what is stored. Cheap to clone.

@@ -86,11 +86,14 @@ impl Store {
         rows.into_iter().map(event_of).collect()
     }
 
-    /// Gyros that were retired or put into storage, and when last.
-    pub async fn out_of_use(&self) -> Result<HashMap<u32, UtcMicros>, StoreError> {
-        let sql = "SELECT gyro, max(at) FROM event WHERE kind IN ('retired', 'in_storage') GROUP BY gyro";
-        let rows: Vec<(Whole<u32>, i64)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
-        Ok(rows.into_iter().map(|(Whole(gyro), at)| (gyro, UtcMicros(at))).collect())
+    /// Gyros that were retired or put into storage: when last, and which.
+    pub async fn out_of_use(&self) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+        let sql = "SELECT gyro, at, kind FROM event WHERE kind IN ('retired', 'in_storage') ORDER BY gyro, at, id";
+        let rows: Vec<(Whole<u32>, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+        let ended = rows
+            .into_iter()
+            .filter_map(|(Whole(gyro), at, kind)| Some((gyro, (UtcMicros(at), Event::from_name(&kind)?))));
+        Ok(ended.collect())
     }
 
     /// Every event of several gyros, by gyro and oldest first.

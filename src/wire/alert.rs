@@ -15,6 +15,10 @@ pub struct AlertBody {
     /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time) or
     /// `resolved`.
     pub state: Cow<'static, str>,
+    /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`; `in_tolerance` once it is resolved. None
+    /// where an earlier version wrote this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub status: Option<Cow<'static, str>>,
     /// `warning`, or `critical` once a second campaign has confirmed the violation of a specification.
     pub severity: Cow<'static, str>,
     /// When the gyro began to do this: the time of the record that began it. Null where an earlier version wrote this.

@@ -7,7 +7,7 @@ use super::alert::AlertBody;
 /// The names of the columns.
 pub const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
                           record,calibrated_at,imu,slot,station,acknowledged_by,acknowledged_at,silenced_by,\
-                          silenced_until,reason,since\n";
+                          silenced_until,reason,since,status\n";
 
 /// Alerts with the header line.
 pub fn to_csv<'a>(alerts: impl IntoIterator<Item = &'a AlertBody>) -> String {
@@ -25,7 +25,7 @@ fn line(alert: &AlertBody, text: &mut String) {
         [finding.value, Some(finding.limit), finding.sd, finding.probability].map(number);
     let acknowledged = alert.acknowledged.as_ref();
     let silenced = alert.silenced.as_ref();
-    let cells: [Option<&str>; 24] = [
+    let cells: [Option<&str>; 25] = [
         Some(&alert.id),
         Some(&alert.serial),
         Some(&alert.coefficient),
@@ -50,6 +50,7 @@ fn line(alert: &AlertBody, text: &mut String) {
         silenced.map(|s| s.until.as_str()),
         Some(&finding.reason),
         alert.since.as_deref(),
+        alert.status.as_deref(),
     ];
     for (i, cell) in cells.into_iter().enumerate() {
         if i > 0 {
@@ -82,6 +83,7 @@ mod tests {
             coefficient: "D_I".into(),
             rule: "step".into(),
             state: "acknowledged".into(),
+            status: Some("confirmed".into()),
             severity: "critical".into(),
             since: Some("2025-12-31T00:00:00Z".into()),
             fired_at: "2026-01-01T00:00:00Z".into(),
@@ -111,7 +113,7 @@ mod tests {
         assert_eq!(
             line,
             "1,\"A,\"\"7\"\"\",D_I,step,acknowledged,critical,2026-01-01T00:00:00Z,,0.0125,0.01,deg/(h g0),,,9,,IMU-1,G1,,\
-             Li,2026-01-02T00:00:00Z,,,\"D_I changed, and how\",2025-12-31T00:00:00Z\n"
+             Li,2026-01-02T00:00:00Z,,,\"D_I changed, and how\",2025-12-31T00:00:00Z,confirmed\n"
         );
         // Two commas stand within quotes.
         assert_eq!(header.matches(',').count() + 2, line.matches(',').count());

@@ -13,6 +13,7 @@ fn alert() -> AlertBody {
         coefficient: "D_I".into(),
         rule: "rms_successive".into(),
         state: "firing".into(),
+        status: None,
         severity: "critical".into(),
         since: Some("2026-02-28T08:00:00Z".into()),
         fired_at: "2026-03-01T08:00:00Z".into(),

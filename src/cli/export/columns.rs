@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::core::judge::State;
+use crate::core::judge::{State, Status};
 use crate::core::time::UtcMicros;
 use crate::store::Figures;
 
@@ -13,6 +13,10 @@ pub struct Row {
     pub imu: Arc<str>,
     pub station: Arc<str>,
     pub figures: Figures,
+    /// Of D_I, D_S and D_O.
+    pub statuses: [Status; 3],
+    /// The worst of those that could be judged.
+    pub status: Status,
     /// It does not count any more.
     pub voided: bool,
 }
@@ -36,7 +40,7 @@ pub struct Column {
 }
 
 /// Drifts, closures and standard deviations are in deg/(h g0).
-pub const COLUMNS: [Column; 23] = [
+pub const COLUMNS: [Column; 27] = [
     column("serial", Cells::Text(|row| row.serial.to_string())),
     column("calibrated_at", Cells::Instant(|row| row.figures.at)),
     column("imu", Cells::Text(|row| row.imu.to_string())),
@@ -60,6 +64,10 @@ pub const COLUMNS: [Column; 23] = [
     column("D_O_state", Cells::Word(|row| state(row.figures.states.0[2]))),
     column("state", Cells::Word(|row| state(row.figures.states.worst()))),
     column("voided", Cells::Flag(|row| row.voided)),
+    column("D_I_status", Cells::Word(|row| Some(row.statuses[0].name()))),
+    column("D_S_status", Cells::Word(|row| Some(row.statuses[1].name()))),
+    column("D_O_status", Cells::Word(|row| Some(row.statuses[2].name()))),
+    column("status", Cells::Word(|row| Some(row.status.name()))),
 ];
 
 const fn column(name: &'static str, cells: Cells) -> Column {

@@ -20,6 +20,7 @@ use self::parquet::Parquet;
 use super::{Usage, block_on};
 use crate::config::Config;
 use crate::core::time::UtcMicros;
+use crate::pipeline::Statuses;
 use crate::store::{self, Figures, Span, Store};
 use crate::wire::time;
 
@@ -94,11 +95,13 @@ impl Export {
             let mut span = Span { from: self.from.unwrap_or(Span::EVER.from), to: self.to.unwrap_or(Span::EVER.to) };
             if self.voided {
                 let voided = store.voided_history(gyro, span).await?;
-                rows += sink.write(named(store, &serial, &voided, true)?)?;
+                let statuses = Statuses::of(store, gyro, voided.iter(), &[0, 1, 2]).await?;
+                rows += sink.write(named(store, &serial, &voided, &statuses, true)?)?;
             }
             loop {
                 let block = store.history(gyro, span, BLOCK).await?;
-                rows += sink.write(named(store, &serial, &block, false)?)?;
+                let statuses = Statuses::of(store, gyro, block.iter(), &[0, 1, 2]).await?;
+                rows += sink.write(named(store, &serial, &block, &statuses, false)?)?;
                 match block.last() {
                     Some(last) if block.len() == BLOCK => span.from = UtcMicros(last.at.0 + 1),
                     _ => break,
@@ -125,7 +128,13 @@ impl Export {
 }
 
 /// The rows of a gyro with the names that their numbers stand for.
-fn named(store: &Store, serial: &Arc<str>, block: &[Figures], voided: bool) -> anyhow::Result<Vec<Row>> {
+fn named(
+    store: &Store,
+    serial: &Arc<str>,
+    block: &[Figures],
+    statuses: &Statuses,
+    voided: bool,
+) -> anyhow::Result<Vec<Row>> {
     let tables = store.names().read();
     let rows = block.iter().map(|figures| {
         let missing = |what| anyhow!("record {}: its {what} has no name", figures.record);
@@ -134,6 +143,8 @@ fn named(store: &Store, serial: &Arc<str>, block: &[Figures], voided: bool) -> a
             imu: tables.imus.name(figures.imu).cloned().ok_or_else(|| missing("IMU"))?,
             station: tables.stations.name(figures.station).cloned().ok_or_else(|| missing("station"))?,
             figures: *figures,
+            statuses: [0, 1, 2].map(|column| statuses.get(figures, column)),
+            status: statuses.worst(figures),
             voided,
         })
     });

@@ -159,6 +159,17 @@ impl Rule {
         }
     }
 
+    /// Unit of what it compares with its limit.
+    pub fn unit(self, coefficient: Coefficient) -> &'static str {
+        match (self, coefficient) {
+            (Rule::Overdue, _) => "days",
+            (Rule::Cusum, _) => "standard deviations",
+            (Rule::Requirement, Coefficient::E) => "pulse/arcsec",
+            (Rule::Requirement, _) => "pulse/(s g0)",
+            _ => "deg/(h g0)",
+        }
+    }
+
     /// Whether a second campaign can confirm what the rule says.
     pub fn can_be_confirmed(self) -> bool {
         match self {
@@ -247,6 +258,16 @@ impl Status {
         Self::ALL.into_iter().find(|status| status.name() == name)
     }
 
+    /// Where nothing is known but the worst state of what was judged.
+    pub fn of_state(state: Option<State>) -> Self {
+        match state {
+            None => Status::NotEnoughData,
+            Some(State::Within) => Status::InTolerance,
+            Some(State::Indeterminate) => Status::Borderline,
+            Some(State::Exceeded) => Status::OutOfTolerance,
+        }
+    }
+
     /// Of a verdict's parts; `value`, its limit and standard deviation as in [`Verdict`].
     pub fn of(rule: Rule, state: State, value: Option<f64>, limit: f64, sd: Option<f64>, confirmed: bool) -> Self {
         match state {
@@ -319,6 +340,11 @@ impl Verdict {
             (State::Exceeded, _, _) => Some(Severity::Warning),
             _ => None,
         }
+    }
+
+    /// Unit of the value and the limit.
+    pub fn unit(&self) -> &'static str {
+        self.rule.unit(self.coefficient)
     }
 
     pub fn status(&self) -> Status {

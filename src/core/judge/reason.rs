@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter, Write as _};
 
 use super::decimal::Decimal;
 use super::rules::Source;
-use super::{Coefficient, Finding, Rule, State, Status, Verdict};
+use super::{Finding, Rule, State, Status, Verdict};
 use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 
@@ -47,17 +47,6 @@ pub fn sd_digits(sd: f64, limit: f64) -> usize {
 }
 
 impl Verdict {
-    /// Unit of the value and the limit.
-    pub fn unit(&self) -> &'static str {
-        match (self.rule, self.coefficient) {
-            (Rule::Overdue, _) => "days",
-            (Rule::Cusum, _) => "standard deviations",
-            (Rule::Requirement, Coefficient::E) => "pulse/arcsec",
-            (Rule::Requirement, _) => "pulse/(s g0)",
-            _ => "deg/(h g0)",
-        }
-    }
-
     fn write_finding(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (name, p) = (self.coefficient.name(), digits(self.limit));
         match self.finding {

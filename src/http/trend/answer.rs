@@ -10,10 +10,10 @@ use axum::response::{IntoResponse, Response};
 use super::{Request, Written};
 use crate::http::query;
 
-/// A record or an event that an answer holds, and how the record is judged.
+/// A record or an event that an answer holds, and the status of the record.
 pub(super) type Seen = (i64, Option<&'static str>);
 
-/// A tag of what the answer holds (rows by identifier and state, or periods with the events), and how it is asked for.
+/// A tag of what the answer holds (rows by identifier and status, or periods with the events), and how it is asked for.
 pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {
     let mut hasher = DefaultHasher::new();
     holds.hash(&mut hasher);

@@ -22,7 +22,12 @@
     return resolved;
   };
 
-  const SYMBOLS = ["circle", "circle-open", "triangle-up-open", "triangle-up"];
+  // By status: a hollow circle where nothing is decided, a triangle where a rule says that a limit is passed.
+  const LOOKS = {
+    in_tolerance: ["circle", "good"], not_enough_data: ["circle-open", "quiet"], too_uncertain: ["circle-open", "open"],
+    borderline: ["circle-open", "open"], overdue: ["circle-open", "open"], drifting: ["triangle-up-open", "open"],
+    unconfirmed: ["triangle-up-open", "bad"], out_of_tolerance: ["triangle-up", "bad"], confirmed: ["triangle-up", "bad"],
+  };
   const INDEX = { I: "<sub>I</sub>", S: "<sub>S</sub>", O: "<sub>O</sub>" };
   const title = (symbol) => symbol.replace(/_([ISO])$/, (_, index) => INDEX[index]);
 
@@ -31,10 +36,10 @@
     const starts = strip.bands.slice(1).map(([from]) => from);
     const gaps = series.t.flatMap((t, k) => (k && starts.some((from) => series.t[k - 1] < from && from <= t) ? [k] : []));
     const spread = (list, gap) => list.flatMap((one, k) => (gaps.includes(k) ? [gap, one] : [one]));
-    const { t, v, sd, state, place } = series;
+    const { t, v, sd, status, place } = series;
     return {
       ...series, t: spread(t, null), v: spread(v, null), sd: sd && spread(sd, null),
-      state: spread(state, 0), place: spread(place, 0),
+      status: spread(status, 0), place: spread(place, 0),
     };
   };
 
@@ -49,6 +54,7 @@
     strip.series.map((thinned, i) => {
       const main = !thinned.bench;
       const series = main ? withGaps(strip, thinned) : thinned;
+      const looks = series.status.map((s) => LOOKS[plot.statuses[s][0]]);
       return {
         type: "scatter",
         mode: main ? "lines+markers" : "markers",
@@ -61,16 +67,16 @@
         line: { color: palette.quiet, width: 1 },
         marker: {
           size: main ? 7 : 9,
-          color: main ? series.state.map((s) => [palette.good, palette.open, palette.open, palette.bad][s]) : palette.link,
-          symbol: main ? series.state.map((s) => SYMBOLS[s]) : i % 2 ? "diamond-open" : "diamond",
+          color: main ? looks.map(([, name]) => palette[name]) : palette.link,
+          symbol: main ? looks.map(([symbol]) => symbol) : i % 2 ? "diamond-open" : "diamond",
         },
         text: series.t.map((t, k) => {
           if (t === null) return "";
-          const state = main ? `<br>${plot.states[series.state[k]]}` : "";
+          const status = main ? `<br>${plot.statuses[series.status[k]][1]}` : "";
           return (
             `<b>${title(strip.symbol)} = ${figures(series.v[k], series.sd && series.sd[k])}</b> ${plot.unit}<br>${series.name}<br>` +
             `${local(new Date(t))}<br>${new Date(t).toISOString().slice(0, 16).replace("T", " ")} UTC<br>` +
-            escaped(series.places[series.place[k]]) + state
+            escaped(series.places[series.place[k]]) + status
           );
         }),
         hovertemplate: "%{text}<extra></extra>",
@@ -104,7 +110,7 @@
     const joined = [];
     for (const mark of [...plot.marks].sort((a, b) => a.t - b.t)) {
       const last = joined[joined.length - 1];
-      if (last && mark.t - last.t < near) {
+      if (last && last.until === mark.until && mark.t - last.t < near) {
         last.label += ` · ${mark.label}`;
         last.event ||= mark.event;
       } else joined.push({ ...mark });
@@ -160,6 +166,12 @@
       const x = new Date(mark.t);
       const line = { color: mark.event ? palette.bad : palette.quiet, width: 1, dash: mark.event ? "solid" : "dot" };
       layout.shapes.push({ type: "line", xref: "x", yref: "paper", x0: x, x1: x, y0: 0, y1: 1, line });
+      // What took time is shaded from its beginning to its end.
+      if (mark.until !== null)
+        layout.shapes.push({
+          type: "rect", xref: "x", yref: "paper", layer: "below", x0: x, x1: new Date(mark.until), y0: 0, y1: 1,
+          fillcolor: palette.bad, opacity: 0.15, line: { width: 0 },
+        });
       layout.annotations.push({
         xref: "x", yref: "paper", x, y: 1, yanchor: "top", xanchor: "left", textangle: 90, showarrow: false,
         text: escaped(mark.label), font: { size: 10, color: line.color },

@@ -8,7 +8,7 @@ mod words;
 pub(super) use words::Text;
 
 use crate::core::access::Role;
-use crate::core::judge::{Coefficient, Event, Rule, Severity};
+use crate::core::judge::{Coefficient, Event, Rule, Severity, Status};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Language {
@@ -67,6 +67,20 @@ impl Text {
             Event::EnvironmentalTest => self.event_environmental_test,
             Event::Retired => self.event_retired,
             Event::InStorage => self.event_in_storage,
+        }
+    }
+
+    pub fn status(&self, status: Status) -> &'static str {
+        match status {
+            Status::InTolerance => self.in_tolerance,
+            Status::NotEnoughData => self.not_enough_data,
+            Status::TooUncertain => self.too_uncertain,
+            Status::Borderline => self.borderline,
+            Status::Overdue => self.overdue,
+            Status::Drifting => self.drifting,
+            Status::Unconfirmed => self.unconfirmed,
+            Status::OutOfTolerance => self.out_of_tolerance,
+            Status::Confirmed => self.confirmed,
         }
     }
 

@@ -14,7 +14,7 @@ catalogue! {
 
     // The frame of every page.
     fleet: "Fleet", "全部陀螺";
-    stations: "Stations", "标定台站";
+    stations: "Stations", "测试站";
     api: "API", "接口";
     other_language: "中文", "English";
     dark: "Dark", "深色";
@@ -25,29 +25,40 @@ catalogue! {
     error_back: "Back to the fleet", "返回陀螺总览";
 
     // Quantities.
-    unit: "deg/(h g0)", "°/(h·g0)";
+    unit: "deg/(h g0)", "(°)/(h·g0)";
     serial: "Gyro", "陀螺编号";
     imu: "IMU", "惯性组合";
-    station: "Station", "台站";
+    station: "Station", "测试站";
     state: "State", "状态";
     calibrated: "Calibrated", "标定时间";
     method: "Method", "方法";
     date: "Date", "日期";
     range: "Range", "极差";
-    meaning_d_i: "mass unbalance along the spin axis, drift per g along I", "沿自转轴的质量不平衡，对应沿I轴的比力";
+    meaning_d_i: "mass unbalance along the spin axis, drift per g along I", "沿电机轴的质量不平衡，对应沿I轴的比力";
     meaning_d_s: "mass unbalance along the input axis, drift per g along S", "沿输入轴的质量不平衡，对应沿S轴的比力";
     meaning_d_o: "closure: the mounting, or a true output-axis term", "闭合差：安装偏差或真实的输出轴项";
     meaning_e: "scale factor and direction of the input axis", "标度因数与输入轴方向";
     meaning_g: "g-sensitive terms", "与g有关的项";
     meaning_all: "the gyro as a whole", "整个陀螺";
 
-    // States, rules, events, methods.
+    // Statuses, rules, events, methods.
+    status_word: "Status", "状态";
+    in_tolerance: "in tolerance", "合格";
+    not_enough_data: "not enough data", "数据不足";
+    too_uncertain: "too uncertain", "不确定度过大";
+    borderline: "borderline", "临界";
+    overdue: "overdue", "超期";
+    drifting: "drifting", "漂移预警";
+    unconfirmed: "unconfirmed", "待复测";
+    out_of_tolerance: "out of tolerance", "超差";
+    confirmed: "confirmed", "已证实";
+    beyond: "beyond a specification limit", "超出指标限值";
+    limit: "Limit", "限值";
+    limit_within: "limit", "限值";
+    stop: ".", "。";
+    colon: ": ", "：";
     slot: "Slot", "位置";
-    within: "within", "合格";
-    indeterminate: "undecided", "待定";
-    exceeded: "exceeded", "超限";
     warning: "warning", "预警";
-    flagged: "flagged by a rule, inside the budget", "规则报警，仍在允许范围内";
     no_record: "not calibrated", "未标定";
     rule_step: "step", "相邻变化";
     rule_range: "range", "极差";
@@ -60,7 +71,7 @@ catalogue! {
     rule_closure: "closure", "闭合差";
     rule_agreement: "agreement of methods", "方法一致性";
     rule_requirement: "requirement", "指标要求";
-    rule_overdue: "overdue", "超期未标";
+    rule_overdue: "overdue", "超期";
     event_baseline: "new baseline", "新基线";
     event_repair: "repair", "修理";
     event_reinstallation: "re-installation", "重新安装";
@@ -73,7 +84,7 @@ catalogue! {
     event_test_kind: "Of an environmental test: which", "环境试验的种类";
     event_test_to: "Of an environmental test: when it was over (RFC 3339)", "环境试验的结束时间（RFC 3339）";
     moved: "moved", "更换位置";
-    other_station: "other station", "更换台站";
+    other_station: "other station", "更换测试站";
     method_rigid: "rigid", "刚体法";
     method_published: "published, eqs. (8)-(13)", "论文公式(8)-(13)";
     method_bench: "bench", "单表测试";
@@ -82,9 +93,8 @@ catalogue! {
 
     // The fleet.
     search: "Search", "搜索";
-    search_hint: "serial, IMU or station", "陀螺、惯性组合或台站";
+    search_hint: "serial, IMU or station", "陀螺、惯性组合或测试站";
     all_states: "all", "全部";
-    overdue: "overdue", "超期";
     none_found: "Nothing fits these filters.", "没有符合条件的陀螺。";
     nothing_yet: "Nothing is stored yet. Post a calibration record to /v1/records, or send files with gyrowatch import.", "尚无数据。请向 /v1/records 提交标定记录，或用 gyrowatch import 发送文件。";
     clear_filters: "Clear filters", "清除筛选";
@@ -99,33 +109,39 @@ catalogue! {
     gyros_found: "gyros, worst first.", "个陀螺，最差优先。";
     alert_one: "1 alert", "1 项告警";
     alerts_count: "alerts", "项告警";
-    last_seen: "Last heard of", "最近上报";
-    band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Exceeded: a budget or requirement is broken; warning: only a statistical limit is.", "折线：最近各次标定；灰带：基线上下的允许范围。超限：超出允许范围或指标；预警：仅超出统计控制限。";
+    last_seen: "Last seen", "最近上报";
+    band_note: "Line: the last calibrations. Grey band: the budget about the baseline. Confirmed and unconfirmed: beyond a specification limit, with or without a second campaign that agrees. Drifting: within limits, but a statistical rule speaks.", "折线：最近各次标定；灰带：基线上下的允许范围。已证实、待复测：超出指标限值，已有或尚无第二次标定证实。漂移预警：仍在限值内，但统计规则已提示。";
 
     // One gyro.
     history: "History", "历史";
-    plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Dotted: control limits, three standard deviations of the gyro's own scatter. Drag to zoom, double-click for all.", "误差棒：一倍标准差；灰带：基线上下的允许范围；点线：控制限，为陀螺自身离散的三倍标准差。拖动放大，双击还原。";
+    plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Dotted: control limits, three standard deviations of the gyro's own scatter. Shaded upright: an environmental test. Drag to zoom, double-click for all.", "误差棒：一倍标准差；灰带：基线上下的允许范围；点线：控制限，为陀螺自身离散的三倍标准差；竖直阴影：环境试验。拖动放大，双击还原。";
     since_baseline: "Since the last baseline", "自最近基线起";
     whole_history: "All", "全部";
     save_picture: "Save picture", "保存图片";
     verdicts: "Verdicts on the newest record", "最新记录的判定";
-    verdicts_within: "Rules that are kept:", "合格项：";
-    too_few: "with too few records to judge:", "记录不足未判：";
+    passed: "Passed:", "合格：";
+    too_few: "Not enough data:", "数据不足：";
+    before_after: "Before and after environmental tests", "环境试验前后";
+    before_after_test_note: "The last record before each test against the first after it, by the judged method.", "每次试验前最后一个记录与试验后第一个记录比较，按判定所用方法。";
+    coefficient: "Coefficient", "系数";
+    last_before: "Last before", "试验前";
+    first_after: "First after", "试验后";
+    difference: "Difference", "差值";
+    not_compared: "not compared", "未比较";
     agreement: "Agreement of methods", "方法一致性";
     agreement_note: "As in Table 5 of the paper: results of every method side by side.", "与论文表5相同：各方法结果并列。";
     not_counted: "for comparison, not in the range", "仅供比较，不计入极差";
     one_result: "One result alone: nothing to compare yet.", "只有一个结果，尚无法比较。";
-    events: "What happened to it", "经历";
-    no_events: "Nothing is noted.", "无记录。";
+    events: "Events", "履历";
+    no_events: "No events.", "无记录。";
     calibrations: "Calibrations", "标定记录";
-    history_diagnosis: "Why it changed", "变化原因";
-    history_diagnosis_note: "Whether ageing, an event, a new seat, a station, temperature or clocking explains what D_I, D_S and D_O did over its history, or nothing on record does; told with the fleet beside it.", "D_I、D_S、D_O的历史变化可否由老化、事件、更换位置、台站、温度或绕I轴转角解释，或记录中没有原因；与全部陀螺对照得出。";
+    history_diagnosis: "Cause of change", "变化原因";
+    history_diagnosis_note: "Whether ageing, an event, a new seat, a station, temperature or clocking explains what D_I, D_S and D_O did over its history, or nothing on record does; told with the fleet beside it.", "D_I、D_S、D_O的历史变化可否由老化、事件、更换位置、测试站、温度或绕I轴转角解释，或记录中没有原因；与全部陀螺对照得出。";
     older: "Older", "更早";
     newer: "Newest", "最新";
     csv: "CSV", "CSV";
     thinned: "points, thinned to their extremes in each stretch", "个点，按区段保留极值后显示";
     never_calibrated: "Never calibrated in an IMU.", "从未在惯性组合中标定。";
-    confirmed: "confirmed by a second campaign", "已由第二次标定证实";
 
     // One calibration.
     record: "Calibration record", "标定记录";
@@ -152,7 +168,7 @@ catalogue! {
     misalignment: "off nominal", "偏离标称";
     clocking: "clocking of S about I", "S绕I的转角";
     parameters: "Parameters of model (6)", "模型(6)参数";
-    requirement_note: "Limits: what is required of E and G, from Tables 3 and 4 of the paper unless it is configured otherwise.", "限值：对E与G的要求；除另行配置外，取自论文表3与表4。";
+    requirement_note: "Ranges: what is required of E and G. Set by:", "范围：对E与G的要求，由以下配置规定：";
     not_determined: "not determined by these dwells", "这些位置段不能确定";
     pass: "pass", "合格";
     fail: "fail", "不合格";
@@ -172,7 +188,7 @@ catalogue! {
 
     // Diagnoses of many campaigns.
     diagnoses: "Diagnoses", "诊断汇总";
-    diagnoses_note: "What the diagnoses of all campaigns say together: which effects, in which gyros, at which stations, since when.", "汇总所有标定试验的诊断：哪些效应、出现在哪些陀螺和台站、始于何时。";
+    diagnoses_note: "What the diagnoses of all campaigns say together: which effects, in which gyros, at which stations, since when.", "汇总所有标定试验的诊断：哪些效应、出现在哪些陀螺和测试站、始于何时。";
     measured_since: "Measured since", "测试起始";
     measured_until: "Measured until", "测试截止";
     what_was_found: "What was found", "诊断结果";
@@ -189,7 +205,7 @@ catalogue! {
     last_seen_in: "Last with it", "最近出现";
     last_clear: "Last without it before", "此前最后一次未出现";
     gyro_by_gyro: "Gyro by gyro", "逐个陀螺";
-    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap that effects named before it in the campaign have left, on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。台站：出现／该陀螺在此的试验。解释比例：留出位置段上，该次试验中先命名的效应所余可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
+    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap that effects named before it in the campaign have left, on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。测试站：出现／该陀螺在此的试验。解释比例：留出位置段上，该次试验中先命名的效应所余可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
     or_as_well: "or just as well:", "或同样可能：";
     closed: "Closed", "解释比例";
     not_explained: "Not explained by the catalogue, or not wholly", "目录不能解释或不能完全解释的差异";
@@ -244,7 +260,7 @@ catalogue! {
     sign_wandering: "two courses in time that one wandering replaces nearly as well", "两种随时间的变化几乎可由一种漂移代替";
     sign_many_causes: "more names than a gap that is explained would need", "命名的效应多于解释差异所需";
     sign_together: "no test alone, but all of them together", "单项检验均不显著，但合起来显著";
-    what_parts_them: "What parts them", "差异来源";
+    what_parts_them: "Causes found", "差异来源";
     no_effect: "No effect is named.", "没有指出任何效应。";
     all_together: "All together", "合计";
     adjusted_p: "adjusted p", "校正p值";
@@ -311,7 +327,7 @@ catalogue! {
     kind: "Kind", "类型";
     kind_record: "record", "记录";
     kind_campaign: "campaign", "原始试验";
-    station_note: "Of every gyro's last records. Scatter: standard deviation of one calibration, estimated as 1.4826 times the median size of the differences between a gyro's successive calibrations at this station, over √2, so that single gyros that stepped do not count. Changes: what D_I and D_S did when a gyro came here from another station.", "取自各陀螺最近的记录。离散：单次标定的标准差，由同一陀螺在该台站相邻两次标定之差的绝对值中位数乘以1.4826再除以√2估计，个别陀螺的跳变不计入。换台变化：陀螺从其他台站转来时D_I、D_S的变化。";
+    station_note: "Of every gyro's last records. Scatter: standard deviation of one calibration, estimated as 1.4826 times the median size of the differences between a gyro's successive calibrations at this station, over √2, so that single gyros that stepped do not count. Changes: what D_I and D_S did when a gyro came here from another station.", "取自各陀螺最近的记录。离散：单次标定的标准差，由同一陀螺在该测试站相邻两次标定之差的绝对值中位数乘以1.4826再除以√2估计，个别陀螺的跳变不计入。换台变化：陀螺从其他测试站转来时D_I、D_S的变化。";
     scatter: "Scatter", "离散";
     on_arrival: "Change on arrival", "换台变化";
     changes_seen: "changes", "次数";
@@ -385,7 +401,7 @@ catalogue! {
     go_back: "Back without doing it", "返回，不执行";
     add_event: "Add an event", "添加事件";
     start_baseline: "Start a baseline", "开始新基线";
-    event_what: "The event is kept for good with your name and reason, and stands in the gyro's history. It resets:", "事件连同姓名与原因永久保存，列入该陀螺的经历。它会重置：";
+    event_what: "The event is kept for good with your name and reason, and stands in the gyro's history. It resets:", "事件连同姓名与原因永久保存，列入该陀螺的履历。它会重置：";
     resets_nothing: "no rule", "无规则";
     event_word: "Event", "事件";
     event_at: "When (UTC, as 2026-03-01T08:00:00Z; now, if empty)", "时间（UTC，如 2026-03-01T08:00:00Z；留空为现在）";
@@ -455,7 +471,7 @@ catalogue! {
     report: "Report to print", "打印报告";
     report_of_gyro: "Report on gyro", "陀螺报告";
     report_of_imu: "Report on IMU", "惯性组合报告";
-    report_plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline; dashed: the baseline; dotted: control limits, three standard deviations of the gyro's own scatter. Circle: within, hollow if undecided. Triangle: filled outside the budget, hollow inside it but flagged by a rule. Diamond: bench. Upright lines: events, and broken, changes of seat or station.", "误差棒：一倍标准差；灰带：基线允许范围；虚线：基线；点线：控制限（自身离散的三倍标准差）。圆：合格，空心为待定；实心三角：超出允许范围；空心三角：在范围内但有规则报警；菱形：单表测试。竖线：事件；断续竖线：更换位置或台站。";
+    report_plot_note: "Bars: one standard deviation. Grey band: the budget about the baseline. Dashed: the baseline. Dotted: control limits, three standard deviations of the gyro's own scatter. Circle: in tolerance; hollow: not decided. Triangle: filled where confirmed or out of tolerance, hollow where unconfirmed or drifting. Diamond: bench. Shaded upright: an environmental test. Upright lines: events; broken ones: changes of seat or station.", "误差棒：一倍标准差；灰带：基线允许范围；虚线：基线；点线：控制限（自身离散的三倍标准差）。圆：合格，空心为未判定；实心三角：已证实或超差；空心三角：待复测或漂移预警；菱形：单表测试。竖直阴影：环境试验。竖线：事件；断续竖线：更换位置或测试站。";
     printed_at: "As of", "截至";
     identity: "Identity", "基本信息";
     budget_word: "Budget about the baseline", "基线允许范围";
@@ -471,7 +487,7 @@ catalogue! {
     sign_in_note: "With a token that an administrator has made for you. It is kept until you sign out or some hours have passed.", "请使用管理员为您创建的令牌登录；退出或数小时后失效。";
     token: "Token", "令牌";
     takes_role: "The token that you have signed in with does not reach that far. Sign in with one of the role: ", "您登录所用的令牌权限不足，请使用以下角色的令牌登录：";
-    role_station: "station", "台站";
+    role_station: "station", "测试站";
     role_engineer: "engineer", "工程师";
     role_admin: "administrator", "管理员";
     wrong_token: "This token is not valid.", "令牌无效。";

@@ -1,6 +1,6 @@
 //! Alerts and their verdicts in the words that clients and hooks read.
 
-use crate::core::judge::Verdict;
+use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{AlertRow, Changes, Figures, Id, StoreError, Tables};
@@ -81,6 +81,7 @@ impl Naming<'_> {
             coefficient: row.coefficient.name().into(),
             rule: row.rule.name().into(),
             state: row.alert.standing(now).name().into(),
+            status: Some(status_of(row, &finding).name().into()),
             severity: row.alert.severity.name().into(),
             since: Some(time::format(row.alert.since)),
             fired_at: time::format(row.alert.fired_at),
@@ -118,6 +119,15 @@ fn silence_of(row: &AlertRow, now: UtcMicros) -> Option<SilenceBody> {
 pub fn finding_of(row: &AlertRow) -> Result<FindingBody, StoreError> {
     serde_json::from_str(&row.finding)
         .map_err(|error| StoreError::Damaged(format!("the finding of alert {}: {error}", row.id)))
+}
+
+/// What the gyro is, by an alert and the last verdict that it has followed.
+pub fn status_of(row: &AlertRow, finding: &FindingBody) -> Status {
+    if row.alert.resolved_at.is_some() {
+        return Status::InTolerance;
+    }
+    let confirmed = row.alert.severity == Severity::Critical;
+    Status::of(row.rule, State::Exceeded, finding.value, finding.limit, finding.sd, confirmed)
 }
 
 fn added(names: &[(u32, String)], number: u32) -> Option<&str> {

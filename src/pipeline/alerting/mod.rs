@@ -14,6 +14,6 @@ mod sources;
 pub use orders::{AlertChange, AlertOrder, AlertRecord, AlertStep};
 pub use silences::SilenceOrder;
 
-pub(super) use body::{Naming, Origin, finding_of};
+pub(super) use body::{Naming, Origin, finding_of, status_of};
 pub(super) use book::{AlertBook, News, Pen};
 pub(super) use sources::{Causes, follow_clock, follow_group};

@@ -114,7 +114,7 @@ impl Task {
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
             if self.judge.has_intervals() {
                 for (gyro, last, imu) in self.newest.gyros() {
-                    if out_of_use.get(&gyro).is_some_and(|at| *at >= last) {
+                    if out_of_use.get(&gyro).is_some_and(|(at, _)| *at >= last) {
                         self.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen);
                         continue;
                     }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::time::Instant;
 
 use super::{Item, StoreJob, Task, items_of};
-use crate::core::judge::{Rule, State, Verdict};
+use crate::core::judge::{Rule, State, Status, Verdict};
 use crate::core::notify::Late;
 use crate::pipeline::admit::{Desk, Group};
 use crate::pipeline::alerting::Causes;
@@ -166,9 +166,9 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
     }
 }
 
-/// Verdicts on new records, by rule and state: a record has dozens.
+/// Verdicts on new records, by rule, state and status: a record has dozens.
 #[derive(Debug, Default)]
-struct Tally([[u64; State::ALL.len()]; Rule::ALL.len()]);
+struct Tally([([u64; State::ALL.len()], [u64; Status::ALL.len()]); Rule::ALL.len()]);
 
 impl Tally {
     /// Of the records of a group that are new: what needs no history is with what was sent.
@@ -186,14 +186,20 @@ impl Tally {
 
     fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
         for verdict in verdicts {
-            self.0[verdict.rule as usize][verdict.state as usize] += 1;
+            let (states, statuses) = &mut self.0[verdict.rule as usize];
+            states[verdict.state as usize] += 1;
+            statuses[verdict.status() as usize] += 1;
         }
     }
 
     fn count(&self) {
-        for (rule, of_rule) in Rule::ALL.iter().zip(&self.0) {
-            for (state, count) in State::ALL.iter().zip(of_rule).filter(|(_, count)| **count > 0) {
+        for (rule, (states, statuses)) in Rule::ALL.iter().zip(&self.0) {
+            for (state, count) in State::ALL.iter().zip(states).filter(|(_, count)| **count > 0) {
                 metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name())
+                    .increment(*count);
+            }
+            for (status, count) in Status::ALL.iter().zip(statuses).filter(|(_, count)| **count > 0) {
+                metrics::counter!(telemetry::STATUSES, "rule" => rule.name(), "status" => status.name())
                     .increment(*count);
             }
         }

@@ -34,7 +34,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ),
     (
         "the Earth's rate is left out of the rates: send inertial rates; with attitudes and a site \"rates\": \"table\" lets the service add it",
-        "角速度中缺少地球自转：请给出惯性角速度；已知姿态与台站位置时，可用 \"rates\": \"table\" 由服务加上",
+        "角速度中缺少地球自转：请给出惯性角速度；已知姿态与测试站位置时，可用 \"rates\": \"table\" 由服务加上",
     ),
     ("the rates of {} are in {}: send them in arcsec/s", "{0}的角速度单位为{1}：请以arcsec/s给出"),
     ("all dwells", "所有测点"),
@@ -58,11 +58,11 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("the specific force is in {}: send it in g0 = 9.80665 m/s^2", "比力的单位为{0}：请以g0 = 9.80665 m/s²给出"),
     (
         "the specific force is normalised to 1: multiply it by the site's gravity in g0",
-        "比力已归一化为1：应乘以台站重力（g0）",
+        "比力已归一化为1：应乘以测试站重力（g0）",
     ),
     (
         "the specific force is {} times gravity: correct it, or state the gravity of the site in site.gravity_g0",
-        "比力为重力的{0}倍：请更正，或在site.gravity_g0中给出台站重力",
+        "比力为重力的{0}倍：请更正，或在site.gravity_g0中给出测试站重力",
     ),
     // What was measured.
     (
@@ -87,9 +87,9 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("must be inertial or table, is {}", "应为inertial或table之一，实为{0}"),
     (
         "the service adds the Earth's rate where site and attitude are known; missing: {}",
-        "已知台站位置与姿态时，服务才能加上地球自转；缺少：{0}",
+        "已知测试站位置与姿态时，服务才能加上地球自转；缺少：{0}",
     ),
-    ("site; {}", "台站位置；{0}"),
+    ("site; {}", "测试站位置；{0}"),
     ("attitude in {} static dwells, the first {}", "{0}个静态测点的姿态，首个为{1}"),
     // Columns.
     (

@@ -164,11 +164,11 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ),
     (
         "rate_arcsec_s of {} of {} static dwells is not the Earth's at their attitude and the site's latitude: by {} arcsec/s in {}",
-        "{1}个静态位置段中有{0}个的rate_arcsec_s不等于该姿态与台站纬度下的地球自转角速度：{3}处相差{2} arcsec/s",
+        "{1}个静态位置段中有{0}个的rate_arcsec_s不等于该姿态与测试站纬度下的地球自转角速度：{3}处相差{2} arcsec/s",
     ),
     (
         "no site: the specific force of static dwells was checked against standard gravity",
-        "未给出台站位置：静态位置段的比力按标准重力核对",
+        "未给出测试站位置：静态位置段的比力按标准重力核对",
     ),
     ("no temperature column: effects of temperature cannot be seen", "没有温度列：看不到温度效应"),
     // Notes of a fit.
@@ -220,7 +220,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     (
         "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s g0) and D_I, D_S \
          cannot be had in deg/(h g0)",
-        "E既未拟合（无标度项）也未给定（known_e_pulse_per_arcsec）：G只能以pulse/(s·g0)表示，得不到以°/(h·g0)表示的D_I、D_S",
+        "E既未拟合（无标度项）也未给定（known_e_pulse_per_arcsec）：G只能以pulse/(s·g0)表示，得不到以(°)/(h·g0)表示的D_I、D_S",
     ),
     ("the dwells do not determine {}; {}", "这些位置段不能确定{0}；{1}"),
     ("dwells with other directions of the specific force are needed", "需要其他比力方向的位置段"),
@@ -240,7 +240,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("equations (8) to (13) hold for the skewed geometry only", "公式(8)-(13)只适用于斜置构型"),
     (
         "the input and spin directions of equations (8) to (13) coincide for this E",
-        "对此E，公式(8)-(13)的输入轴与自转轴方向重合",
+        "对此E，公式(8)-(13)的输入轴与电机轴方向重合",
     ),
     // What stands instead of a verdict's words.
     (

@@ -143,11 +143,11 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ),
     (
         "|G/E| = {} deg/(h g0) is beyond {}, the limit that {} sets; is it in another unit?",
-        "|G/E| = {0} °/(h·g0)，超出{1}（由{2}规定）；单位是否不同？",
+        "|G/E| = {0} (°)/(h·g0)，超出{1}（由{2}规定）；单位是否不同？",
     ),
     (
         "{} deg/(h g0) is beyond {}, the limit that {} sets; is it in another unit?",
-        "{0} °/(h·g0)超出{1}（由{2}规定）；单位是否不同？",
+        "{0} (°)/(h·g0)超出{1}（由{2}规定）；单位是否不同？",
     ),
     // Gyros and campaigns.
     ("must hold one to three gyros, holds {}", "应有一至三个陀螺，实有{0}个"),
@@ -175,8 +175,8 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "its length is {} g0 in a static dwell; the {} is {} g0 and {} % off is accepted",
         "静态位置段中其长度为{0} g0；{1}为{2} g0，允许偏差{3} %",
     ),
-    ("standard gravity (no site given)", "标准重力（未给出台站位置）"),
-    ("site's gravity", "台站重力"),
+    ("standard gravity (no site given)", "标准重力（未给出测试站位置）"),
+    ("site's gravity", "测试站重力"),
     (
         "{} arcsec/s is too fast for a static dwell (the Earth turns at 15.04); is the phase rate?",
         "{0} arcsec/s对静态位置段过快（地球自转为15.04）；阶段是否应为rate？",
@@ -193,7 +193,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("the fixture's axes are not stated for {}", "没有给出{0}的夹具轴"),
     (
         "the dwells do not determine {}: the specific force must take several directions about the input and spin axes",
-        "这些位置段不能确定{0}：比力应绕输入轴与自转轴取多个方向",
+        "这些位置段不能确定{0}：比力应绕输入轴与电机轴取多个方向",
     ),
     (
         "the scale factor is neither stated (known_e_pulse_per_arcsec) nor seen: the Earth's rate along the input axis \

@@ -5,7 +5,7 @@ use super::Sentence;
 pub(super) const SENTENCES: &[Sentence] = &[
     ("no gyro with the serial {} is known", "没有编号为{0}的陀螺"),
     ("no IMU with the name {} is known", "没有名为{0}的惯性组合"),
-    ("no station with the name {} is known", "没有名为{0}的台站"),
+    ("no station with the name {} is known", "没有名为{0}的测试站"),
     ("no IMU {} is known", "没有名为{0}的惯性组合"),
     ("there is no record {}", "没有标定记录{0}"),
     ("there is no campaign {}", "没有标定试验{0}"),
@@ -51,7 +51,7 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "相同时间与对象已有其他内容（编号{0}），差异在{1}",
     ),
     ("gyro {} has another calibration at the same time (id {})", "陀螺{0}在同一时刻已有另一次标定（编号{1}）"),
-    ("the token is for {} alone", "该令牌只能用于台站{0}"),
+    ("the token is for {} alone", "该令牌只能用于测试站{0}"),
     ("too many writes are waiting", "等待写入的请求过多"),
     ("the service is stopping", "服务正在停止"),
     ("the service's disk is full; nothing was stored", "服务的磁盘已满，未存储任何内容"),

@@ -109,34 +109,34 @@ pub(super) const SENTENCES: &[Sentence] = &[
     (
         "With a standard deviation of {} the true value exceeds it with a probability of {}: the uncertainty straddles \
          the limit.",
-        "标准差为{0}，真值超限的概率{1}：不确定度跨越限值。",
+        "标准差为{0}，真值超差的概率{1}：不确定度跨越限值。",
     ),
     (
         "With a standard deviation of {} the true value exceeds it with a probability of {} %. {}",
-        "标准差为{0}，真值超限的概率{1} %。{2}",
+        "标准差为{0}，真值超差的概率{1} %。{2}",
     ),
     (
         "With a standard deviation of {} the true value exceeds it with a probability of {} %.",
-        "标准差为{0}，真值超限的概率{1} %。",
+        "标准差为{0}，真值超差的概率{1} %。",
     ),
     (
         "With a standard deviation of {} the true value lies beyond it with a probability of {}: the uncertainty straddles \
          the limit.",
-        "标准差为{0}，真值超限的概率{1}：不确定度跨越限值。",
+        "标准差为{0}，真值超差的概率{1}：不确定度跨越限值。",
     ),
     (
         "With a standard deviation of {} the true value lies beyond it with a probability of {} %. {}",
-        "标准差为{0}，真值超限的概率{1} %。{2}",
+        "标准差为{0}，真值超差的概率{1} %。{2}",
     ),
     (
         "With a standard deviation of {} the true value lies beyond it with a probability of {} %.",
-        "标准差为{0}，真值超限的概率{1} %。",
+        "标准差为{0}，真值超差的概率{1} %。",
     ),
     ("No standard deviation is known: the figures are compared as they stand. {}", "标准差未知，按数值直接比较。{0}"),
     ("No standard deviation is known: the figures are compared as they stand.", "标准差未知，按数值直接比较。"),
     (
         "No single one is to blame: without the highest or the lowest it is exceeded too.",
-        "并非由单个结果造成：去掉最高或最低值后仍超限。",
+        "并非由单个结果造成：去掉最高或最低值后仍超差。",
     ),
     ("A second campaign confirms it.", "第二次标定予以证实。"),
     ("more than {}", "大于{0}"),

@@ -1,0 +1,56 @@
+//! One point of a trend.
+
+use super::{Point, Row};
+use crate::config::JudgedMethod;
+use crate::core::judge::{Coefficient, State as Judgement};
+use crate::pipeline::{BenchRow, Statuses, Tables, sample_of};
+
+pub(super) fn separated_point<'t>(
+    Row { figures, voided, set_aside }: &Row,
+    (column, statuses): (usize, &Statuses),
+    method: JudgedMethod,
+    tables: &'t Tables,
+) -> Point<'t> {
+    let measured = sample_of(figures, method).d[column];
+    let name = match (method, figures.published) {
+        (JudgedMethod::Published, Some(_)) => "published",
+        _ => "rigid",
+    };
+    Point {
+        calibrated_at: figures.at,
+        value: measured.value,
+        sd: measured.sd,
+        method: name,
+        imu: tables.imus.name(figures.imu).map(|name| &**name),
+        slot: Some(figures.slot.name()),
+        station: tables.stations.name(figures.station).map_or("", |name| &**name),
+        record: figures.record,
+        state: Some(figures.states.0[column].unwrap_or(Judgement::Indeterminate).name()),
+        status: Some(statuses.get(figures, column).name()),
+        voided: *voided,
+        set_aside: set_aside.then_some(true),
+    }
+}
+
+pub(super) fn bench_point<'t>(
+    row: &BenchRow,
+    voided: Option<bool>,
+    coefficient: Coefficient,
+    tables: &'t Tables,
+) -> Option<Point<'t>> {
+    let column = coefficient.column().filter(|&column| column < 2)?;
+    Some(Point {
+        calibrated_at: row.measured_at,
+        value: row.d[column],
+        sd: row.sd[column],
+        method: row.method.name(),
+        imu: None,
+        slot: None,
+        station: tables.stations.name(row.station).map_or("", |name| &**name),
+        record: row.id,
+        state: None,
+        status: None,
+        voided,
+        set_aside: None,
+    })
+}

@@ -1,0 +1,84 @@
+//! What a gyro was before and after each environmental test.
+
+use maud::{Markup, html};
+
+use super::course::event_name;
+use super::figure;
+use super::layout::{DRIFTS, instant, symbol};
+use super::standing;
+use super::viewer::Viewer;
+use crate::config::JudgedMethod;
+use crate::core::judge::history::Measured;
+use crate::core::judge::{Limit, Status};
+use crate::pipeline::{Course, Figures, Tested, sample_of};
+
+/// By the judged method, the newest test first; nothing for a gyro that was never tested.
+pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) -> Markup {
+    let t = viewer.text();
+    html! {
+        @if !course.tests.is_empty() {
+            section #tests {
+                h2 { (t.before_after) }
+                p.note { (t.before_after_test_note) " " (t.unit) }
+                div.scroll tabindex="0" { table.cards {
+                    thead { tr {
+                        th { (t.event_environmental_test) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
+                        th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
+                    } }
+                    tbody { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(viewer, course, test, (method, column))) } } }
+                } }
+            }
+        }
+    }
+}
+
+fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (JudgedMethod, usize)) -> Markup {
+    let t = viewer.text();
+    let of = |figures: &Option<Figures>| figures.as_ref().map(|figures| sample_of(figures, method).d[column]);
+    let (before, after) = (of(&test.before), of(&test.after));
+    let difference = before.zip(after).map(|(before, after)| Measured {
+        value: after.value - before.value,
+        sd: before.sd.zip(after.sd).map(|(before, after)| before.hypot(after)),
+    });
+    let verdict = &test.verdicts[column];
+    let asked = [course.limits.d_i.before_after, course.limits.d_s.before_after][column];
+    // The key of today's limit names that of the verdict only where the two are the same.
+    let key =
+        |limit: f64| asked.filter(|asked: &Limit| asked.value.to_bits() == limit.to_bits()).map(|asked| asked.from);
+    let missing = asked.is_some() && (before.is_none() || after.is_none());
+    html! {
+        tr {
+            @if column == 0 {
+                th scope="rowgroup" rowspan="2" {
+                    (event_name(t, &test.event)) br;
+                    span.quiet { (instant(test.event.at)) @if test.event.until.is_some() { " – " (instant(test.until())) } }
+                }
+            }
+            td { (symbol(DRIFTS[column])) }
+            @for (label, measured, record) in [(t.last_before, before, &test.before), (t.first_after, after, &test.after)] {
+                td.n data-label=(label) { div {
+                    @if let Some((measured, record)) = measured.zip(record.as_ref()) {
+                        (figure::drift(measured.value, measured.sd)) br;
+                        a.quiet href={ "/records/" (record.record) } { (instant(record.at)) }
+                    } @else { "–" }
+                } }
+            }
+            td.n data-label=(t.difference) { @if let Some(Measured { value, sd }) = difference { (signed(value, sd)) } @else { "–" } }
+            td.n data-label=(t.limit) { div {
+                @if let Some(verdict) = verdict {
+                    (figure::short(verdict.limit)) @if let Some(key) = key(verdict.limit) { br; code.quiet { (key) } }
+                } @else { "–" }
+            } }
+            td {
+                @if let Some(verdict) = verdict { (standing::badge(t, Some(verdict.status()))) }
+                @else if missing { (standing::badge(t, Some(Status::NotEnoughData))) }
+                @else { (t.not_compared) }
+            }
+        }
+    }
+}
+
+fn signed(value: f64, sd: Option<f64>) -> String {
+    let written = figure::drift(value, sd);
+    if value > 0.0 { format!("+{written}") } else { written }
+}

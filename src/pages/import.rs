@@ -59,7 +59,7 @@ enum Prospect {
     Refused(Refused),
     /// Another document of the text, on this line, holds its place with other content.
     Contradicts(usize),
-    Sound(Submission, Arc<[Note]>),
+    Sound(Box<Submission>, Arc<[Note]>),
 }
 
 /// Every document with its line, and what storing it would come to: what is stored already may stand in the way of the first
@@ -76,8 +76,8 @@ async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Fa
         Ok(ReadDocument { submission, .. }) => match outcomes.next() {
             Some(Foreseen::Refused(why)) => Prospect::Refused(why),
             Some(Foreseen::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
-            Some(Foreseen::Taken { notes }) => Prospect::Sound(submission, notes),
-            None => Prospect::Sound(submission, [].into()),
+            Some(Foreseen::Taken { notes }) => Prospect::Sound(Box::new(submission), notes),
+            None => Prospect::Sound(Box::new(submission), [].into()),
         },
     };
     read.into_iter().map(|(line, read)| (line, prospect(read))).collect()

@@ -88,7 +88,7 @@ pub(super) fn push(cells: &mut Vec<Cell>, sample: &Sample, marks: &[Mark]) {
 /// How many of the cells up to a record (`cells`, its own the last) the rules look at.
 pub(super) fn looked_at(cells: &[Cell], now: UtcMicros) -> usize {
     let near = cells.iter().rev().take_while(|cell| now.days_since(cell.first) <= MOST_DAYS).count();
-    near.max(LEAST_CELLS).min(CELLS).min(cells.len())
+    near.clamp(LEAST_CELLS, CELLS).min(cells.len())
 }
 
 /// How many of the records after `changed` (oldest first) look back to it.

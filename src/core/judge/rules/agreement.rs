@@ -4,7 +4,7 @@ use crate::core::bench::BenchMethod;
 use crate::core::judge::decide::widest;
 use crate::core::judge::history::Measured;
 use crate::core::judge::limits::Limit;
-use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
+use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
 /// Where a figure comes from.
@@ -45,21 +45,11 @@ pub fn agreement(
     confidence: f64,
 ) -> Verdict {
     let figures: Vec<(&SourcedResult, Measured)> = results.iter().map(|result| (result, result.measured)).collect();
-    let undecided = Verdict {
-        coefficient,
-        rule: Rule::Agreement,
-        state: State::Indeterminate,
-        value: None,
-        limit: limit.value,
-        limit_from: limit.from,
-        sd: None,
-        probability: None,
-        confirmed: false,
-        finding: match within_days {
-            Some(days) => Finding::FewWithin { have: results.len(), need: 2, days },
-            None => Finding::TooFew { have: results.len(), need: 2 },
-        },
+    let too_few = match within_days {
+        Some(days) => Finding::FewWithin { have: results.len(), need: 2, days },
+        None => Finding::TooFew { have: results.len(), need: 2 },
     };
+    let undecided = Verdict::undecided(coefficient, Rule::Agreement, limit, too_few);
     let Some((pair, without_one)) = widest(&figures, limit.value) else { return undecided };
     let range = pair.difference();
     let outcome = pair.outcome(results.len(), limit.value, confidence);

@@ -81,18 +81,7 @@ impl<'a> Case<'a> {
     }
 
     fn nothing(&self, rule: Rule, limit: Limit, finding: Finding) -> Verdict {
-        Verdict {
-            coefficient: self.coefficient,
-            rule,
-            state: State::Indeterminate,
-            value: None,
-            limit: limit.value,
-            limit_from: limit.from,
-            sd: None,
-            probability: None,
-            confirmed: false,
-            finding,
-        }
+        Verdict::undecided(self.coefficient, rule, limit, finding)
     }
 
     fn verdict(&self, rule: Rule, limit: Limit, value: Measured, outcome: Outcome, finding: Finding) -> Verdict {
@@ -107,6 +96,22 @@ impl<'a> Case<'a> {
 }
 
 impl Verdict {
+    /// With nothing to compare.
+    fn undecided(coefficient: Coefficient, rule: Rule, limit: Limit, finding: Finding) -> Self {
+        Self {
+            coefficient,
+            rule,
+            state: State::Indeterminate,
+            value: None,
+            limit: limit.value,
+            limit_from: limit.from,
+            sd: None,
+            probability: None,
+            confirmed: false,
+            finding,
+        }
+    }
+
     /// What does not exceed has nothing to be confirmed.
     fn confirmed_if(self, confirmed: bool) -> Self {
         Self { confirmed: confirmed && self.state == State::Exceeded, ..self }

@@ -9,15 +9,8 @@ use crate::core::time::UtcMicros;
 pub fn overdue(last: UtcMicros, now: UtcMicros, interval_days: Limit) -> Verdict {
     let days = now.days_since(last).max(0.0);
     Verdict {
-        coefficient: Coefficient::All,
-        rule: Rule::Overdue,
         state: plain(days, interval_days.value),
         value: Some(days),
-        limit: interval_days.value,
-        limit_from: interval_days.from,
-        sd: None,
-        probability: None,
-        confirmed: false,
-        finding: Finding::Overdue { last },
+        ..Verdict::undecided(Coefficient::All, Rule::Overdue, interval_days, Finding::Overdue { last })
     }
 }

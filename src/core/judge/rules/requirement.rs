@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::core::judge::decide::{Outcome, outside};
 use crate::core::judge::history::Measured;
-use crate::core::judge::limits::{Bounds, Requirement};
+use crate::core::judge::limits::{Bounds, Limit, Requirement};
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 
 /// Most figures of one verdict: |E| and its components.
@@ -84,17 +84,14 @@ fn judged(
     let mut others = [None; MOST_FIGURES - 1];
     let outside = all.iter().filter(|figure| figure.name != worst.name && figure.excess() > 0.0);
     others.iter_mut().zip(outside).for_each(|(other, figure)| *other = Some(figure.name));
+    let limit = Limit { value: worst.nearest_bound(), from: worst.bounds.from };
+    let finding = Finding::Requirement { figure: worst.name, low: worst.bounds.low, high: worst.bounds.high, others };
+    // Never confirmed: the figures are one record's, and a second campaign is judged by its own.
     Some(Verdict {
-        coefficient,
-        rule: Rule::Requirement,
         state: worst.outcome.state,
         value: Some(worst.measured.value),
-        limit: worst.nearest_bound(),
-        limit_from: worst.bounds.from,
         sd: worst.measured.sd,
         probability: worst.outcome.probability,
-        // The figures of one record: a second campaign is judged by its own.
-        confirmed: false,
-        finding: Finding::Requirement { figure: worst.name, low: worst.bounds.low, high: worst.bounds.high, others },
+        ..Verdict::undecided(coefficient, Rule::Requirement, limit, finding)
     })
 }

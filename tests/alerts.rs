@@ -240,7 +240,7 @@ async fn a_silence_of_all_that_match_holds_for_what_fires_and_will_fire_and_ends
     for (wrong, place) in [
         (order(json!({})), "/matchers"),
         (order(json!({"rule": "stpe"})), "/matchers/rule"),
-        (order(json!({"serial": " A"})), "/matchers/serial"),
+        (order(json!({"serial": "A\u{200b}"})), "/matchers/serial"),
         (order(json!({"gyro": "A"})), "/matchers/gyro"),
         (json!({"matchers": {"rule": "step"}, "until": "2020-01-01T00:00:00Z", "by": "L", "reason": "r"}), "/until"),
     ] {

@@ -646,7 +646,7 @@ async fn what_looks_odd_but_is_legal_is_accepted() {
 
 #[tokio::test]
 async fn parameters_out_of_requirement_are_stored_and_flagged() {
-    let server = Server::start().await;
+    let server = Server::start_with(&[("GYROWATCH_JUDGING__REQUIREMENTS", "true")]).await;
     // Table 4 asks for less than 13.23 pulse/(s g0).
     let answer = server.post("/v1/records", "application/json", with("/gyros/0/g_pulse_per_s_g0/2", json!(13.5))).await;
     assert_eq!(answer.status, 201);

@@ -98,7 +98,10 @@ fn what_lies_outside_its_requirement_is_said_without_a_history() {
     assert_eq!(said.len(), 6);
     assert_eq!((verdicts[1]["value"].as_f64(), verdicts[1]["limit"].as_f64()), (Some(20.0), Some(13.23)));
     let reason = verdicts[1]["reason"].as_str().unwrap();
-    assert!(reason.contains("G_x = 20.00 lies outside -13.23 to 13.23"), "{reason}");
+    assert!(
+        reason.contains("G_x = 20.0 pulse/(s g0) is outside -13.2 to 13.2. Limits from judging.requirements."),
+        "{reason}"
+    );
     let table = printed(&["separate", path]);
     assert!(table.contains(&format!("G1 LFG-0101: {reason}")), "{table}");
     assert!(table.contains("E and G against what is required of them") && table.contains("exceeded"), "{table}");

@@ -67,9 +67,9 @@ async fn told(lab: &Lab, hook: &str, target: &Receiver) -> Vec<Vec<String>> {
     target.told().iter().map(|told| of_message(&told.json())).collect()
 }
 
-/// Two rules see the step.
-fn both(serial: &str, event: &str) -> Vec<String> {
-    ["baseline", "step"].map(|rule| format!("{serial} {rule} {event}")).into()
+/// Three rules see the step.
+fn all_of(serial: &str, event: &str) -> Vec<String> {
+    ["baseline", "range", "step"].map(|rule| format!("{serial} {rule} {event}")).into()
 }
 
 #[tokio::test]
@@ -83,10 +83,13 @@ async fn a_new_hook_is_told_at_once_what_fires_and_no_end_of_what_it_did_not_hea
     let all = hook(&lab, &targets[0], json!({})).await;
     let of_b = hook(&lab, &targets[1], json!({ "filter": { "gyros": ["B"], "rules": ["step"] } })).await;
     let each = hook(&lab, &targets[2], json!({ "batch": false })).await;
-    assert_eq!(told(&lab, &all, &targets[0]).await, [[both("A", "alert.fired"), both("B", "alert.fired")].concat()]);
+    assert_eq!(
+        told(&lab, &all, &targets[0]).await,
+        [[all_of("A", "alert.fired"), all_of("B", "alert.fired")].concat()]
+    );
     assert_eq!(told(&lab, &of_b, &targets[1]).await, [["B step alert.fired"]]);
     let singly = told(&lab, &each, &targets[2]).await;
-    assert_eq!(singly.len(), 4, "{singly:?}");
+    assert_eq!(singly.len(), 6, "{singly:?}");
     // After a restart it is still known who has heard what.
     lab.restart().await;
     recovers(&lab, "A").await;
@@ -102,9 +105,9 @@ async fn a_hook_whose_filter_changes_hears_what_it_lets_through_from_now_on_and_
     let id = hook(&lab, &target, json!({ "filter": { "gyros": ["A"] } })).await;
     steps(&lab, "A").await;
     steps(&lab, "B").await;
-    assert_eq!(told(&lab, &id, &target).await, [both("A", "alert.fired")]);
+    assert_eq!(told(&lab, &id, &target).await, [all_of("A", "alert.fired")]);
     change(&lab, &id, json!({ "filter": { "gyros": ["B"] } })).await;
-    assert_eq!(told(&lab, &id, &target).await[1..], [both("B", "alert.fired")]);
+    assert_eq!(told(&lab, &id, &target).await[1..], [all_of("B", "alert.fired")]);
     change(&lab, &id, json!({ "name": "night" })).await;
     recovers(&lab, "A").await;
     let all = told(&lab, &id, &target).await;
@@ -128,11 +131,11 @@ async fn a_hook_that_is_enabled_again_hears_how_things_stand_and_not_what_it_mis
     recovers(&lab, "D").await;
     change(&lab, &id, json!({ "enabled": true })).await;
     let all = told(&lab, &id, &target).await;
-    let expected = [both("A", "alert.resolved"), both("B", "alert.fired"), both("C", "alert.fired")].concat();
+    let expected = [all_of("A", "alert.resolved"), all_of("B", "alert.fired"), all_of("C", "alert.fired")].concat();
     assert_eq!(all[2..], [expected], "of D, which came and went, nothing");
     recovers(&lab, "C").await;
     let ends = told(&lab, &id, &target).await[3..].concat();
-    assert_eq!(ends.iter().filter(|one| one.ends_with("alert.resolved")).count(), 2, "{ends:?}");
+    assert_eq!(ends.iter().filter(|one| one.ends_with("alert.resolved")).count(), 3, "{ends:?}");
 }
 
 #[tokio::test]
@@ -158,7 +161,7 @@ async fn a_hook_that_is_back_from_410_hears_what_fires_instead_of_what_waited() 
     let refused = target.told().len();
     change(&lab, &id, json!({ "enabled": true })).await;
     let all = told(&lab, &id, &target).await;
-    assert_eq!(all[refused..], [both("B", "alert.fired")], "that A fires never came, so its end does not either");
+    assert_eq!(all[refused..], [all_of("B", "alert.fired")], "that A fires never came, so its end does not either");
 }
 
 #[tokio::test]
@@ -167,13 +170,13 @@ async fn what_a_silence_has_held_back_is_told_at_its_end_to_hooks_that_came_duri
     let (early, late) = (Receiver::start().await, Receiver::start().await);
     let first = hook(&lab, &early, json!({})).await;
     steps(&lab, "A").await;
-    assert_eq!(told(&lab, &first, &early).await, [both("A", "alert.fired")]);
+    assert_eq!(told(&lab, &first, &early).await, [all_of("A", "alert.fired")]);
     let order = json!({"matchers": {"serial": "A"}, "until": "2026-11-30T00:00:00Z", "by": "Li", "reason": "known"});
     let silence = lab.post("/v1/silences", &order).await.created()["id"].as_str().unwrap().to_owned();
     let second = hook(&lab, &late, json!({})).await;
     steps(&lab, "B").await;
-    assert_eq!(told(&lab, &second, &late).await, [both("B", "alert.fired")], "A is silenced");
+    assert_eq!(told(&lab, &second, &late).await, [all_of("B", "alert.fired")], "A is silenced");
     lab.post(&format!("/v1/silences/{silence}/end"), &json!({"by": "Li", "reason": "over"})).await.ok();
-    assert_eq!(told(&lab, &second, &late).await[1..], [both("A", "alert.fired")]);
+    assert_eq!(told(&lab, &second, &late).await[1..], [all_of("A", "alert.fired")]);
     assert_eq!(told(&lab, &first, &early).await.len(), 2, "it knows already");
 }

@@ -116,7 +116,7 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: 
             dt { (t.budget_word) }
             dd {
                 @for (name, budget) in budgets {
-                    @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget.value)) " (" code { (budget.from) } ")" } " " }
+                    @if let Some(budget) = budget { span.nowrap { (symbol(name)) " ± " (figure::short(budget.value)) } " (" code { (budget.from) } ") " }
                 }
                 (t.unit)
             }

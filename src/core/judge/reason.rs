@@ -229,6 +229,9 @@ impl Verdict {
     fn write_certainty(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let by_clock_or_chart = matches!(self.rule, Rule::Shift | Rule::Trend | Rule::Overdue | Rule::Cusum);
         match (self.status(), self.sd, self.probability) {
+            (Status::TooUncertain, ..) if self.rule == Rule::Shift => {
+                f.write_str(" Too uncertain to judge: three standard deviations are more than the budget.")
+            }
             (Status::TooUncertain, Some(sd), _) => {
                 let p = sd_digits(sd, self.limit);
                 let limit = Decimal(self.limit);

@@ -538,6 +538,8 @@ fn a_shift_that_does_not_matter_raises_nothing_and_noise_widens_the_limit() {
     assert!(noisy.reason().contains("(three standard deviations; least judging.budget)"), "{noisy}");
     let wild = latest(&series(40, |i| 3.0 + 2e-2 * scatter(i)), Rule::Shift);
     assert_eq!((wild.state, wild.status()), (State::Indeterminate, Status::TooUncertain), "{wild}");
+    let why = "Too uncertain to judge: three standard deviations are more than the budget.";
+    assert!(wild.reason().ends_with(why), "{wild}");
 }
 
 #[test]

@@ -191,6 +191,9 @@ fn limit(verdict: &Verdict) -> String {
 fn certainty(verdict: &Verdict) -> String {
     let by_clock_or_chart = matches!(verdict.rule, Rule::Shift | Rule::Trend | Rule::Overdue | Rule::Cusum);
     match (verdict.status(), verdict.sd, verdict.probability) {
+        (Status::TooUncertain, ..) if verdict.rule == Rule::Shift => {
+            "不确定度过大，无法判断：三倍标准差大于允许范围。".to_owned()
+        }
         (Status::TooUncertain, Some(sd), _) => {
             let (p, of_limit) = (sd_digits(sd, verdict.limit), digits(verdict.limit));
             format!("不确定度过大，无法判断：标准差{sd:.p$}，限值{:.of_limit$}。", verdict.limit)

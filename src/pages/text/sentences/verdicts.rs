@@ -12,6 +12,10 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "Too uncertain to judge: standard deviation {} against a limit of {}.",
         "不确定度过大，无法判断：标准差{0}，限值{1}。",
     ),
+    (
+        "Too uncertain to judge: three standard deviations are more than the budget.",
+        "不确定度过大，无法判断：三倍标准差大于允许范围。",
+    ),
     ("Limits from {}.", "限值来自{0}。"),
     ("Limit {} {} (three standard deviations; least {}).", "限值为{0} {1}（三倍标准差；下限来自{2}）。"),
     ("Limit {} {} ({}): {} %.", "限值为{0} {1}（{2}），为其{3} %。"),

@@ -94,7 +94,7 @@ async fn a_new_hook_is_told_at_once_what_fires_and_no_end_of_what_it_did_not_hea
     lab.restart().await;
     recovers(&lab, "A").await;
     let ended = told(&lab, &all, &targets[0]).await;
-    assert_eq!(ended[1..].concat().iter().filter(|one| one.ends_with("alert.resolved")).count(), 2, "{ended:?}");
+    assert_eq!(ended[1..].concat().iter().filter(|one| one.ends_with("alert.resolved")).count(), 3, "{ended:?}");
     assert_eq!(told(&lab, &of_b, &targets[1]).await.len(), 1, "A is nothing to it");
 }
 

@@ -16,7 +16,6 @@ use super::document::Document;
 use super::query::{Parameters, bad};
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
-use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Id, Matchers, SilenceOrder};
 use crate::wire::problem::Problem;
@@ -93,12 +92,11 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
             "must name at least one of serial, imu, station, rule: all alerts at once cannot be silenced",
         );
     }
-    for (member, name) in [("serial", &body.serial), ("imu", &body.imu), ("station", &body.station)] {
-        if let Some(Err(why)) = name.as_deref().map(Name::parse) {
-            faults.push(format!("/matchers/{member}"), why);
-        }
-    }
     let MatchersBody { serial, imu, station, rule } = body;
+    let mut matched =
+        |member: &str, name: Option<String>| text::matched(&format!("/matchers/{member}"), &name?, faults);
+    let [serial, imu, station] =
+        [("serial", serial), ("imu", imu), ("station", station)].map(|(of, name)| matched(of, name));
     let known = rule.as_deref().and_then(Rule::from_name);
     if let Some(rule) = rule.filter(|_| known.is_none()) {
         faults.push("/matchers/rule", format!("there is no rule {rule:?}"));

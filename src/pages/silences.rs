@@ -14,10 +14,10 @@ use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
-use crate::core::record::Name;
 use crate::pipeline::{Id, Matchers, SilenceOrder};
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
+use crate::wire::text;
 
 /// Those that hold, and how to begin one.
 pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
@@ -83,10 +83,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
     }
     let mut name = |field: &str, text: &str| {
         let text = Some(text.trim()).filter(|text| !text.is_empty())?;
-        if let Err(why) = Name::parse(text) {
-            faults.push(field, why);
-        }
-        Some(text.to_owned())
+        text::matched(field, text, &mut faults)
     };
     let matchers = Matchers {
         serial: name("serial", &new.serial),

@@ -13,6 +13,17 @@ use crate::core::fault::Faults;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::UtcMicros;
 
+/// A name that something is to match: in its one spelling, without characters that nobody sees.
+pub fn matched(pointer: &str, text: &str, faults: &mut Faults) -> Option<String> {
+    match Name::parse(text).and_then(|name| name.check_seen().map(|()| name)) {
+        Ok(name) => Some(name.as_str().to_owned()),
+        Err(why) => {
+            faults.push(pointer, why);
+            None
+        }
+    }
+}
+
 /// Largest standard deviation and temperature that is taken for a measured one.
 const LARGEST_DEVIATION: f64 = 1e9;
 const TEMPERATURE_RANGE_C: std::ops::RangeInclusive<f64> = -273.15..=1000.0;

@@ -24,9 +24,14 @@ async fn a_database() -> Server {
 }
 
 fn verify(server: &Server, settings: &[(&str, &str)]) -> (Option<i32>, String) {
+    asked(server, "verify", settings)
+}
+
+/// What a command says of the database.
+fn asked(server: &Server, what: &str, settings: &[(&str, &str)]) -> (Option<i32>, String) {
     let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
     let mut command = gyrowatch();
-    command.arg("verify").current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", url).envs(settings.iter().copied());
+    command.arg(what).current_dir(server.dir()).env("GYROWATCH_DATABASE_URL", url).envs(settings.iter().copied());
     let output = command.output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
     (output.status.code(), said)
@@ -52,6 +57,44 @@ async fn what_is_stored_follows_from_what_was_sent() {
     assert!(code == Some(0) && said.contains("other limits"), "{said}");
     server.restart();
     assert_eq!(verify(&server, &[]).0, Some(0), "while it is served too");
+}
+
+/// The noise constants come from the histories of all gyros, and are put into words that the configuration takes.
+#[tokio::test]
+async fn the_fleets_noise_is_fitted_to_what_is_stored() {
+    let mut server = Server::start().await;
+    let uniform = |k: i64| ((k * 7919 + 104_729) * k % 10_007) as f64 / 10_007.0 - 0.5;
+    let mut lines = String::new();
+    for gyro in 0..6_i64 {
+        for k in 0..40_i64 {
+            // About normal with a scatter of 0.0006; every record a week of its own.
+            let scatter =
+                (0..4).map(|part| uniform(1000 * gyro + 4 * k + part + 1)).sum::<f64>() * 3.0_f64.sqrt() * 6e-4;
+            let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+            record["imu"] = format!("IMU-{gyro}").into();
+            record["calibrated_at"] = format!("20{:02}-{:02}-15T08:00:00Z", 20 + k / 12, 1 + k % 12).into();
+            record["gyros"] = serde_json::json!([record["gyros"][0]]);
+            record["gyros"][0]["serial"] = format!("N-{gyro}").into();
+            let g = &mut record["gyros"][0]["g_pulse_per_s_g0"];
+            for axis in 0..3 {
+                g[axis] = (g[axis].as_f64().unwrap() + scatter).into();
+            }
+            lines += &format!("{record}\n");
+        }
+    }
+    assert_eq!(server.post("/v1/import", "application/x-ndjson", lines).await.status, 200);
+    assert!(server.terminate().0.success());
+    let (code, said) = asked(&server, "fleet-noise", &[]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("weekly means of 12 coefficients"), "{said}");
+    let line = said.lines().find(|line| line.starts_with("noise = {")).expect("the line for the configuration");
+    let file = server.dir().join("noise.toml");
+    std::fs::write(&file, format!("[judging]\n{line}\n")).unwrap();
+    let shown = gyrowatch().args(["config", "--config"]).arg(&file).output().unwrap();
+    assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
+    let short = a_database().await;
+    let (code, said) = asked(&short, "fleet-noise", &[]);
+    assert!(code == Some(0) && said.contains("too short for a fit: the defaults stay"), "{said}");
 }
 
 /// Flips one bit of a stored value.

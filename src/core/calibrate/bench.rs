@@ -270,6 +270,21 @@ impl Problem<'_> {
         }
         // dK along each fitted direction: the direction's share in E's own.
         let by_scale: Vec<f64> = scale.fitted.iter().map(|axis| axis.dot(&e) / k).collect();
+        let of = |name: &str| {
+            let found = form.names().find(|(of, ..)| *of == name);
+            found.map_or(0.0, |(_, _, column, sign)| sign * fit.estimate[first + column] / k)
+        };
+        let [d_i, d_s, d_o] = ["D_I", "D_S", "D_O"].map(of);
+        // The axes follow E: a turn of I towards S takes D_S into D_I, and D_I out of D_S.
+        let by_turn = |name: &str, axis: &Vector3<f64>| {
+            let [towards_s, towards_o] = [1, 2].map(|row| axes.row(row).dot(&axis.transpose()) / k);
+            match name {
+                "D_I" => d_s * towards_s + d_o * towards_o,
+                "D_S" => -d_i * towards_s,
+                "D_O" => -d_i * towards_o,
+                _ => 0.0,
+            }
+        };
         let coefficients: Vec<Coefficient> = form
             .names()
             .map(|(name, unit, column, sign)| {
@@ -277,7 +292,7 @@ impl Problem<'_> {
                 let mut gradient = DVector::zeros(fit.estimate.len());
                 gradient[first + column] = sign / k;
                 for (i, share) in by_scale.iter().enumerate() {
-                    gradient[i] = -value * share / k;
+                    gradient[i] = by_turn(name, &scale.fitted[i]) - value * share / k;
                 }
                 let sd = covariance.as_ref().map(|c| gradient.dot(&(c * &gradient)).max(0.0).sqrt());
                 Coefficient { name, unit, value, sd }
@@ -347,3 +362,6 @@ impl BenchCalibration {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

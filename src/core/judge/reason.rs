@@ -53,7 +53,7 @@ impl Verdict {
             Finding::TooFew { have, need } => {
                 let what = match self.rule {
                     Rule::Agreement => "results",
-                    Rule::Shift | Rule::Trend if need > super::BASELINE_RECORDS + 1 => "weeks with records",
+                    Rule::Shift | Rule::Trend => "weeks with records",
                     _ => "records",
                 };
                 write!(f, "{name}: not enough data for {}. It needs {need} {what} and has {have}.", self.rule.name())

@@ -250,6 +250,19 @@ fn a_baseline_is_confirmed_by_the_record_before_on_the_same_side_which_is_none_o
 }
 
 #[test]
+fn a_level_that_the_mark_states_goes_before_all_others() {
+    let stated =
+        Mark { fixed: [Some(Measured { value: 3.02, sd: Some(1e-4) }), None], ..Mark::of(day(5.0), Event::Baseline) };
+    let mut limits = Limits::default();
+    limits.d_i.fixed_baseline = Some(Measured::exact(2.0));
+    let points = samples(Some(3e-4), &[(0.0, 3.0), (10.0, 3.025)]);
+    let v = verdict(&points, &[stated], 1, Rule::Baseline, &limits);
+    assert!((v.value.unwrap() - 0.005).abs() < 1e-12 && (v.sd.unwrap() - 10.0_f64.sqrt() * 1e-4).abs() < 1e-12, "{v}");
+    let before = verdict(&points, &[stated], 0, Rule::Baseline, &limits);
+    assert!((before.value.unwrap() - 1.0).abs() < 1e-12, "the configured one holds before the mark");
+}
+
+#[test]
 fn a_repair_parts_the_records_before_from_those_after() {
     let points = samples(None, &[(0.0, 3.0), (10.0, 3.5)]);
     let repaired = |event| verdict(&points, &[Mark::of(day(5.0), event)], 1, Rule::Step, &Limits::default()).state;
@@ -333,6 +346,9 @@ fn what_parts_a_gyro_parts_before_and_after_too() {
     assert_eq!(judged(&[test, Mark::of(day(35.0), Event::Repair)]), 0);
     assert_eq!(judged(&[test, Mark::of(day(35.0), Event::Transport)]), 2);
     assert_eq!(judged(&[]), 0);
+    assert_eq!(judged(&[Mark::of(day(22.0), Event::Transport)]), 0, "no test");
+    let later = Mark { until: Some(day(90.0)), ..Mark::of(day(80.0), Event::EnvironmentalTest) };
+    assert_eq!(judged(&[later]), 0, "a test to come");
 }
 
 #[test]
@@ -457,6 +473,11 @@ fn a_step_is_no_trend_and_scatter_is_none_either() {
     assert!(step.reason().contains("; a step on 2026-06-18 fits better."), "{step}");
     let still = trend(24, &|i| 3.0 + 3e-3 * scatter(i));
     assert!(matches!(still.finding, Finding::NoTrend { step: None, .. }), "{still:?}");
+    // A course that bends within the shortest window is no line: the last deviation is shown.
+    let bent = trend(24, &|i| 3.0 + 2e-3 * (i as f64 - 18.0).powi(2));
+    assert!(matches!(bent.finding, Finding::NoTrend { .. }), "{bent:?}");
+    let baseline = 2e-3 * 17.0_f64.powi(2);
+    assert!((bent.value.unwrap() - (baseline - 2e-3 * 25.0)).abs() < 1e-12, "{bent}");
     assert!(still.reason().contains("no trend in the 24 weekly means since 2026-01-01."), "{still}");
 }
 
@@ -757,6 +778,9 @@ fn every_name_is_read_back() {
     assert!(Rule::ALL.into_iter().all(|x| Rule::from_name(x.name()) == Some(x)));
     assert!(Coefficient::ALL.into_iter().all(|x| Coefficient::from_name(x.name()) == Some(x)));
     assert!(State::ALL.into_iter().all(|x| State::from_name(x.name()) == Some(x)));
+    use crate::core::notify::{Action, Standing};
+    assert!(Standing::ALL.into_iter().all(|x| Standing::from_name(x.name()) == Some(x)));
+    assert!(Action::ALL.into_iter().all(|x| Action::from_name(x.name()) == Some(x)));
     assert!(Status::ALL.into_iter().all(|x| Status::from_name(x.name()) == Some(x)));
     assert!(Severity::ALL.into_iter().all(|x| Severity::from_name(x.name()) == Some(x)));
 }

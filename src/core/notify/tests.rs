@@ -87,6 +87,8 @@ fn a_second_campaign_escalates_even_what_was_acknowledged() {
     let mut story = Story::default();
     story.record(0.0, &exceeded());
     story.alert = story.alert.map(|alert| acknowledge(&alert));
+    assert_eq!(story.record(12.0, &exceeded()), Action::Silent);
+    assert!(story.alert.unwrap().acknowledged, "the same severity is no news");
     assert_eq!(story.tick(10.0), Action::Silent, "acknowledged: no repeats");
     assert_eq!(story.record(14.0, &confirmed()), Action::Escalate);
     assert_eq!(story.alert.unwrap().severity, Severity::Critical);

@@ -115,6 +115,8 @@ fn stated_covariances_are_those_that_central_differences_carry_over() {
                 near("rigid", stated[(a, b)], rigid[a][b], (rigid[a][a] * rigid[b][b]).sqrt());
             }
         }
+        let printed = found.as_printed.as_ref().expect("skewed");
+        assert_eq!(printed.covariance, None, "for comparison only");
         let published = propagated(slot, &covariance, |s| {
             let published = s.published.as_ref().expect("skewed");
             [published.d_i, published.d_s]

@@ -28,7 +28,7 @@ fn finding(verdict: &Verdict) -> String {
         Finding::TooFew { have, need } => {
             let what = match verdict.rule {
                 Rule::Agreement => "个结果",
-                Rule::Shift | Rule::Trend if need > 4 => "个有记录的周",
+                Rule::Shift | Rule::Trend => "个有记录的周",
                 _ => "个记录",
             };
             format!("{name}：“{rule}”数据不足，需要{need}{what}，现有{have}个。")

@@ -1,0 +1,225 @@
+//! Outputs made from eq. (5) by hand: y = K I.w + K (D_F + D_I a_I + D_S a_S + D_II a_I^2 + D_SS a_S^2 + D_O a_O).
+
+use super::*;
+use crate::core::campaign::{CampaignGyro, Dwell, Phase};
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::record::Name;
+use crate::core::time::UtcMicros;
+
+/// D_F, D_I, D_S, D_II, D_SS, D_O.
+type Drift = [f64; 6];
+const DRIFT: Drift = [0.4, 2.5, -3.5, 0.06, -0.02, 0.03];
+const NAMES: [&str; 6] = ["D_F", "D_I", "D_S", "D_II", "D_SS", "D_O"];
+const EARTH: f64 = 15.041_067;
+
+/// A position: direction of the specific force and of the Earth's rate on the gyro's axes I, S, O.
+type Position = ([f64; 3], [f64; 3]);
+
+fn output(k: f64, d: &Drift, (a, w): &Position) -> f64 {
+    k * (w[0] + d[0] + d[1] * a[0] + d[2] * a[1] + d[3] * a[0] * a[0] + d[4] * a[1] * a[1] + d[5] * a[2])
+}
+
+/// The orthogonal geometry's G1: I along x, S along y, O along z of the fixture.
+fn bench(
+    test: TestKind,
+    positions: &[Position],
+    outputs: &[f64],
+    sem: Option<f64>,
+    known_e: Option<[f64; 3]>,
+) -> Campaign {
+    let dwell = |(k, ((a, w), y)): (usize, (&Position, &f64))| Dwell {
+        phase: Phase::Static,
+        start_s: 240.0 * k as f64,
+        duration_s: 180.0,
+        attitude: None,
+        specific_force_g0: Vector3::from(*a),
+        rate_arcsec_s: Vector3::from(*w),
+        temperature_c: None,
+        output_pulse_s: vec![*y],
+        output_sem_pulse_s: sem.map(|sem| vec![sem]),
+    };
+    let name = |text| Name::parse(text).expect("a name");
+    let known_e = known_e.map(Vector3::from);
+    Campaign {
+        imu: name("FIXTURE"),
+        station: name("BENCH"),
+        measured_at: UtcMicros(0),
+        geometry: Geometry::Orthogonal,
+        site: None,
+        gyros: vec![CampaignGyro { slot: Slot::G1, serial: name("A"), known_e }],
+        dwells: positions.iter().zip(outputs).enumerate().map(dwell).collect(),
+        test,
+        model: None,
+        temperature_c: None,
+        operator: None,
+        note: None,
+    }
+}
+
+/// A tumble about the output axis: a_I^2 + a_S^2 = 1 everywhere; the Earth's rate turns with it at another phase.
+fn tumble() -> Vec<Position> {
+    (0..24)
+        .map(|k| {
+            let turn = std::f64::consts::TAU * f64::from(k) / 24.0;
+            let (s, c) = turn.sin_cos();
+            let (ws, wc) = (turn + 0.9).sin_cos();
+            ([c, s, 0.0], [EARTH * 0.8 * wc, EARTH * 0.8 * ws, EARTH * 0.6])
+        })
+        .collect()
+}
+
+/// Positions all over the sphere, force and rate apart.
+fn all_over() -> Vec<Position> {
+    (0..40)
+        .map(|k| {
+            let (height, turn) = (-0.95 + 1.9 * f64::from(k) / 39.0, 2.4 * f64::from(k));
+            let flat = (1.0 - height * height).sqrt();
+            let a = [flat * turn.cos(), height, flat * turn.sin()];
+            let (along, up) = (1.7 * f64::from(k) + 0.3, 0.9 * (1.1 * f64::from(k)).sin());
+            let level = (1.0 - up * up).sqrt();
+            (a, [EARTH * level * along.cos(), EARTH * level * along.sin(), EARTH * up])
+        })
+        .collect()
+}
+
+fn fitted(campaign: &Campaign) -> BenchCalibration {
+    calibrate_bench(campaign).unwrap_or_else(|why| panic!("{why}"))
+}
+
+fn outputs(k: f64, drift: &Drift, positions: &[Position]) -> Vec<f64> {
+    positions.iter().map(|position| output(k, drift, position)).collect()
+}
+
+#[test]
+fn a_torque_feedback_test_gives_back_scale_and_coefficients() {
+    let positions = all_over();
+    let campaign = bench(TestKind::TorqueFeedback, &positions, &outputs(1.47, &DRIFT, &positions), Some(1e-3), None);
+    let found = fitted(&campaign);
+    assert_eq!(
+        (found.method, found.scale_source, found.gauge),
+        (BenchMethod::TorqueFeedback, ScaleSource::Fitted, None)
+    );
+    assert!((found.e - Vector3::new(1.47, 0.0, 0.0)).norm() < 1e-9, "{}", found.e);
+    for (name, value) in NAMES.into_iter().zip(DRIFT) {
+        let coefficient = found.coefficient(name).unwrap_or_else(|| panic!("{name}"));
+        assert!((coefficient.value - value).abs() < 1e-8, "{name}: {}", coefficient.value);
+        let unit = match name {
+            "D_F" => "deg/h",
+            "D_II" | "D_SS" => "deg/(h*g0^2)",
+            _ => "deg/(h*g0)",
+        };
+        assert_eq!(coefficient.unit, unit);
+    }
+    assert_eq!((found.rank, found.dof), (9, 40 - 9));
+    assert!(found.residuals.amax() < 1e-9 && (found.leverage.sum() - 9.0).abs() < 1e-9);
+    let mean = positions.iter().map(|(a, _)| a[0] * a[0] + a[1] * a[1]).sum::<f64>() / 40.0;
+    let null: Vec<(&str, f64)> = found.null_direction().collect();
+    let length = (mean * mean + 2.0).sqrt();
+    for ((name, part), (expected, of)) in null.into_iter().zip([("D_F", mean), ("D_II", -1.0), ("D_SS", -1.0)]) {
+        assert!(name == expected && (part - of / length).abs() < 1e-9, "{name}: {part}");
+    }
+    let result = found.result(&campaign);
+    assert!((result.d_i - DRIFT[1]).abs() < 1e-8 && (result.d_s - DRIFT[2]).abs() < 1e-8);
+    assert_eq!((result.method, result.d_i_sd), (BenchMethod::TorqueFeedback, found.coefficient("D_I").unwrap().sd));
+}
+
+#[test]
+fn the_axes_follow_the_input_axis_that_the_earths_rate_shows() {
+    // The gyro sits 10 arcmin off about the fixture's z: I and S turn together, and outputs are made on the turned axes.
+    let turn = (10.0_f64 / 60.0).to_radians();
+    let (s, c) = turn.sin_cos();
+    let positions = all_over();
+    let on_gyro = |v: &[f64; 3]| [c * v[0] + s * v[1], -s * v[0] + c * v[1], v[2]];
+    let turned: Vec<Position> = positions.iter().map(|(a, w)| (on_gyro(a), on_gyro(w))).collect();
+    let found = fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs(2.0, &DRIFT, &turned), Some(1e-3), None));
+    assert!((found.e - Vector3::new(2.0 * c, 2.0 * s, 0.0)).norm() < 1e-6, "{}", found.e);
+    assert!((found.axes.row(1) - Vector3::new(-s, c, 0.0).transpose()).norm() < 1e-6, "{}", found.axes);
+    for (name, value) in NAMES.into_iter().zip(DRIFT) {
+        let of = found.coefficient(name).unwrap().value;
+        assert!((of - value).abs() < 1e-5, "{name}: {of}");
+    }
+}
+
+#[test]
+fn a_tumble_about_the_output_axis_is_one_rank_short_and_says_its_gauge() {
+    let positions = tumble();
+    let drift = [0.4, 2.5, -3.5, 0.04, -0.04, 0.0];
+    let outputs = outputs(1.47, &drift, &positions);
+    let campaign = bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), Some([1.47, 0.0, 0.0]));
+    let found = fitted(&campaign);
+    assert_eq!((found.gauge, found.scale_source), (Some(GAUGE), ScaleSource::Held));
+    for (name, value) in NAMES.into_iter().zip(drift).take(5) {
+        let of = found.coefficient(name).unwrap_or_else(|| panic!("{name}")).value;
+        assert!((of - value).abs() < 1e-9, "{name}: {of}");
+    }
+    assert!(found.coefficient("D_O").is_none(), "nothing shows it");
+    // Four columns of unit harmonics over 24 positions with sd s: var = s^2/24 for D_F, 2 s^2/24 for the harmonics, over K.
+    for (name, share) in [("D_F", 1.0), ("D_I", 2.0), ("D_S", 2.0), ("D_II", 2.0), ("D_SS", 2.0)] {
+        let sd = found.coefficient(name).unwrap().sd.unwrap();
+        assert!((sd / (1e-3 / 1.47 * (share / 24.0_f64).sqrt()) - 1.0).abs() < 1e-9, "{name}: {sd}");
+    }
+    let null: Vec<f64> = found.null_direction().map(|(_, part)| part).collect();
+    assert!((null[0] - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12 && (null[1] + 1.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_fitted_scale_takes_part_in_the_standard_deviations() {
+    // By brute force: the coefficient's change with every output, squared and added up.
+    let positions = all_over();
+    let exact = outputs(1.47, &DRIFT, &positions);
+    let of = |outputs: &[f64]| fitted(&bench(TestKind::TorqueFeedback, &positions, outputs, Some(2e-4), None));
+    let found = of(&exact);
+    for name in ["D_F", "D_I", "D_S", "D_O"] {
+        let variance: f64 = (0..positions.len())
+            .map(|k| {
+                let moved = |step: f64| {
+                    let mut outputs = exact.clone();
+                    outputs[k] += step;
+                    of(&outputs).coefficient(name).unwrap().value
+                };
+                let by_output = (moved(1e-4) - moved(-1e-4)) / 2e-4;
+                (by_output * 2e-4).powi(2)
+            })
+            .sum();
+        let stated = found.coefficient(name).unwrap().sd.unwrap();
+        assert!((stated / variance.sqrt() - 1.0).abs() < 1e-3, "{name}: {stated} {}", variance.sqrt());
+    }
+}
+
+#[test]
+fn a_servo_test_answers_in_table_rate_with_either_sign() {
+    let positions = all_over();
+    let found = |k: f64| {
+        let outputs = outputs(k, &DRIFT, &positions);
+        calibrate_bench(&bench(TestKind::TurntableServo, &positions, &outputs, Some(1e-3), None))
+    };
+    for k in [1.0, -1.0] {
+        let found = found(k).unwrap_or_else(|why| panic!("{why}"));
+        assert_eq!((found.scale_source, found.method), (ScaleSource::Held, BenchMethod::TurntableServo));
+        assert_eq!(found.e, Vector3::new(k, 0.0, 0.0));
+        for (name, value) in NAMES.into_iter().zip(DRIFT) {
+            let of = found.coefficient(name).unwrap().value;
+            assert!((of - value).abs() < 1e-8, "{k} {name}: {of}");
+        }
+    }
+    let Err(NotFitted::NotATableRate { found }) = found(1.3) else { panic!("1.3 is no table rate") };
+    assert!((found - 1.3).abs() < 1e-6);
+}
+
+#[test]
+fn what_the_positions_do_not_show_is_said() {
+    let still: Vec<Position> = vec![([1.0, 0.0, 0.0], [EARTH, 0.0, 0.0]); 12];
+    let one_direction = outputs(1.0, &DRIFT, &still);
+    let error = |test, positions: &[Position], outputs: &[f64], known_e| {
+        calibrate_bench(&bench(test, positions, outputs, Some(1e-3), known_e)).expect_err("it cannot be fitted")
+    };
+    let why = error(TestKind::TorqueFeedback, &still, &one_direction, Some([1.0, 0.0, 0.0]));
+    assert_eq!(why, NotFitted::Undetermined(vec!["D_F", "D_I", "D_S"]));
+    assert_eq!(error(TestKind::TorqueFeedback, &still, &one_direction, None), NotFitted::NoScale);
+    assert_eq!(error(TestKind::Imu, &still, &one_direction, None), NotFitted::NotABench);
+    // A scale that is lost in the noise divides nothing.
+    let positions = all_over();
+    let nothing: Vec<f64> = (0..positions.len()).map(|k| 1e-3 * ((k * 37 % 11) as f64 - 5.0)).collect();
+    let lost = calibrate_bench(&bench(TestKind::TorqueFeedback, &positions, &nothing, Some(3e-3), None));
+    assert_eq!(lost.expect_err("no scale"), NotFitted::NoScale);
+}

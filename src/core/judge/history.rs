@@ -199,7 +199,7 @@ pub struct History<'a> {
     pub samples: &'a Series,
     /// The first [`BASELINE_RECORDS`] records at or after [`baseline_since`], or fewer where there are not so many.
     pub baseline: &'a [Sample],
-    /// The same at or after [`seat_since`].
+    /// The same since the gyro came to where it is mounted ([`seat_baseline_of`]).
     pub seat_baseline: &'a [Sample],
     /// Records before `samples` that are not there one by one: those that `range` compares with the judged one.
     pub older: Older,

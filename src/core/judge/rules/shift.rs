@@ -24,7 +24,7 @@ const NORMAL_FROM_MAD: f64 = 1.4826;
 ///
 /// Scatter comes from the cells before (clipped at three robust scatters, so that single outliers have no part), drawn towards a tenth of
 /// the budget with the weight of five cells, and no smaller than a twentieth of it; correlation and walk are the fleet's
-/// ([`super::Noise`]). `confirmed` is never set: three campaigns have spoken already.
+/// ([`crate::core::judge::Noise`]). `confirmed` is never set: three campaigns have spoken already.
 pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     let points = case.points();
     if points.len() < SHIFT_MIN_CELLS {

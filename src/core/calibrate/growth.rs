@@ -62,3 +62,63 @@ pub fn growth(gyros: &[Unweighted]) -> f64 {
     }
     rho
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    fn vector(n: usize, of: impl Fn(usize) -> f64) -> DVector<f64> {
+        DVector::from_fn(n, |k, _| of(k))
+    }
+
+    /// Residuals whose squares are what s^2 (1 + rho x)(1 - h) expects.
+    fn expected(s: f64, rho: f64, x: &DVector<f64>, h: &DVector<f64>) -> DVector<f64> {
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        vector(x.len(), |k| sign(k) * s * ((1.0 + rho * x[k]) * (1.0 - h[k])).sqrt())
+    }
+
+    #[test]
+    fn the_growth_that_residuals_have_is_found_over_all_gyros() {
+        // Most dwells are still, as in a campaign.
+        let x = vector(30, |k| (k as f64 - 19.0).max(0.0) / 10.0);
+        let other = vector(20, |k| ((k as f64 - 14.0).max(0.0) / 5.0).powi(2));
+        let (h, more) = (vector(30, |k| 0.05 + 0.01 * k as f64), vector(20, |k| if k == 17 { 1.0 } else { 0.3 }));
+        let zero = vector(20, |_| 0.0);
+        for rho in [0.4, 6.0] {
+            let (first, second) = (expected(0.02, rho, &x, &h), expected(7.0, rho, &other, &more));
+            let gyros = [
+                Unweighted { residuals: &first, leverage: &h, x: &x },
+                Unweighted { residuals: &second, leverage: &more, x: &other },
+                Unweighted { residuals: &zero, leverage: &more, x: &other },
+            ];
+            let found = growth(&gyros);
+            assert!((found / rho - 1.0).abs() < 5e-3, "{found} is not {rho}");
+            for (gyro, s) in gyros.iter().zip([0.02_f64, 7.0]) {
+                assert!((gyro.variance(rho) / (s * s) - 1.0).abs() < 1e-12);
+            }
+        }
+        let quieter = expected(0.02, -0.5, &x, &h);
+        assert_eq!(growth(&[Unweighted { residuals: &quieter, leverage: &h, x: &x }]), 0.0, "noise does not shrink");
+        let still = vector(30, |_| 0.0);
+        assert_eq!(growth(&[Unweighted { residuals: &quieter, leverage: &h, x: &still }]), 0.0, "nothing turned");
+    }
+
+    #[test]
+    fn variance_and_degrees_of_freedom_are_those_of_the_full_matrices() {
+        // A mean of n: M = 1 - 1/n, s^2 = r'r/tr(MV), and with equal variances tr(M) = n - 1 degrees of freedom.
+        let n = 12;
+        let (rho, x) = (3.0, vector(12, |k| (k as f64 / 11.0).powi(2)));
+        let m = DMatrix::identity(n, n) - DMatrix::from_element(n, n, 1.0 / n as f64);
+        let v = DMatrix::from_diagonal(&x.map(|x| 1.0 + rho * x));
+        let residuals = &m * vector(12, |k| (7.3 * k as f64).sin());
+        let leverage = vector(12, |_| 1.0 / 12.0);
+        let gyro = Unweighted { residuals: &residuals, leverage: &leverage, x: &x };
+        let trace = (&m * &v).trace();
+        assert!((gyro.variance(rho) - residuals.norm_squared() / trace).abs() < 1e-12);
+        assert!((gyro.dof(0.0) - 11.0).abs() < 1e-12);
+        // Satterthwaite has tr(MV)^2/tr(MVMV); the sum over the dwells is that but for terms of the order of 1/n.
+        let exact = trace * trace / (&m * &v * &m * &v).trace();
+        assert!((gyro.dof(rho) / exact - 1.0).abs() < 0.5 / n as f64, "{} {exact}", gyro.dof(rho));
+    }
+}

@@ -261,3 +261,6 @@ impl GyroFit {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -247,3 +247,6 @@ pub fn mean_squares_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Opti
     let are_there = numerator.1 > 0.0 && denominator.1 > 0.0 && denominator.0 > 0.0 && !ratio.is_nan();
     are_there.then(|| tails::f_tail(ratio, numerator.1, denominator.1))
 }
+
+#[cfg(test)]
+mod tests;

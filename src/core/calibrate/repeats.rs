@@ -68,3 +68,53 @@ impl PureError {
         Self { chi2: self.chi2 + other.chi2, dof: self.dof + other.dof }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::campaign::Phase;
+    use nalgebra::Vector3;
+
+    fn dwell(phase: Phase, force: Vector3<f64>, rate: Vector3<f64>) -> Dwell {
+        Dwell {
+            phase,
+            start_s: 0.0,
+            duration_s: 180.0,
+            attitude: None,
+            specific_force_g0: force,
+            rate_arcsec_s: rate,
+            temperature_c: None,
+            output_pulse_s: vec![0.0],
+            output_sem_pulse_s: None,
+        }
+    }
+
+    #[test]
+    fn positions_are_told_apart_by_every_command_and_by_the_phase() {
+        // Sixteen positions, far apart in the coordinate that is sorted or not at all; each four times, off by rounding or by more.
+        let mut dwells = Vec::new();
+        for turn in 0..4 {
+            for at in 0..16 {
+                let base = Vector3::new([0.0, 0.5, -0.5, 1.0][at / 4], 0.1 * (at % 4) as f64, 0.3);
+                let axis = [Vector3::x(), Vector3::y(), Vector3::z()][at % 3];
+                // The second is rounded, the third beyond rounding in force, the fourth in rate or phase.
+                let force = base + axis * [0.0, 0.9e-6, 3.1e-6, 0.0][turn];
+                let rate = axis * [0.0, 0.9e-3, 0.0, if at < 8 { 3.1e-3 } else { 0.0 }][turn];
+                let phase = if turn == 3 && at >= 8 { Phase::Rate } else { Phase::Static };
+                dwells.push(dwell(phase, force, rate));
+            }
+        }
+        let pairs: Vec<Vec<usize>> = (0..16).map(|at| vec![at, at + 16]).collect();
+        assert_eq!(repeats(&dwells), pairs);
+    }
+
+    #[test]
+    fn the_spread_of_repeats_is_about_their_weighted_means() {
+        // (y - y')^2/(s^2 + s'^2) of a pair: 4/(1 + 3); three of 1, 2, 6 with sd 2 about 3: (4 + 1 + 9)/4.
+        let (y, sd) = ([5.0, 1.0, 7.0, 2.0, 99.0, 6.0], [1.0, 2.0, 3.0_f64.sqrt(), 2.0, 1.0, 2.0]);
+        let found = PureError::of(&[vec![0, 2], vec![1, 3, 5]], |k| y[k], |k| sd[k]);
+        assert!((found.chi2 - 4.5).abs() < 1e-12 && found.dof == 3, "{found:?}");
+        let twice = found.plus(PureError { chi2: 2.0, dof: 1 });
+        assert!((twice.chi2 - 6.5).abs() < 1e-12 && twice.dof == 4);
+    }
+}

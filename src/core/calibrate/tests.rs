@@ -199,3 +199,105 @@ fn equal_positions_are_found_as_repeats_and_near_ones_are_not() {
         .collect();
     assert_eq!(repeats::repeats(&campaign(&rows, None).dwells), [vec![0, 2], vec![1, 4]]);
 }
+
+#[test]
+fn each_term_is_read_from_its_own_columns() {
+    // D0 = 3, G = (1, -2, 4), P = (2, -3, 1), E = (0.6, 0, 0.8), without noise.
+    let turn = |k: usize| (2.4 * k as f64, 1.1 * k as f64);
+    let rows: Vec<Row> = (0..30)
+        .map(|k| {
+            let (s, t) = turn(k);
+            let a = Vector3::new(s.cos() * t.cos(), s.sin() * t.cos(), t.sin());
+            let w = 10.0 * Vector3::new((1.7 * t).sin(), (0.6 * s).cos(), (1.3 * s + 0.4 * t).cos());
+            let squares = 2.0 * a.x * a.x - 3.0 * a.y * a.y + a.z * a.z;
+            let y = 3.0 + a.x - 2.0 * a.y + 4.0 * a.z + squares + 0.6 * w.x + 0.8 * w.z;
+            (a.into(), w.into(), y, Some(0.1))
+        })
+        .collect();
+    let near = |found: Option<Vector3<f64>>, x: f64, y: f64, z: f64| {
+        found.is_some_and(|found| (found - Vector3::new(x, y, z)).norm() < 1e-9)
+    };
+    let fit = |known_e, terms| calibrate(&campaign(&rows, known_e), terms).gyros.remove(0);
+    let full = fit(None, Terms::MODEL_6);
+    assert_close(full.bias().expect("fitted") * 1e-3, 3e-3);
+    assert!(near(full.g(), 1.0, -2.0, 4.0) && near(full.p(), 2.0, -3.0, 1.0) && near(full.e(), 0.6, 0.0, 0.8));
+    assert!((full.scale_factor().expect("determined") - 1.0).abs() < 1e-9);
+    assert_eq!(full.reduced_chi2(), Some(full.chi2 / 21.0));
+    let held = fit(Some([0.6, 0.0, 0.8]), Terms::MODEL_6);
+    assert!(near(held.e(), 0.6, 0.0, 0.8) && held.of(Term::Scale).is_none() && near(held.p(), 2.0, -3.0, 1.0));
+    assert_close(held.scale_factor().expect("held"), 1.0);
+    // Without a term its figures are not there; and a scale that nothing shows is none.
+    let scale = fit(None, Terms::of(&[Term::Scale]));
+    assert_eq!((scale.bias(), scale.g(), scale.p()), (None, None, None));
+    let one = calibrate(&campaign(&rows[..1], None), Terms::of(&[Term::Scale])).gyros.remove(0);
+    assert_eq!((one.scale_factor(), one.reduced_chi2()), (None, Some(0.0).filter(|_| one.dof > 0)));
+    let left = fit(None, Terms::of(&[Term::Bias]));
+    assert_eq!((left.e(), left.scale_factor(), left.scale_source), (None, None, ScaleSource::Missing));
+}
+
+#[test]
+fn how_the_figures_came_about_is_noted() {
+    let face = |k: usize, sem: Option<f64>| (FACES[k % 6], [0.0, 0.0, 1e-2 * (k / 6) as f64], k as f64, sem);
+    let fitted = |sem: Option<f64>, again: bool| {
+        let mut rows: Vec<Row> = (0..18).map(|k| face(k, sem)).collect();
+        rows.extend(again.then(|| face(0, sem)));
+        calibrate(&campaign(&rows, Some([2.0, 0.0, 0.0])), Terms::MODEL_6)
+    };
+    let gyros = vec![Slot::G1];
+    let mut with = fitted(Some(0.1), true);
+    with.gyros[0].p_value = Some(0.5);
+    assert_eq!(with.all_notes(), []);
+    with.gyros[0].p_value = Some(0.9e-3);
+    assert_eq!(with.all_notes(), [CampaignNote::ResidualsExceedNoise { gyros: gyros.clone() }]);
+    with.gyros[0].p_value = Some(1e-3);
+    (with.gyros[0].chi2, with.gyros[0].dof) = (25.0, 100);
+    assert_eq!(with.all_notes(), [CampaignNote::ErrorsOverstated { gyros: vec![(Slot::G1, 2.0)] }]);
+    with.repeats.clear();
+    with.gyros[0].chi2 = 100.0;
+    assert_eq!(with.all_notes(), [CampaignNote::NoRepeats]);
+
+    // Without any, nothing is overstated; and what grows by a twentieth does not grow.
+    let mut without = fitted(None, true);
+    without.gyros[0].p_value = None;
+    (without.gyros[0].chi2, without.gyros[0].dof) = (25.0, 100);
+    without.growth = 0.1;
+    assert_eq!(without.all_notes(), [CampaignNote::NoStandardErrors]);
+    without.growth = 3.0;
+    assert_eq!(without.all_notes(), [CampaignNote::NoStandardErrors, CampaignNote::NoiseGrows { times: 2.0 }]);
+}
+
+#[test]
+fn the_gauge_is_imposed_where_the_force_is_constant_to_two_per_cent() {
+    // |a|^2 is 1 +- d in turn: its standard deviation over its mean is d.
+    let design = |d: f64, terms: Terms| {
+        let rows: Vec<Row> = (0..24)
+            .map(|k| {
+                let size = f64::sqrt(if k < 12 { 1.0 + d } else { 1.0 - d });
+                (FACES[k % 6].map(|a| size * a), [0.0; 3], 0.0, None)
+            })
+            .collect();
+        design::Design::new(&campaign(&rows, None).dwells, terms)
+    };
+    let both = Terms::of(&[Term::Bias, Term::GSquared]);
+    let gauged = design(0.019, both);
+    // D0 gains |a|^2 = 1 and each P loses 1: a unit vector of length 2.
+    for (found, by_hand) in gauged.gauge.as_ref().expect("constant").iter().zip([0.5, -0.5, -0.5, -0.5]) {
+        assert_close(*found, by_hand);
+    }
+    assert_eq!(gauged.reduced.ncols(), 3);
+    let free = design(0.021, both);
+    assert!(free.gauge.is_none() && free.reduced.ncols() == 4);
+    assert!(design(0.0, Terms::of(&[Term::GSquared])).gauge.is_none(), "one of both has no partner");
+    assert!(design(0.0, Terms::of(&[Term::Bias])).gauge.is_none());
+    let units = [Term::Bias, Term::GLinear, Term::GSquared, Term::Scale].map(design::unit);
+    assert_eq!(units, ["pulse/s", "pulse/(s*g0)", "pulse/(s*g0^2)", "pulse/arcsec"]);
+}
+
+#[test]
+fn the_scatter_of_stated_errors_is_that_of_the_still_dwells() {
+    // Still: sem of exp(-0.2 .. 0.2); turning: a hundred times as much, which says nothing of how well a sem is known.
+    let mut rows: Vec<Row> = (0..5).map(|k| (FACES[k], [0.0; 3], 0.0, Some((0.1 * (k as f64 - 2.0)).exp()))).collect();
+    rows.extend((0..5).map(|k| (FACES[5], [0.0, 0.0, 100.0 * (k + 1) as f64], 0.0, Some(100.0))));
+    let scatter = sem_scatter(&campaign(&rows, None).dwells, 0);
+    assert_close(scatter, 0.025f64.sqrt());
+}

@@ -129,3 +129,6 @@ pub(super) fn extended(design: &Design, regressors: &[Regressor]) -> Design {
     let gauge = design.gauge.as_ref().map(|direction| direction.clone().resize_vertically(p + m, 0.0));
     Design { terms: design.terms, reduced, expand, gauge }
 }
+
+#[cfg(test)]
+mod tests;

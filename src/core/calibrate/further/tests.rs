@@ -1,0 +1,133 @@
+//! Outputs with effects put in by hand, and what an augmented model makes of them.
+
+use nalgebra::{Rotation3, Vector3};
+
+use super::*;
+use crate::core::calibrate::{EffectParameter, calibrate_augmented};
+use crate::core::campaign::{CampaignGyro, Dwell, Phase, TestKind};
+use crate::core::effects::Shape;
+use crate::core::frames::Rotation;
+use crate::core::model::Terms;
+use crate::core::mounting::{Geometry, Slot};
+use crate::core::record::Name;
+use crate::core::time::UtcMicros;
+
+const RAMP: f64 = 0.5;
+const BY_TEMPERATURE: [f64; 2] = [0.04, -0.07];
+const AZIMUTH: f64 = 0.004;
+const SCALES: [f64; 2] = [1.6, 2.5];
+
+/// Two gyros along x and y whose north is off by [`AZIMUTH`]; G1 drifts with time, both with temperature.
+fn campaign() -> Campaign {
+    let earth = Vector3::new(0.0, 11.5, 9.7);
+    let north_off = earth + Vector3::new(0.0, 0.0, AZIMUTH).cross(&earth);
+    let temperature = |k: usize| 20.0 + (1.9 * k as f64).sin();
+    let mean = (0..30).map(temperature).sum::<f64>() / 30.0;
+    let dwell = |k: usize| {
+        let turn = k as f64;
+        let attitude = Rotation3::from_euler_angles(2.4 * turn, 1.1 * turn, 0.7 * turn);
+        let force = attitude * Vector3::z();
+        let output = |j: usize| {
+            let own = if j == 0 { RAMP * 240.0 * turn / 3600.0 } else { 0.0 };
+            let drift = 0.3 + 2.0 * force.x - force.y + own + BY_TEMPERATURE[j] * (temperature(k) - mean);
+            SCALES[j] * ((attitude * north_off)[j] + drift)
+        };
+        Dwell {
+            phase: Phase::Static,
+            start_s: 240.0 * turn,
+            duration_s: 180.0,
+            attitude: Some(Rotation::stated_as(attitude)),
+            specific_force_g0: force,
+            rate_arcsec_s: attitude * earth,
+            temperature_c: Some(temperature(k)),
+            output_pulse_s: vec![output(0), output(1)],
+            output_sem_pulse_s: Some(vec![1e-3; 2]),
+        }
+    };
+    let name = |text| Name::parse(text).expect("a name");
+    let gyro = |slot, e| CampaignGyro { slot, serial: name("A"), known_e: Some(e) };
+    let gyros = vec![gyro(Slot::G1, Vector3::x() * SCALES[0]), gyro(Slot::G2, Vector3::y() * SCALES[1])];
+    Campaign {
+        imu: name("IMU"),
+        station: name("ST"),
+        measured_at: UtcMicros(0),
+        geometry: Geometry::Orthogonal,
+        site: None,
+        gyros,
+        dwells: (0..30).map(dwell).collect(),
+        test: TestKind::Imu,
+        model: None,
+        temperature_c: None,
+        operator: None,
+        note: None,
+    }
+}
+
+fn adopted(effect: Effect, shape: Shape, slots: &[Slot]) -> Adopted {
+    Adopted { effect, shape, slots: slots.to_vec() }
+}
+
+fn values(of: &[EffectParameter]) -> Vec<(Effect, &'static str, f64)> {
+    of.iter().map(|e| (e.effect, e.coefficient.unit, e.value)).collect()
+}
+
+fn is(found: &[(Effect, &str, f64)], expected: &[(Effect, &str, f64)]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!((found.0, found.1), (expected.0, expected.1));
+        assert!((found.2 - expected.2).abs() < 1e-8, "{found:?} is not {expected:?}");
+    }
+}
+
+#[test]
+fn adopted_effects_come_back_for_the_gyros_that_have_them() {
+    let both = [Slot::G1, Slot::G2];
+    let model = [
+        adopted(Effect::Azimuth, Shape::Linear, &both),
+        adopted(Effect::TimeRamp, Shape::Linear, &both[..1]),
+        adopted(Effect::TemperatureBias, Shape::Linear, &both),
+        // After the first instant of all it is the bias itself.
+        adopted(Effect::BiasStep, Shape::Instant(-1.0), &both[1..]),
+    ];
+    let mut campaign = campaign();
+    let found = calibrate_augmented(&campaign, Terms::MODEL_6, &model);
+    let (ramp, azimuth) = ((Effect::TimeRamp, "deg/h/h", RAMP), (Effect::Azimuth, "rad", AZIMUTH));
+    let by_temperature = BY_TEMPERATURE.map(|k| (Effect::TemperatureBias, "deg/h/K", k));
+    is(&values(&found.gyros[0].effects), &[ramp, by_temperature[0], azimuth]);
+    is(&values(&found.gyros[1].effects), &[by_temperature[1], azimuth]);
+    let step = CampaignNote::EffectLeftOut { slot: Some(Slot::G2), effect: Effect::BiasStep, why: LeftOut::NotTold };
+    assert_eq!(found.notes, [step]);
+    for (fit, scale) in found.gyros.iter().zip(SCALES) {
+        // The drift is on the body's axes, so G is the same but for the scale.
+        let g = fit.g().expect("fitted") / scale;
+        assert!((g - Vector3::new(2.0, -1.0, 0.0)).norm() < 1e-8 && fit.chi2 < 1e-9, "{g} {}", fit.chi2);
+    }
+
+    // Without a temperature that effect alone is left out, and says why.
+    campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
+    let found = calibrate_augmented(&campaign, Terms::MODEL_6, &model[1..3]);
+    let why = LeftOut::Lacks("the dwells carry no temperature");
+    assert_eq!(found.notes, [CampaignNote::EffectLeftOut { slot: None, effect: Effect::TemperatureBias, why }]);
+    assert_eq!(found.gyros[0].effects.len(), 1);
+
+    // Outputs that never change have no axes, and so no effects.
+    campaign.dwells.iter_mut().for_each(|dwell| dwell.output_pulse_s[1] = 7.0);
+    let found = calibrate_augmented(&campaign, Terms::MODEL_6, &model[1..2]);
+    let why = diagnose::Refusal::NoOutput("G2");
+    assert_eq!(found.notes, [CampaignNote::EffectsLeftOut { why }]);
+    assert!(found.gyros.iter().all(|gyro| gyro.effects.is_empty()));
+}
+
+#[test]
+fn a_column_adds_where_it_leaves_more_than_a_millionth_of_its_power() {
+    // Beside the unit vector e1: (1, t) keeps t^2/(1 + t^2) of its power.
+    let base = DMatrix::from_column_slice(3, 1, &[1.0, 0.0, 0.0]);
+    let with = |t: f64| DVector::from_vec(vec![1.0, t, 0.0]);
+    let pairs = |columns: Vec<DVector<f64>>| columns.into_iter().map(|c| (c.norm_squared(), c));
+    let (adds, basis) =
+        adding(base, pairs(vec![with(0.9e-3), with(1.1e-3), with(5.0), DVector::from_vec(vec![0.0, 3.0, 4.0])]));
+    assert_eq!(adds, [false, true, false, true]);
+    assert!((basis - DMatrix::identity(3, 3)).norm() < 1e-9);
+    let (kept, hidden) = told_apart(vec![1, 2, 3, 4], &adds, |one| (*one == 3).then_some(Effect::Azimuth));
+    assert_eq!((kept, hidden), (vec![2, 4], vec![Effect::Azimuth]));
+}

@@ -223,3 +223,101 @@ fn what_the_positions_do_not_show_is_said() {
     let lost = calibrate_bench(&bench(TestKind::TorqueFeedback, &positions, &nothing, Some(3e-3), None));
     assert_eq!(lost.expect_err("no scale"), NotFitted::NoScale);
 }
+
+/// The same positions under rates along the input axis alone.
+fn along_input() -> Vec<Position> {
+    all_over().into_iter().map(|(a, w)| (a, [w[0], 0.0, 0.0])).collect()
+}
+
+/// Standard deviation of E along the input axis for outputs of standard deviation one, from the full matrices.
+fn sd_of_scale(positions: &[Position]) -> f64 {
+    let row = |(a, w): &Position| [w[0], 1.0, a[0], a[1], a[0] * a[0], a[1] * a[1], a[2]];
+    let design = DMatrix::from_row_iterator(positions.len(), 7, positions.iter().flat_map(row));
+    (design.transpose() * design).try_inverse().expect("it is determined")[(0, 0)].sqrt()
+}
+
+#[test]
+fn a_torquer_wired_the_other_way_round_and_rates_along_the_input_axis_alone_change_no_coefficient() {
+    for (positions, rank) in [(all_over(), 9), (along_input(), 7)] {
+        for k in [1.47, -1.47] {
+            let outputs = outputs(k, &DRIFT, &positions);
+            let found = fitted(&bench(TestKind::TorqueFeedback, &positions, &outputs, Some(1e-3), None));
+            assert_eq!((found.scale_source, found.rank), (ScaleSource::Fitted, rank));
+            assert!((found.e - Vector3::new(k, 0.0, 0.0)).norm() < 1e-9, "{}", found.e);
+            for (name, value) in NAMES.into_iter().zip(DRIFT) {
+                let of = found.coefficient(name).unwrap().value;
+                assert!((of - value).abs() < 1e-8, "{k} {name}: {of}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_fitted_scale_must_be_ten_of_its_standard_deviations() {
+    let positions = along_input();
+    let found = |ratio: f64, k: f64| {
+        let sem = Some(k.abs() / (ratio * sd_of_scale(&positions)));
+        calibrate_bench(&bench(TestKind::TorqueFeedback, &positions, &outputs(k, &DRIFT, &positions), sem, None))
+    };
+    for k in [1.47, -1.47] {
+        assert_eq!(found(9.9, k), Err(NotFitted::NoScale));
+        assert!(found(10.1, k).is_ok());
+    }
+}
+
+#[test]
+fn a_servo_tests_scale_passes_for_one_within_its_noise_or_two_per_cent() {
+    let positions = along_input();
+    let found = |k: f64, sd: f64| {
+        let sem = Some(sd / sd_of_scale(&positions));
+        calibrate_bench(&bench(TestKind::TurntableServo, &positions, &outputs(k, &DRIFT, &positions), sem, None))
+            .map(|found| found.e.x)
+    };
+    for k in [1.1, 0.9, -1.1, -0.9] {
+        assert_eq!(found(k, 0.0202), Ok(k.signum()), "five of its deviations are more than a tenth");
+        assert!(matches!(found(k, 0.0198), Err(NotFitted::NotATableRate { found }) if (found - k).abs() < 1e-9));
+    }
+    for k in [1.019, 0.981, -1.019] {
+        assert_eq!(found(k, 1e-6), Ok(k.signum()));
+    }
+    assert!(found(1.021, 1e-6).is_err() && found(0.979, 1e-6).is_err());
+    // The sign is turned only where it is seen.
+    assert_eq!([found(-0.5, 0.2), found(-0.5, 0.11), found(-1.1, 0.23)], [Ok(1.0), Ok(1.0), Ok(1.0)]);
+    assert_eq!(found(-1.1, 0.21), Ok(-1.0));
+    // And where the Earth's rate does not change along the input axis nothing contradicts a table rate.
+    let still: Vec<Position> = all_over().into_iter().map(|(a, _)| (a, [9.0, 0.0, 0.0])).collect();
+    let campaign = bench(TestKind::TurntableServo, &still, &outputs(1.0, &DRIFT, &still), Some(1e-3), None);
+    let found = fitted(&campaign);
+    assert_eq!((found.scale_source, found.e), (ScaleSource::Held, Vector3::x()));
+    assert!((found.coefficient("D_F").unwrap().value - DRIFT[0]).abs() < 1e-9);
+}
+
+#[test]
+fn repeats_say_how_far_a_bench_tests_errors_can_be_trusted() {
+    // Each of the tumble's positions twice, 0.3 apart where 0.1 is stated: chi2 24 (0.3/0.1)^2/2 = 108 on 24, f^2 = 112/28 or better.
+    let mut positions = tumble();
+    positions.extend(tumble());
+    let drift = [0.4, 2.5, -3.5, 0.04, -0.04, 0.0];
+    let made: Vec<f64> = outputs(2.0, &drift, &positions)
+        .iter()
+        .enumerate()
+        .map(|(k, y)| y + if k < 24 { 0.15 } else { -0.15 })
+        .collect();
+    let fitted_with = |sem| fitted(&bench(TestKind::TorqueFeedback, &positions, &made, sem, Some([2.0, 0.0, 0.0])));
+    let found = fitted_with(Some(0.1));
+    assert_eq!(found.repeats.len(), 24);
+    assert!((found.noise.pure_error.chi2 - 108.0).abs() < 1e-9 && found.noise.pure_error.dof == 24);
+    // The residuals beyond the repeats are none, 0 on 20: together (108 + 4)/(24 + 4 + 20), over two less for the t.
+    let f = (112.0_f64 / 48.0).sqrt();
+    assert!((found.noise.factor.unwrap() / f - 1.0).abs() < 1e-9, "{:?}", found.noise);
+    let sd = 0.1 / 2.0 * (112.0_f64 / 46.0 * 2.0 / 48.0).sqrt();
+    assert!((found.coefficient("D_I").unwrap().sd.unwrap() / sd - 1.0).abs() < 1e-9);
+    // Four columns of equal leverage each, 4/48; the tumble's own harmonics fit nothing of what repeats differ by.
+    let own = 0.15 / (0.1 * f * (1.0 - found.leverage[0]).sqrt());
+    assert!((found.leverage.sum() - 4.0).abs() < 1e-9);
+    assert!((found.sigma.as_ref().unwrap()[0] / (0.1 * f) - 1.0).abs() < 1e-9);
+    assert!((found.standardised.as_ref().unwrap()[0] / own - 1.0).abs() < 1e-9);
+    // Without stated errors the scatter itself: 48 of 0.15^2 on 44.
+    let bare = fitted_with(None);
+    assert!((bare.noise.factor.unwrap() / (0.15 * (48.0_f64 / 44.0).sqrt()) - 1.0).abs() < 1e-9);
+}

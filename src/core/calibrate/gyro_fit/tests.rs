@@ -8,6 +8,7 @@ use crate::core::campaign::{CampaignNote, LeftOut, Phase, TestKind};
 use crate::core::effects::Coefficient;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::Name;
+use crate::core::tails::f_tail;
 use crate::core::time::UtcMicros;
 
 /// A fixed sequence without any pattern that the columns have.
@@ -290,6 +291,10 @@ fn noise_that_grows_with_the_rate_is_in_the_covariance_and_in_every_sigma() {
     assert_eq!(found.noise.source, Source::Residuals);
     let pair = (campaign.dwells[0].output_pulse_s[0] - campaign.dwells[1].output_pulse_s[0]).powi(2) / 2.0;
     close(found.noise.pure_error.chi2, pair, "the pair at rest");
+
+    // What is left over beyond that pair, over the variances, is held against it.
+    let beyond: f64 = found.residuals.iter().zip(&v).map(|(r, v)| r * r / v).sum::<f64>() - pair;
+    close(found.p_value.expect("a pair"), f_tail(beyond / (n - 2.0) / pair, n - 2.0, 1.0), "chance");
 
     // The input axis is found where it is fitted too, and rates like the Earth's show no growth.
     let scale = Terms::of(&[Term::Bias, Term::Scale]);

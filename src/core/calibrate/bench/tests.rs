@@ -222,6 +222,10 @@ fn what_the_positions_do_not_show_is_said() {
     let nothing: Vec<f64> = (0..positions.len()).map(|k| 1e-3 * ((k * 37 % 11) as f64 - 5.0)).collect();
     let lost = calibrate_bench(&bench(TestKind::TorqueFeedback, &positions, &nothing, Some(3e-3), None));
     assert_eq!(lost.expect_err("no scale"), NotFitted::NoScale);
+    // One next to nothing divides outputs next to nothing, but not what is stated of them.
+    let little = outputs(1e-158, &DRIFT, &positions);
+    let why = error(TestKind::TorqueFeedback, &positions, &little, Some([1e-158, 0.0, 0.0]));
+    assert_eq!(why, NotFitted::NoScale);
 }
 
 /// The same positions under rates along the input axis alone.

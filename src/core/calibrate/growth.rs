@@ -7,7 +7,8 @@
 
 use nalgebra::DVector;
 
-/// Rounds of the fixed-point iteration; the change is below a per mille after five.
+/// Rounds of the fixed-point iteration. Where most dwells are at rest the answer is within 0.5 % then; with rates spread evenly it was 3 %
+/// short (0.389 of 0.4).
 const ROUNDS: usize = 12;
 
 /// Residuals of one gyro's unweighted fit.

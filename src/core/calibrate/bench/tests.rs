@@ -234,6 +234,7 @@ fn along_input() -> Vec<Position> {
 }
 
 /// Standard deviation of E along the input axis for outputs of standard deviation one, from the full matrices.
+#[expect(clippy::disallowed_methods, reason = "the other route, by the textbook: the normal equations")]
 fn sd_of_scale(positions: &[Position]) -> f64 {
     let row = |(a, w): &Position| [w[0], 1.0, a[0], a[1], a[0] * a[0], a[1] * a[1], a[2]];
     let design = DMatrix::from_row_iterator(positions.len(), 7, positions.iter().flat_map(row));

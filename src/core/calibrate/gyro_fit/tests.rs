@@ -97,6 +97,7 @@ fn close(a: f64, b: f64, what: impl std::fmt::Display) {
     assert!((a - b).abs() <= 1e-8 * b.abs().max(1.0), "{what}: {a} is not {b}");
 }
 
+#[expect(clippy::disallowed_methods, reason = "the other route, by the textbook: the normal equations")]
 #[test]
 fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
     for has_sem in [true, false] {

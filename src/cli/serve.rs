@@ -4,11 +4,13 @@ use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::Context;
 use clap::Args;
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 
 use super::notify;
@@ -39,11 +41,39 @@ impl Serve {
 pub(super) fn run(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
     start_log(&config.log)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("cannot start")?;
-    runtime.block_on(serve(config, ready))
+    let served = runtime.block_on(async {
+        let (stopping, stop) = watch::channel(false);
+        let grace = Duration::from_secs_f64(config.server.shutdown_grace_s);
+        let stopped = stop_signal()?;
+        tokio::spawn(async move {
+            stopped.await;
+            let _ended_already = stopping.send(true);
+        });
+        let over = over(stop.clone(), grace);
+        tokio::select! {
+            served = serve(config, ready, told(stop)) => served,
+            () = over => Err(anyhow::anyhow!(
+                "not everything came to its end within {} s (server.shutdown_grace_s): what was not answered may not be stored",
+                grace.as_secs_f64()
+            )),
+        }
+    });
+    // What is not at its end now waits for a host that does not answer.
+    runtime.shutdown_background();
+    served
 }
 
-async fn serve(config: Config, ready: impl FnOnce(SocketAddr)) -> anyhow::Result<()> {
-    let stop = stop_signal()?;
+/// Resolves once it is to stop.
+async fn told(mut stop: watch::Receiver<bool>) {
+    let _ending = stop.wait_for(|stop| *stop).await;
+}
+
+async fn over(stop: watch::Receiver<bool>, grace: Duration) {
+    told(stop).await;
+    tokio::time::sleep(grace).await;
+}
+
+async fn serve(config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future<Output = ()>) -> anyhow::Result<()> {
     telemetry::start().context("cannot count metrics")?;
     let config = Arc::new(config);
     config.server.check_exposure()?;

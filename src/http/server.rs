@@ -23,6 +23,9 @@ use crate::config::Server;
 /// Largest request head; hyper answers 431 beyond it.
 const MAX_HEAD_BYTES: usize = 64 * 1024;
 
+/// Part of the grace that requests have; the rest is for what they have left to be written.
+const OF_REQUESTS: f64 = 0.75;
+
 /// Serves until `stop` resolves, then refuses new connections and waits for requests in flight, but not for ever.
 pub async fn serve(
     listener: TcpListener,
@@ -79,8 +82,8 @@ pub async fn serve(
         });
     }
     drop(listener);
-    let grace = Duration::from_secs_f64(limits.shutdown_grace_s);
+    let grace = Duration::from_secs_f64(limits.shutdown_grace_s * OF_REQUESTS);
     if tokio::time::timeout(grace, graceful.shutdown()).await.is_err() {
-        tracing::warn!(grace_s = limits.shutdown_grace_s, "requests still in flight were cut off");
+        tracing::warn!(grace_s = grace.as_secs_f64(), "requests still in flight were cut off");
     }
 }

@@ -1,12 +1,13 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
+mod ahead;
 mod benching;
 mod checking;
 mod confirming;
 mod correcting;
 mod memory;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::judging;
@@ -24,6 +25,7 @@ use crate::store::{
     StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::{history_note, time};
+pub(super) use ahead::Ahead;
 use checking::Checked;
 pub(super) use memory::Memory;
 use memory::Remembered;
@@ -35,6 +37,8 @@ pub(super) struct Group {
     imus: HashMap<String, u32>,
     stations: HashMap<String, u32>,
     gyros: HashMap<String, u32>,
+    /// Of new names.
+    numbers: HashSet<(Table, u32)>,
     records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
     rows: HashMap<(u32, UtcMicros), Id>,
     benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
@@ -60,6 +64,11 @@ impl Newest {
     /// Whether the IMU has nothing at this instant, and nothing newer.
     fn is_new(&self, imu: u32, at: UtcMicros) -> bool {
         self.imus.get(&imu).is_none_or(|newest| *newest < at)
+    }
+
+    /// As [`Newest::is_new`], of a gyro.
+    fn is_new_of(&self, gyro: u32, at: UtcMicros) -> bool {
+        self.gyros.get(&gyro).is_none_or(|(newest, _)| *newest < at)
     }
 
     /// Whether a calibration is of a known IMU, station and gyros, and newer than all there is of them, but not by decades: then nothing
@@ -119,6 +128,18 @@ impl Newest {
         }
     }
 
+    /// Reads the newest records of some gyros again.
+    pub async fn read_again(&mut self, store: &Store, gyros: &[u32]) -> Result<(), StoreError> {
+        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        for (gyro, rows) in gyros.iter().zip(store.newest_histories(&ever, 1).await?) {
+            match rows.last() {
+                Some(newest) => self.gyros.insert(*gyro, (newest.at, newest.imu)),
+                None => self.gyros.remove(gyro),
+            };
+        }
+        Ok(())
+    }
+
     /// Each gyro with its newest record's instant and IMU.
     pub fn gyros(&self) -> impl Iterator<Item = (u32, UtcMicros, u32)> {
         self.gyros.iter().map(|(&gyro, &(at, imu))| (gyro, at, imu))
@@ -132,6 +153,7 @@ pub(super) struct Desk<'a> {
     /// None where the database is to be asked each time.
     pub newest: Option<&'a Newest>,
     pub memory: &'a mut Memory,
+    pub ahead: &'a Ahead,
     pub judging: &'a Judging,
     /// Where clocks that were never set begin.
     pub epochs: &'a [UtcMicros],
@@ -258,7 +280,7 @@ impl Desk<'_> {
         let Some(key) = key else { return Ok(None) };
         let used = match group.keys.get(key) {
             Some((id, hash)) => Some((*id, hash.to_vec())),
-            None => self.store.key(key).await?,
+            None => self.ahead.key(key, self.store).await?,
         };
         match used {
             None => Ok(None),
@@ -273,11 +295,11 @@ impl Desk<'_> {
         if let Some(id) = group.rows.get(&(gyro, at)) {
             return Ok(Some(*id));
         }
-        if self.newest.is_some_and(|newest| newest.gyros.get(&gyro).is_none_or(|(newest, _)| *newest < at)) {
+        if self.newest.is_some_and(|newest| newest.is_new_of(gyro, at)) {
             return Ok(None);
         }
-        let row = self.store.history(gyro, Span { from: at, to: at }, 1).await?;
-        Ok(row.first().map(|figures| figures.record).filter(|record| !group.withdraws(*record)))
+        let held = self.ahead.row_at(gyro, at, self.store).await?;
+        Ok(held.filter(|record| !group.withdraws(*record)))
     }
 
     fn number(&self, table: Table, name: &str, group: &Group) -> Option<u32> {
@@ -289,7 +311,9 @@ impl Desk<'_> {
         if let Some(number) = self.number(table, name, group) {
             return number;
         }
-        let number = (table.of_store(&self.store.names().read()).len() + table.of(group).len() + 1) as u32;
+        let (new, is_new) = (table.of(group).len(), |number| group.numbers.contains(&(table, number)));
+        let number = self.store.new_number(table.of_store(&self.store.names().read()), new, is_new);
+        group.numbers.insert((table, number));
         table.of_mut(group).insert(name.to_owned(), number);
         for key in look_keys(name) {
             group.looks.entry((table, key)).or_insert_with(|| name.to_owned());

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::admit::{Desk, Group, Memory};
+use super::admit::{Ahead, Desk, Group, Memory};
 use super::{Accepted, Id, Pipeline, ReadDocument, Refused};
 use crate::core::note::Note;
 use crate::store::IdSource;
@@ -29,12 +29,13 @@ impl Pipeline {
     pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {
         // Its identifiers are seen by nobody; they only have to differ from those that are stored.
         let mut ids = IdSource::after(NEVER_STORED);
-        let mut memory = Memory::default();
+        let (mut memory, ahead) = (Memory::default(), Ahead::default());
         let mut desk = Desk {
             store: &self.store,
             ids: &mut ids,
             newest: None,
             memory: &mut memory,
+            ahead: &ahead,
             judging: &self.config.judging,
             epochs: &self.config.plausibility.clock_epochs,
             now: self.clock.now(),

@@ -6,7 +6,7 @@ mod undoing;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::alerting::Naming;
-use super::line::{Line, Source, sample_of};
+use super::line::{Line, Source, read_ahead, sample_of};
 use crate::config::Judging;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
@@ -129,18 +129,39 @@ impl Judge {
             return Ok(());
         }
         let is_new = changes.gyros.iter().any(|(number, _)| *number == gyro);
+        let need = Need::of(&self.limits(None));
         let line = if is_new {
             Line::default()
         } else {
-            let need = Need::of(&self.limits(None));
-            let mut line = Line::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?;
-            let large = self.judging.remembered_records / LARGE_PART;
-            if line.len() > large {
-                line.shorten(large / 2, need);
-            }
-            line
+            Line::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?
         };
+        self.remember(gyro, line, need);
+        Ok(())
+    }
+
+    fn remember(&mut self, gyro: u32, mut line: Line, need: Need) {
+        let large = self.judging.remembered_records / LARGE_PART;
+        if line.len() > large {
+            line.shorten(large / 2, need);
+        }
         self.lines.insert(gyro, line);
+    }
+
+    pub fn knows(&self, gyro: u32) -> bool {
+        self.lines.contains_key(&gyro)
+    }
+
+    /// How many of a gyro's newest rows [`Judge::take_in`] wants.
+    pub fn read_ahead(&self) -> usize {
+        read_ahead(Need::of(&self.limits(None)))
+    }
+
+    /// Remembers gyros of which the newest rows have been read, as many as [`Judge::read_ahead`] or all.
+    pub async fn take_in(&mut self, newest: &[(u32, Vec<Figures>)]) -> Result<(), StoreError> {
+        let need = Need::of(&self.limits(None));
+        for (gyro, line) in Line::load_many(&self.store, newest, need, self.judging.method).await? {
+            self.remember(gyro, line, need);
+        }
         Ok(())
     }
 

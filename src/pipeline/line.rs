@@ -41,6 +41,8 @@ pub(super) struct Source<'a> {
 
 /// Records read at once; nearly always all that the rules look back over.
 const READ_AHEAD: usize = 128;
+/// First records that are read for a baseline: some may repeat one another.
+const FIRST_FEW: usize = 4 * BASELINE_RECORDS;
 /// By so much a record may be late and still find what it is compared with.
 const LATE_DAYS: f64 = 1.0;
 
@@ -54,7 +56,7 @@ impl Line {
         method: JudgedMethod,
     ) -> Result<Self, StoreError> {
         let marks = load_marks(store, gyro).await?;
-        let ahead = READ_AHEAD.max(need.records + 1);
+        let ahead = read_ahead(need);
         let mut stored = Vec::new();
         loop {
             let first = stored.first().map(|figures: &Figures| figures.at);
@@ -63,17 +65,64 @@ impl Line {
             let older = store.newest_history(gyro, Span { to: before, ..Span::EVER }, count).await?;
             let is_whole = older.len() < count;
             stored.splice(0..0, older);
-            let samples = stored.iter().map(|figures| sample_of(figures, method)).collect();
-            let mut line = Self::of_all(samples, marks.clone());
-            if is_whole || line.is_enough(need) {
+            if let Some(mut line) = Self::of_newest(&stored, is_whole, marks.clone(), need, method) {
                 if !is_whole {
-                    line.begin_at(stored.first().map(|figures| figures.at));
-                    line.read_baseline(store, gyro, until, method).await?;
+                    let first = store.history(gyro, line.of_baseline(until), FIRST_FEW).await?;
+                    line.set_baseline(&first, method);
                 }
                 line.trim(need);
                 return Ok(line);
             }
         }
+    }
+
+    /// The lines of several gyros, of which the newest rows have been read (as many as [`read_ahead`], or fewer where there are no others),
+    /// in two questions for all; those that need more are left out.
+    pub async fn load_many(
+        store: &Store,
+        newest: &[(u32, Vec<Figures>)],
+        need: Need,
+        method: JudgedMethod,
+    ) -> Result<Vec<(u32, Self)>, StoreError> {
+        let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
+        let mut marks = marks_of(store, &gyros).await?;
+        let mut lines: Vec<(u32, Self, bool)> = Vec::with_capacity(newest.len());
+        for (gyro, stored) in newest {
+            let is_whole = stored.len() < read_ahead(need);
+            let marks = marks.remove(gyro).unwrap_or_default();
+            lines.extend(Self::of_newest(stored, is_whole, marks, need, method).map(|line| (*gyro, line, is_whole)));
+        }
+        let begun = lines.iter().filter(|(.., is_whole)| !is_whole);
+        let baselines: Vec<(u32, Span)> =
+            begun.map(|(gyro, line, _)| (*gyro, line.of_baseline(Span::EVER.to))).collect();
+        let mut first = store.histories(&baselines, FIRST_FEW).await?.into_iter();
+        for (_, line, is_whole) in &mut lines {
+            if !*is_whole {
+                line.set_baseline(&first.next().unwrap_or_default(), method);
+            }
+            line.trim(need);
+        }
+        Ok(lines.into_iter().map(|(gyro, line, _)| (gyro, line)).collect())
+    }
+
+    /// The line of a gyro's newest rows, which may be the whole of them, where the rules find everything in it; then only the baseline may
+    /// have begun before.
+    fn of_newest(
+        stored: &[Figures],
+        is_whole: bool,
+        marks: Vec<Mark>,
+        need: Need,
+        method: JudgedMethod,
+    ) -> Option<Self> {
+        let samples = stored.iter().map(|figures| sample_of(figures, method)).collect();
+        let mut line = Self::of_all(samples, marks);
+        if !is_whole {
+            if !line.is_enough(need) {
+                return None;
+            }
+            line.begin_at(stored.first().map(|figures| figures.at));
+        }
+        Some(line)
     }
 
     /// Whether the rules find everything that they look back to, if there are older records than these.
@@ -92,20 +141,14 @@ impl Line {
         self.samples.forget_first_cell();
     }
 
-    /// The baseline may have begun before what was read.
-    async fn read_baseline(
-        &mut self,
-        store: &Store,
-        gyro: u32,
-        until: UtcMicros,
-        method: JudgedMethod,
-    ) -> Result<(), StoreError> {
-        let span = Span { from: self.since.unwrap_or(Span::EVER.from), to: until };
-        // Some of the first may repeat one another.
-        let first = store.history(gyro, span, 4 * BASELINE_RECORDS).await?;
+    /// Where the first records of the baseline stand, which may have begun before what was read.
+    fn of_baseline(&self, until: UtcMicros) -> Span {
+        Span { from: self.since.unwrap_or(Span::EVER.from), to: until }
+    }
+
+    fn set_baseline(&mut self, first: &[Figures], method: JudgedMethod) {
         self.baseline = distinct(first.iter().map(|figures| sample_of(figures, method)));
         self.baseline.truncate(BASELINE_RECORDS);
-        Ok(())
     }
 
     /// The line up to a record that does not count any more, of what counted when that was said of it.
@@ -293,6 +336,11 @@ impl Line {
         }
         self.samples.forget(runs * RUN);
     }
+}
+
+/// How many of a gyro's newest rows are read at once.
+pub(super) fn read_ahead(need: Need) -> usize {
+    READ_AHEAD.max(need.records + 1)
 }
 
 /// Since when every record may still be asked for, where `last` is the newest.

@@ -124,8 +124,8 @@ impl Pipeline {
     }
 
     async fn verify_benches(&self, verified: &mut Verified) -> Result<(), StoreError> {
-        let gyros = self.store.names().read().gyros.len() as u32;
-        for gyro in 1..=gyros {
+        let gyros = self.store.names().read().gyros.numbers();
+        for gyro in gyros {
             for row in self.store.bench_results(gyro, Span::EVER).await? {
                 verified.bench_results += 1;
                 let sent = match parse_bench_result(row.body.as_bytes(), f64::INFINITY) {

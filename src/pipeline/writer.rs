@@ -6,8 +6,9 @@ mod group;
 mod turns;
 
 use std::collections::{HashMap, HashSet};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -30,8 +31,10 @@ use beside::UnderWay;
 use group::{Told, answer, foretell};
 use turns::in_turn;
 
-/// Items from which on no more are added to one transaction: more would hold up others for longer than it saves.
-const MAX_ITEMS: usize = 8192;
+/// How long a transaction may take others' turn, as far as that can be foretold.
+const TURN: Duration = Duration::from_millis(500);
+/// Items of one transaction, as many as are stored in a [`TURN`].
+const ITEMS: RangeInclusive<usize> = 64..=8192;
 
 pub(super) struct Task {
     store: Store,
@@ -48,6 +51,8 @@ pub(super) struct Task {
     after: After,
     /// A group that is being written while the next is made ready.
     under_way: Option<UnderWay>,
+    /// Items from which on no more are added to a transaction among other servers.
+    items_at_once: usize,
     /// What others have written could not be read: everything is read again before the next turn is used.
     behind: bool,
 }
@@ -108,6 +113,7 @@ impl Task {
             hooks,
             after,
             under_way: None,
+            items_at_once: 1024,
             behind: false,
         })
     }
@@ -143,7 +149,7 @@ impl Task {
                 self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
-            let most = if self.writer.committer().is_some() { beside::MAX_ITEMS } else { MAX_ITEMS };
+            let most = if self.writer.committer().is_some() { beside::MAX_ITEMS } else { self.items_at_once };
             let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
             for job in jobs.drain(..) {
                 let job = match job {
@@ -300,7 +306,11 @@ impl Task {
     async fn store_all(&mut self, jobs: Vec<StoreJob>) {
         let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         let mut replies = Vec::with_capacity(items.len());
-        match self.store_group(&items, &jobs).await {
+        let begun = Instant::now();
+        let stored = self.store_group(&items, &jobs).await;
+        let a_turn = items.len() as f64 * TURN.as_secs_f64() / begun.elapsed().as_secs_f64();
+        self.items_at_once = (a_turn as usize).clamp(*ITEMS.start(), *ITEMS.end());
+        match stored {
             Ok(stored) => return answer(jobs, stored, Told::Ahead),
             Err(StoreError::Refused(why)) if items.len() > 1 => {
                 tracing::warn!(%why, items = items.len(), "a group was refused; its items are stored one by one");

@@ -223,6 +223,17 @@ impl Store {
         on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
     }
 
+    /// Every alert of several gyros, in the order in which they first fired.
+    pub async fn alerts_of(&self, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+        let those = self.readers.words(Sql {
+            sqlite: "SELECT value FROM json_each($1)",
+            postgres: "SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)",
+        });
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) ORDER BY alert.id"));
+        let gyros = serde_json::json!(gyros).to_string();
+        on!(self.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
+    }
+
     /// Alerts of one rule that fire, acknowledged or silenced as they may be: of one gyro, or of all.
     pub async fn unresolved(&self, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
         // Not in one condition: that of a single gyro is to find its index.

@@ -256,8 +256,8 @@ async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> 
         unchanged("record", id, &row.body, row.body_sha256)?;
         holdings.records += 1;
     }
-    let gyros = store.names().read().gyros.len() as u32;
-    for gyro in 1..=gyros {
+    let gyros = store.names().read().gyros.numbers();
+    for gyro in gyros {
         holdings.gyros += 1;
         holdings.figures += store.history(gyro, Span::EVER, usize::MAX).await?.len();
         store.voided_history(gyro, Span::EVER).await?;

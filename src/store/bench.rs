@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::batch::{Batch, Rows};
-use super::db::{Whole, cell, insert, on};
+use super::db::{Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::history::Span;
 use super::id::Id;
@@ -106,6 +106,18 @@ impl Store {
         let sql = "SELECT DISTINCT gyro FROM bench_result";
         let gyros: Vec<Whole<u32>> = on!(self.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?);
         Ok(gyros.into_iter().map(|gyro| gyro.0).collect())
+    }
+
+    /// Those of `gyros` that have bench results.
+    pub async fn on_benches(&self, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
+        let sql = self.readers.words(Sql {
+            sqlite: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN (SELECT value FROM json_each($1))",
+            postgres: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN
+                       (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
+        });
+        let gyros = serde_json::json!(gyros).to_string();
+        let found: Vec<Whole<u32>> = on!(self.readers, db => sqlx::query_scalar(sql).bind(gyros).fetch_all(db).await?);
+        Ok(found.into_iter().map(|gyro| gyro.0).collect())
     }
 
     /// Bench results of a gyro within `span` that count, oldest first.

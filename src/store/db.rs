@@ -7,13 +7,16 @@ use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;
 use sqlx::postgres::{PgArgumentBuffer, PgRow};
 use sqlx::sqlite::{SqliteArgumentsBuffer, SqliteRow};
-use sqlx::{Database, Decode, Encode, PgPool, Postgres, Row as _, Sqlite, SqlitePool, Type};
+use sqlx::{Database, Decode, Encode, Postgres, Row as _, Sqlite, SqlitePool, Type};
+
+use super::error::StoreError;
+pub(super) use super::postgres::PgReaders;
 
 /// Connections that read.
 #[derive(Debug, Clone)]
 pub(super) enum Readers {
     Sqlite(SqlitePool),
-    Postgres(PgPool),
+    Postgres(PgReaders),
 }
 
 /// The same in the words of each database.
@@ -35,6 +38,14 @@ impl Readers {
         match self {
             Self::Sqlite(_) => sql.sqlite,
             Self::Postgres(_) => sql.postgres,
+        }
+    }
+
+    /// Of several questions on one connection: they end together within the limit of one.
+    pub async fn within_limit<T>(&self, work: impl Future<Output = Result<T, StoreError>>) -> Result<T, StoreError> {
+        match self {
+            Self::Sqlite(_) => work.await,
+            Self::Postgres(readers) => readers.within_limit(work).await,
         }
     }
 

@@ -1,16 +1,17 @@
 //! IMUs, stations and gyros by number and by name, held in memory: there are thousands of them, not millions.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 use super::commit::Changes;
+use super::open::{Place, Store};
 use crate::core::name::{look_keys, normal_form};
 
-/// Names of one kind. Numbers count from 1.
+/// Names of one kind.
 #[derive(Debug, Default)]
 pub struct Table {
-    by_number: Vec<Arc<str>>,
+    by_number: BTreeMap<u32, Arc<str>>,
     /// Also by the normal form of a name that an earlier version stored otherwise.
     by_name: HashMap<Arc<str>, u32>,
     /// By [`look_keys`].
@@ -31,12 +32,21 @@ impl Table {
 
     /// The name of a number that a row refers to; a number that was never given out has none.
     pub fn name(&self, number: u32) -> Option<&Arc<str>> {
-        self.by_number.get(number.checked_sub(1)? as usize)
+        self.by_number.get(&number)
     }
 
-    /// Every name with its number, in the order in which they were first seen.
+    /// Every name with its number, in the order of the numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &Arc<str>)> {
-        (1..).zip(&self.by_number)
+        self.by_number.iter().map(|(number, name)| (*number, name))
+    }
+
+    pub fn numbers(&self) -> Vec<u32> {
+        self.by_number.keys().copied().collect()
+    }
+
+    /// The greatest number.
+    fn last_number(&self) -> u32 {
+        self.by_number.last_key_value().map_or(0, |(number, _)| *number)
     }
 
     pub fn len(&self) -> usize {
@@ -47,32 +57,22 @@ impl Table {
         self.by_number.is_empty()
     }
 
-    /// Adds the name with the next number; false where the number is not the next.
+    /// Adds a name with its number; false where either is another's already.
     pub(super) fn add(&mut self, number: u32, name: &str) -> bool {
-        let is_next = number as usize == self.by_number.len() + 1;
-        if is_next {
-            let name: Arc<str> = name.into();
-            self.by_number.push(name.clone());
-            if let Cow::Owned(normal) = normal_form(&name) {
-                self.by_name.entry(normal.into()).or_insert(number);
-            }
-            look_keys(&name).into_iter().for_each(|key| _ = self.by_look.entry(key).or_insert(number));
-            self.by_name.insert(name, number);
+        if let Some(known) = self.by_number.get(&number) {
+            return **known == *name;
         }
-        is_next
-    }
-
-    /// As [`Table::add`]; true also where the name has this number already.
-    pub(super) fn learn(&mut self, number: u32, name: &str) -> bool {
-        self.number(name) == Some(number) || self.add(number, name)
-    }
-
-    /// Adds names that were numbered on from [`Table::len`]; those that are there already may be among them.
-    pub(super) fn extend(&mut self, names: &[(u32, String)]) {
-        for (number, name) in names {
-            let added = self.learn(*number, name);
-            debug_assert!(added, "{name} is out of sequence");
+        if self.by_name.get(name).is_some_and(|known| self.name(*known).is_some_and(|known| **known == *name)) {
+            return false;
         }
+        let name: Arc<str> = name.into();
+        self.by_number.insert(number, name.clone());
+        if let Cow::Owned(normal) = normal_form(&name) {
+            self.by_name.entry(normal.into()).or_insert(number);
+        }
+        look_keys(&name).into_iter().for_each(|key| _ = self.by_look.entry(key).or_insert(number));
+        self.by_name.insert(name, number);
+        true
     }
 }
 
@@ -81,6 +81,22 @@ pub struct Tables {
     pub imus: Table,
     pub stations: Table,
     pub gyros: Table,
+    /// The commit up to which names are known, of a database that others may write.
+    pub(super) seen: Commit,
+}
+
+/// A commit to a database that several servers write: its number, and a stamp that no other has. A failover or a restore may lose commits
+/// whose numbers are then given out again, with other stamps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Commit {
+    pub version: i64,
+    pub stamp: i64,
+}
+
+impl Tables {
+    pub(super) fn all_mut(&mut self) -> [&mut Table; 3] {
+        [&mut self.imus, &mut self.stations, &mut self.gyros]
+    }
 }
 
 /// The names of what is committed, shared by the writer and all readers.
@@ -103,9 +119,26 @@ impl Names {
     /// Takes over what has been committed.
     pub(super) fn learn(&self, changes: &Changes) {
         self.change(|tables| {
-            tables.imus.extend(&changes.imus);
-            tables.stations.extend(&changes.stations);
-            tables.gyros.extend(&changes.gyros);
+            let [imus, stations, gyros] = tables.all_mut();
+            for (table, new) in [(imus, &changes.imus), (stations, &changes.stations), (gyros, &changes.gyros)] {
+                for (number, name) in new {
+                    let added = table.add(*number, name);
+                    debug_assert!(added, "{name} has another number already");
+                }
+            }
         });
+    }
+}
+
+impl Store {
+    /// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at random. A commit
+    /// that a failover has lost may have been answered, so that its numbers are in use somewhere and must not become another name's.
+    pub fn new_number(&self, known: &Table, new: usize, is_new: impl Fn(u32) -> bool) -> u32 {
+        match &self.place {
+            Place::File(_) => known.last_number() + new as u32 + 1,
+            Place::Server(_) => std::iter::repeat_with(|| rand::random_range(1..=i32::MAX.unsigned_abs()))
+                .find(|number| known.name(*number).is_none() && !is_new(*number))
+                .expect("there are more numbers than names"),
+        }
     }
 }

@@ -188,6 +188,7 @@ pub(super) async fn load_names(connection: &mut SqliteConnection) -> Result<Tabl
         imus: load_table(connection, "SELECT id, name FROM imu ORDER BY id").await?,
         stations: load_table(connection, "SELECT id, name FROM station ORDER BY id").await?,
         gyros: load_table(connection, "SELECT id, serial FROM gyro ORDER BY id").await?,
+        ..Tables::default()
     })
 }
 
@@ -196,7 +197,7 @@ async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Res
     let mut table = Table::default();
     for (number, name) in rows {
         if !table.add(number, &name) {
-            return Err(StoreError::Damaged(format!("the number {number} of `{name}` is out of sequence")));
+            return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
         }
     }
     Ok(table)
@@ -219,7 +220,8 @@ impl Store {
 
     /// Whether the database answers.
     pub async fn ping(&self) -> Result<(), StoreError> {
-        on!(self.readers, db => Ok(db.acquire().await?.ping().await?))
+        let _one: i32 = on!(self.readers, db => sqlx::query_scalar("SELECT 1").fetch_one(db).await?);
+        Ok(())
     }
 
     /// Bytes on disk: the database, and the write-ahead log beside it where that is a file of its own.

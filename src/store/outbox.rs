@@ -111,28 +111,35 @@ impl Store {
             "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
         ));
         let (before, state) = (before.map_or(i64::MAX, |id| id.0), state.map(DeliveryState::name));
-        on!(self.readers, db => {
-            let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
-            let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(Whole(limit));
-            let rows = query.fetch_all(&mut *snapshot).await?;
-            let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
-            for delivery in &mut deliveries {
-                let made = sqlx::query_as(ATTEMPTS).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
-                delivery.attempts = attempts(delivery.id, made);
-            }
-            Ok(deliveries)
-        })
+        let read = async {
+            on!(self.readers, db => {
+                let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
+                let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(Whole(limit));
+                let rows = query.fetch_all(&mut *snapshot).await?;
+                let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
+                for delivery in &mut deliveries {
+                    let made = sqlx::query_as(ATTEMPTS).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
+                    delivery.attempts = attempts(delivery.id, made);
+                }
+                Ok(deliveries)
+            })
+        };
+        self.readers.within_limit(read).await
     }
 
     /// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
     pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
-        on!(self.readers, db => {
-            let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
-            let Some(row) = sqlx::query(sql).bind(id.0).fetch_optional(&mut *snapshot).await? else { return Ok(None) };
-            let made = sqlx::query_as(ATTEMPTS).bind(id.0).fetch_all(&mut *snapshot).await?;
-            Ok(Some(DeliveryRow { attempts: attempts(id, made), ..delivery(&row)? }))
-        })
+        let read = async {
+            on!(self.readers, db => {
+                let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
+                let query = sqlx::query(sql).bind(id.0);
+                let Some(row) = query.fetch_optional(&mut *snapshot).await? else { return Ok(None) };
+                let made = sqlx::query_as(ATTEMPTS).bind(id.0).fetch_all(&mut *snapshot).await?;
+                Ok(Some(DeliveryRow { attempts: attempts(id, made), ..delivery(&row)? }))
+            })
+        };
+        self.readers.within_limit(read).await
     }
 }
 

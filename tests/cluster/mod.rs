@@ -125,6 +125,41 @@ impl Cluster {
         Self::kept(keeper, dir, port)
     }
 
+    /// A standby that follows this server, until it is promoted or this one is gone.
+    pub fn standby(&self) -> Self {
+        let (dir, port) = place();
+        let made = as_postgres(&["mkdir", "-m", "700"]).arg(&dir).status().unwrap();
+        assert!(made.success(), "{dir:?} cannot be made");
+        let programs = programs().unwrap();
+        let copied = as_postgres(&[programs.join("pg_basebackup").to_str().unwrap(), "--write-recovery-conf"])
+            .args(["--checkpoint=fast", "--wal-method=stream", "--dbname"])
+            .arg(self.url("postgres"))
+            .arg("--pgdata")
+            .arg(dir.join("data"))
+            .output()
+            .unwrap();
+        assert!(copied.status.success(), "{}", String::from_utf8_lossy(&copied.stderr));
+        let mut keeper = as_postgres(&["sh", "-c", KEEPER, "keeper"]);
+        keeper.arg(programs).arg(&dir).arg(port.to_string());
+        Self::kept(keeper, dir, port)
+    }
+
+    /// The server ends at once, as in a crash, and stays down.
+    pub fn crash(&mut self) {
+        self.tell("crash");
+    }
+
+    /// A standby becomes a server of its own.
+    pub async fn promote(&self) {
+        let mut connection = PgConnection::connect(&self.url("postgres")).await.unwrap();
+        let promoted: bool = sqlx::query_scalar("SELECT pg_promote()").fetch_one(&mut connection).await.unwrap();
+        assert!(promoted);
+    }
+
+    pub fn address(&self) -> std::net::SocketAddr {
+        (std::net::Ipv4Addr::LOCALHOST, self.port).into()
+    }
+
     /// With a part of it on a disk of `size` in memory, which none but the server sees.
     pub fn start_on_a_small_disk(size: &str, what: Crowded) -> Self {
         let template = template();

@@ -147,7 +147,7 @@ impl Desk<'_> {
         if self.newest.is_some_and(|newest| newest.is_new(imu, at)) {
             return Ok(None);
         }
-        let mut stored = self.store.records_at(imu, at).await?.into_iter();
+        let mut stored = self.ahead.records_at(imu, at, self.store).await?.into_iter();
         let counts = stored.find(|record| !record.voided && !group.withdraws(record.id));
         Ok(counts.map(|record| (record.id, record.hash)))
     }
@@ -163,7 +163,7 @@ impl Desk<'_> {
     ) -> Result<Option<Id>, StoreError> {
         let is_new = |imu: &u32| self.newest.is_some_and(|newest| newest.is_new(*imu, sent.calibrated_at));
         let Some(imu) = imu.filter(|imu| !is_new(imu)) else { return Ok(None) };
-        let mut others = self.store.records_at(imu, sent.calibrated_at).await?;
+        let mut others = self.ahead.records_at(imu, sent.calibrated_at, self.store).await?;
         others.retain(|record| Some(record.id) != standing);
         if let Some(same) = others.iter().find(|record| record.hash == sent.body_sha256) {
             return Ok(Some(same.id));

@@ -19,15 +19,23 @@ const MOST_GYROS: usize = 20_000;
 /// The newest records of the gyros that have been seen, those included that are not stored yet.
 #[derive(Debug, Default)]
 pub(in crate::pipeline) struct Memory {
-    gyros: HashMap<u32, Ring>,
+    pub(super) gyros: HashMap<u32, Ring>,
 }
 
 /// One gyro's newest records, oldest first.
 #[derive(Debug, Default)]
-struct Ring {
+pub(super) struct Ring {
     rows: Vec<Remembered>,
     /// Whether there are none before them.
     whole: bool,
+}
+
+impl Ring {
+    /// Of stored rows, oldest first, before which there are none where they are the `whole` of them.
+    pub fn of(stored: &[Figures], whole: bool) -> Self {
+        let newest = &stored[stored.len().saturating_sub(REMEMBERED)..];
+        Self { rows: newest.iter().map(Remembered::from).collect(), whole: whole && newest.len() == stored.len() }
+    }
 }
 
 /// A gyro in one of its records.

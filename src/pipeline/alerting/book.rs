@@ -85,6 +85,18 @@ impl AlertBook {
         Ok(())
     }
 
+    /// Reads the alerts of some gyros again, and the silences: others have changed them.
+    pub async fn refresh_of(&mut self, gyros: &[u32], store: &Store, now: UtcMicros) -> Result<(), StoreError> {
+        if self.stale {
+            return Ok(());
+        }
+        let rows = store.alerts_of(gyros).await?;
+        self.silences = Silences::load(store, now).await?;
+        gyros.iter().for_each(|gyro| drop(self.alerts.remove(gyro)));
+        rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));
+        Ok(())
+    }
+
     /// Puts what has changed into a transaction; returns what hooks may have to be told.
     pub fn write(&mut self, changes: &mut Changes) -> Vec<News> {
         let changed = std::mem::take(&mut self.changed);

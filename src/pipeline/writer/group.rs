@@ -1,17 +1,17 @@
 //! A group on its way: admitted, judged and followed by alerts; its answers foretold; then written; then answered.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::time::Instant;
 
 use super::{Item, StoreJob, Task, items_of};
 use crate::core::judge::{Rule, State, Status, Verdict};
 use crate::core::notify::Late;
-use crate::pipeline::admit::{Desk, Group};
+use crate::pipeline::admit::{Ahead, Desk, Group};
 use crate::pipeline::alerting::Causes;
 use crate::pipeline::judging::{self, Verdicts};
 use crate::pipeline::read::{Calibration, Submission};
 use crate::pipeline::{Accepted, CalibratedGyro, Judged, Refused, Reply};
-use crate::store::{Changes, Id, Kind, StoreError};
+use crate::store::{Changes, Id, Kind, Span, StoreError};
 use crate::telemetry;
 
 /// What a group comes to, before it is written.
@@ -29,11 +29,14 @@ impl Task {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
         let now = self.clock.now();
+        let ahead = Ahead::read(&self.store, &self.newest, items.iter().map(|item| item.sent)).await?;
+        self.read_histories(items).await?;
         let mut desk = Desk {
             store: &self.store,
             ids: self.writer.ids(),
             newest: Some(&self.newest),
             memory: &mut self.memory,
+            ahead: &ahead,
             judging: &self.config.judging,
             epochs: &self.config.plausibility.clock_epochs,
             now,
@@ -56,6 +59,23 @@ impl Task {
             self.enter_verdicts(items, &mut replies, &found.verdicts, &changes);
         }
         Ok(Prepared { changes, newest: found.newest, replies, tally })
+    }
+
+    /// Reads ahead what is stored of the gyros of a group that are not remembered.
+    async fn read_histories(&mut self, items: &[Item<'_>]) -> Result<(), StoreError> {
+        let gyros: BTreeSet<u32> = {
+            let tables = self.store.names().read();
+            let sent = items.iter().filter_map(|item| item.sent.calibration()).flat_map(|sent| &sent.gyros);
+            let known = sent.filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
+            known.filter(|gyro| !self.judge.knows(*gyro) || !self.memory.knows(*gyro)).collect()
+        };
+        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        let most = self.judge.read_ahead();
+        let rows = self.store.newest_histories(&ever, most).await?;
+        let read: Vec<_> = gyros.into_iter().zip(rows).collect();
+        self.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
+        let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !self.judge.knows(*gyro)).collect();
+        self.judge.take_in(&unknown).await
     }
 
     /// Enters the verdicts into the replies that are to hold them.

@@ -62,8 +62,7 @@ impl Task {
     pub(super) async fn begin(&mut self) -> Result<(), StoreError> {
         let missed = self.writer.take_turn().await?;
         let caught_up = if std::mem::take(&mut self.behind) {
-            let everything = Missed { marks: true, alerts: true, outbox: true, models: true, access: true, ..missed };
-            self.catch_up(&everything).await
+            self.catch_up(&Missed::EVERYTHING).await
         } else {
             self.catch_up(&missed).await
         };
@@ -72,13 +71,14 @@ impl Task {
     }
 
     async fn catch_up(&mut self, missed: &Missed) -> Result<(), StoreError> {
-        if missed.marks {
+        if missed.everything {
             self.read_all_again().await?;
-        } else if let Some(after) = missed.records_after {
+        }
+        if let Some(after) = missed.records_after {
             self.learn_records(after).await?;
         }
-        if missed.alerts {
-            self.alerts.forget();
+        if let Some(version) = missed.touched_after {
+            self.learn_touched(version).await?;
         }
         if missed.outbox {
             self.hooks = HookBook::load(&self.store).await?;
@@ -95,6 +95,7 @@ impl Task {
     async fn read_all_again(&mut self) -> Result<(), StoreError> {
         self.judge.forget();
         self.memory.forget();
+        self.alerts.forget();
         self.newest = Newest::load(&self.store).await?;
         self.benched = self.store.gyros_on_benches().await?.into_iter().collect();
         Ok(())
@@ -111,6 +112,16 @@ impl Task {
             self.memory.forget_of(gyros);
         }
         Ok(())
+    }
+
+    /// Gyros to which others have done something are looked at anew, and no others.
+    async fn learn_touched(&mut self, version: i64) -> Result<(), StoreError> {
+        let gyros = self.store.touched_since(version).await?;
+        self.judge.forget_of(&gyros);
+        self.memory.forget_of(gyros.iter().copied());
+        self.newest.read_again(&self.store, &gyros).await?;
+        self.benched.extend(self.store.on_benches(&gyros).await?);
+        self.alerts.refresh_of(&gyros, &self.store, self.clock.now()).await
     }
 
     /// Tells those who read and those who work in the background of what was written, by whomever.

@@ -3,9 +3,7 @@
 use std::pin::pin;
 use std::time::Duration;
 
-use sqlx::PgPool;
-
-use crate::store::db::Readers;
+use crate::store::db::{PgReaders, Readers};
 use crate::store::error::StoreError;
 use crate::store::id::Id;
 use crate::store::open::{Place, Store};
@@ -57,7 +55,7 @@ fn told(done: Result<(), sqlx::Error>) {
 
 /// A server among those that share the database.
 struct Claimant<'a> {
-    readers: &'a PgPool,
+    readers: &'a PgReaders,
     number: i64,
     lease: Duration,
 }
@@ -93,7 +91,7 @@ impl Claimant<'_> {
 }
 
 /// At the end of a server.
-pub(super) async fn release_all(readers: &PgPool, number: i64) -> Result<(), StoreError> {
+pub(super) async fn release_all(readers: &PgReaders, number: i64) -> Result<(), StoreError> {
     sqlx::query("DELETE FROM diagnosis_claim WHERE holder = $1").bind(number).execute(readers).await?;
     Ok(())
 }

@@ -6,9 +6,9 @@
 
 use std::time::{Duration, Instant};
 
-use sqlx::PgPool;
 use tokio::sync::watch;
 
+use crate::store::db::PgReaders;
 use crate::store::error::StoreError;
 
 /// What one server does for all.
@@ -40,7 +40,7 @@ pub(super) fn is_held(held: &Held, duty: Duty) -> bool {
 }
 
 /// Renews what is held and takes what is free, until nobody wants to know any more.
-pub(super) async fn keep(readers: PgPool, number: i64, lease: Duration, held: watch::Sender<Held>) {
+pub(super) async fn keep(readers: PgReaders, number: i64, lease: Duration, held: watch::Sender<Held>) {
     let pause = lease / 5;
     while !held.is_closed() && !readers.is_closed() {
         for (place, duty) in Duty::ALL.into_iter().enumerate() {
@@ -61,7 +61,7 @@ pub(super) async fn keep(readers: PgPool, number: i64, lease: Duration, held: wa
     }
 }
 
-pub(super) async fn give_back(readers: &PgPool, number: i64) -> Result<(), StoreError> {
+pub(super) async fn give_back(readers: &PgReaders, number: i64) -> Result<(), StoreError> {
     let release = "UPDATE lease SET until = now() WHERE holder = $1";
     sqlx::query(release).bind(number).execute(readers).await?;
     Ok(())
@@ -76,7 +76,7 @@ fn tell(held: &watch::Sender<Held>, place: usize, until: Option<Instant>) {
     });
 }
 
-async fn take(readers: &PgPool, duty: Duty, number: i64, lease: Duration) -> Result<bool, StoreError> {
+async fn take(readers: &PgReaders, duty: Duty, number: i64, lease: Duration) -> Result<bool, StoreError> {
     let sql = "UPDATE lease SET holder = $2, until = now() + $3 * INTERVAL '1 second'
                WHERE name = $1 AND (holder = $2 OR until < now())";
     let query = sqlx::query(sql).bind(duty.name()).bind(number).bind(lease.as_secs_f64());

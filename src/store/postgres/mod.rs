@@ -4,19 +4,23 @@
 //! row, which every server looks at a few times a second ([`neighbours`]); work in the background belongs to whoever holds its
 //! lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
 
+mod bounded;
 mod claim;
+mod hosts;
 mod lease;
 mod names;
 mod neighbours;
 mod turn;
 
-use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
-use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
-use sqlx::{ConnectOptions, PgConnection, PgPool, SqlSafeStr};
+use sqlx::postgres::PgPoolOptions;
+use sqlx::{PgConnection, Row as _, SqlSafeStr};
 
+pub(super) use self::bounded::PgReaders;
+use self::bounded::within;
+use self::hosts::Hosts;
 pub(super) use self::neighbours::Neighbours;
 pub(super) use self::turn::ServerWriter;
 pub use self::{lease::Duty, neighbours::Moves, turn::Missed};
@@ -28,13 +32,14 @@ use super::open::{Options, Place, Store};
 use super::unplaced::Unplaced;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 6] = [
+const MIGRATIONS: [(i64, &str, &str); 7] = [
     (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
     (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
     (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
     (4, "alerts_found_late", include_str!("../../../migrations/postgres/0004_alerts_found_late.sql")),
     (5, "notes", include_str!("../../../migrations/postgres/0005_notes.sql")),
     (6, "environmental_tests", include_str!("../../../migrations/postgres/0006_environmental_tests.sql")),
+    (9, "commit_stamps", include_str!("../../../migrations/postgres/0009_commit_stamps.sql")),
 ];
 
 /// How long a database that does not answer yet is waited for at the start.
@@ -42,6 +47,8 @@ const COMES_UP: Duration = Duration::from_secs(10);
 /// Another server has just made the schema.
 const TABLE_IS_THERE: &str = "42P07";
 const BREATH: Duration = Duration::from_millis(300);
+/// How long who reads everything waits for the next row.
+const TO_READ_ALL: Duration = Duration::from_secs(600);
 
 impl Options {
     /// Whether the address is of a database server.
@@ -51,13 +58,7 @@ impl Options {
 
     /// The address without the password, for people to read.
     pub fn shown(&self) -> String {
-        if let Ok(mut url) = url::Url::parse(&self.url)
-            && url.password().is_some()
-            && url.set_password(Some("hidden")).is_ok()
-        {
-            return url.into();
-        }
-        self.url.clone()
+        hosts::without_password(&self.url)
     }
 }
 
@@ -67,7 +68,8 @@ impl Options {
 /// [`StoreError`] where it cannot be reached within seconds, or holds a schema newer than this program.
 pub(super) async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     let (readers, names, writer) = ready(options).await?;
-    let neighbours = Neighbours::watch(readers.clone(), names.clone(), writer.number(), options.lease).await?;
+    let hosts = Hosts::of(&options.url)?;
+    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), writer.number(), options.lease).await?;
     Ok(opened(readers, names, writer, neighbours))
 }
 
@@ -77,21 +79,48 @@ pub(super) async fn open_beside(options: &Options) -> Result<(Store, Writer), St
     Ok(opened(readers, names, writer, Neighbours::none()))
 }
 
-fn opened(readers: PgPool, names: Names, writer: ServerWriter, neighbours: Neighbours) -> (Store, Writer) {
+fn opened(readers: PgReaders, names: Names, writer: ServerWriter, neighbours: Neighbours) -> (Store, Writer) {
     let place = Place::Server(neighbours);
     let store = Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place };
     (store, Writer::of_server(writer))
 }
 
-async fn ready(options: &Options) -> Result<(PgPool, Names, ServerWriter), StoreError> {
-    let connect = connect_options(options)?;
-    patiently(async || migrate(&mut reach(&connect, options.busy_timeout).await?).await).await?;
-    let readers = pool(&connect, options, options.readers).await?;
+async fn ready(options: &Options) -> Result<(PgReaders, Names, ServerWriter), StoreError> {
+    let hosts = Hosts::of(&options.url)?;
+    patiently(async || {
+        let mut connection = hosts.reach(options.busy_timeout).await?;
+        refuse_shared(&mut connection, &hosts, options.busy_timeout).await?;
+        migrate(&mut connection).await
+    })
+    .await?;
+    let readers = pool(&hosts, options, options.readers, options.lease).await?;
     check_copied(&readers).await?;
     let names = Names::new(Tables::default());
     names::learn_new(&readers, &names).await?;
-    let writer = ServerWriter::new(connect, options, readers.clone(), names.clone()).await?;
+    let writer = ServerWriter::new(hosts, options, readers.clone(), names.clone()).await?;
     Ok((readers, names, writer))
+}
+
+/// A pooler between that hands its connections out by the transaction mixes up what is prepared on them.
+async fn refuse_shared(one: &mut PgConnection, hosts: &Hosts, patience: Duration) -> Result<(), StoreError> {
+    // Not prepared: a pooler that mixes up what is would answer that.
+    let process = async |connection: &mut PgConnection| -> Result<i32, StoreError> {
+        let row = sqlx::raw_sql("SELECT pg_backend_pid()").fetch_one(connection).await?;
+        Ok(row.try_get(0)?)
+    };
+    let mut other = hosts.reach(patience).await?;
+    for _ in 0..3 {
+        let of_one = process(one).await?;
+        sqlx::raw_sql("BEGIN").execute(&mut other).await?;
+        let of_other = process(&mut other).await?;
+        sqlx::raw_sql("ROLLBACK").execute(&mut other).await?;
+        if of_one == of_other {
+            let why = "the pooler before the database hands out connections by the transaction: \
+                       set pool_mode = session for this database, or name the database itself in database.url";
+            return Err(StoreError::File(why.to_owned()));
+        }
+    }
+    Ok(())
 }
 
 /// Opens the database for reading alone, as it stands now: what is written meanwhile is not seen.
@@ -99,11 +128,10 @@ async fn ready(options: &Options) -> Result<(PgPool, Names, ServerWriter), Store
 /// # Errors
 /// [`StoreError::File`] where its schema is not of this version of the program.
 pub(super) async fn open_to_read(options: &Options) -> Result<Store, StoreError> {
-    let connect = connect_options(options)?;
-    let readers = pool(&connect, options, 1).await?;
+    let readers = pool(&Hosts::of(&options.url)?, options, 1, TO_READ_ALL).await?;
     let names = Names::new(Tables::default());
     {
-        let mut connection = readers.acquire().await?;
+        let mut connection = readers.pool().acquire().await?;
         // One connection, inside one transaction for as long as it lives.
         sqlx::query("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").execute(&mut *connection).await?;
         check_schema(&mut connection, options).await?;
@@ -115,13 +143,13 @@ pub(super) async fn open_to_read(options: &Options) -> Result<Store, StoreError>
 
 /// Opens the database to be copied into: its schema as of this program, no service made ready on it.
 pub(super) async fn open_to_copy(options: &Options) -> Result<PgConnection, StoreError> {
-    let mut connection = reach(&connect_options(options)?, options.busy_timeout).await?;
+    let mut connection = Hosts::of(&options.url)?.reach(options.busy_timeout).await?;
     migrate(&mut connection).await?;
     Ok(connection)
 }
 
 /// A database that is being copied into is nobody's yet.
-async fn check_copied(readers: &PgPool) -> Result<(), StoreError> {
+async fn check_copied(readers: &PgReaders) -> Result<(), StoreError> {
     let sql = "SELECT count(*) FROM information_schema.tables
                WHERE table_schema = current_schema() AND table_name = 'copying'";
     if sqlx::query_scalar::<_, i64>(sql).fetch_one(readers).await? > 0 {
@@ -149,29 +177,15 @@ async fn check_schema(connection: &mut PgConnection, options: &Options) -> Resul
     }
 }
 
-pub(super) fn connect_options(options: &Options) -> Result<PgConnectOptions, StoreError> {
-    Ok(PgConnectOptions::from_str(&options.url)?
-        .application_name("gyrowatch")
-        .statement_cache_capacity(256)
-        .disable_statement_logging())
-}
-
-async fn pool(connect: &PgConnectOptions, options: &Options, connections: u32) -> Result<PgPool, StoreError> {
-    Ok(PgPoolOptions::new()
+async fn pool(hosts: &Hosts, options: &Options, connections: u32, limit: Duration) -> Result<PgReaders, StoreError> {
+    let pool = PgPoolOptions::new()
         .max_connections(connections.max(1))
         .acquire_timeout(options.busy_timeout)
         .idle_timeout(None)
-        .max_lifetime(None)
-        .connect_with(connect.clone())
-        .await?)
-}
-
-/// A connection, unless there is none within `patience`.
-pub(super) async fn reach(connect: &PgConnectOptions, patience: Duration) -> Result<PgConnection, StoreError> {
-    match tokio::time::timeout(patience, connect.connect()).await {
-        Ok(connected) => Ok(connected?),
-        Err(_) => Err(StoreError::Unreachable(format!("no connection within {} s", patience.as_secs_f64()))),
-    }
+        .max_lifetime(None);
+    // Which of them answers is known since the schema was looked at.
+    hosts.reach(options.busy_timeout).await?;
+    Ok(PgReaders::connect(pool, hosts.last().clone(), limit).await?)
 }
 
 /// Tries again while the database is coming up, or another server is at the same.

@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use sqlx::PgPool;
 use tokio::sync::watch;
 
+use super::hosts::Hosts;
 use super::lease::{self, Duty, Held};
-use super::turn::{LOOK, Missed, Standing};
-use super::{claim, names};
+use super::turn::{Found, Missed, Standing};
+use super::{PgReaders, claim, names};
 use crate::store::error::StoreError;
-use crate::store::names::Names;
+use crate::store::names::{Commit, Names};
 use crate::store::open::{Place, Store};
 
 /// How soon what others have written is known here.
@@ -18,25 +18,39 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// The other servers, watched as long as a clone is alive.
 #[derive(Debug, Clone)]
 pub(in crate::store) struct Neighbours {
-    standing: watch::Receiver<Standing>,
+    seen: watch::Receiver<Seen>,
     held: watch::Receiver<Held>,
     /// This server among them, and how long what it takes is its own; none where it takes nothing.
     lease: Option<(i64, Duration)>,
 }
 
+/// The turn's row as it was seen last.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seen {
+    standing: Standing,
+    /// How often the database was found to have lost commits.
+    losses: u32,
+}
+
 impl Neighbours {
     /// Nobody is watched, and nothing is this server's duty.
     pub fn none() -> Self {
-        Self { standing: watch::channel(Standing::default()).1, held: watch::channel(Held::default()).1, lease: None }
+        Self { seen: watch::channel(Seen::default()).1, held: watch::channel(Held::default()).1, lease: None }
     }
 
-    pub async fn watch(readers: PgPool, names: Names, number: i64, lease: Duration) -> Result<Self, StoreError> {
-        let row = sqlx::query(LOOK).fetch_one(&readers).await?;
-        let (told, standing) = watch::channel(Standing::of(&row)?);
+    pub async fn watch(
+        readers: PgReaders,
+        hosts: Hosts,
+        names: Names,
+        number: i64,
+        lease: Duration,
+    ) -> Result<Self, StoreError> {
+        let standing = Found::look(&readers, Commit::default()).await?.standing;
+        let (told, seen) = watch::channel(Seen { standing, losses: 0 });
         let (keeper, held) = watch::channel(Held::default());
-        tokio::spawn(look_around(readers.clone(), names, told));
+        tokio::spawn(look_around(readers.clone(), hosts, names, told));
         tokio::spawn(lease::keep(readers, number, lease, keeper));
-        Ok(Self { standing, held, lease: Some((number, lease)) })
+        Ok(Self { seen, held, lease: Some((number, lease)) })
     }
 
     pub fn lease(&self) -> Option<(i64, Duration)> {
@@ -44,7 +58,7 @@ impl Neighbours {
     }
 
     /// Gives up every duty, for others to take over at once.
-    pub async fn part(&self, readers: &PgPool) {
+    pub async fn part(&self, readers: &PgReaders) {
         let Some((number, _)) = self.lease else { return };
         let leases = lease::give_back(readers, number).await;
         if let Err(error) = leases.and(claim::release_all(readers, number).await) {
@@ -53,10 +67,14 @@ impl Neighbours {
     }
 }
 
-async fn look_around(readers: PgPool, names: Names, told: watch::Sender<Standing>) {
+async fn look_around(readers: PgReaders, hosts: Hosts, names: Names, told: watch::Sender<Seen>) {
     while !told.is_closed() && !readers.is_closed() {
         if let Err(error) = look(&readers, &names, &told).await {
             tracing::debug!(%error, "what other servers have written cannot be read");
+            // The writer may have found another host already, or nobody writes.
+            if hosts.are_several() && hosts.reach(LOOK_EVERY * 8).await.is_ok() {
+                readers.turn_to(hosts.last().clone());
+            }
         }
         tokio::select! {
             () = tokio::time::sleep(LOOK_EVERY) => {}
@@ -65,11 +83,13 @@ async fn look_around(readers: PgPool, names: Names, told: watch::Sender<Standing
     }
 }
 
-async fn look(readers: &PgPool, names: &Names, told: &watch::Sender<Standing>) -> Result<(), StoreError> {
-    let found = Standing::of(&sqlx::query(LOOK).fetch_one(readers).await?)?;
-    if told.borrow().version != found.version {
+async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<Seen>) -> Result<(), StoreError> {
+    let seen = *told.borrow();
+    let found = Found::look(readers, seen.standing.commit).await?;
+    if seen.standing.commit != found.standing.commit {
         names::learn_new(readers, names).await?;
-        told.send_replace(found);
+        let losses = seen.losses + u32::from(!found.is_continued);
+        told.send_replace(Seen { standing: found.standing, losses });
     }
     Ok(())
 }
@@ -78,21 +98,22 @@ async fn look(readers: &PgPool, names: &Names, told: &watch::Sender<Standing>) -
 #[derive(Debug)]
 pub struct Moves {
     neighbours: Neighbours,
-    seen: Standing,
+    seen: Seen,
 }
 
 impl Moves {
     /// Waits until something was written or a duty began or ended; says what is new. None where nobody watches any more.
     pub async fn next(&mut self) -> Option<Missed> {
         tokio::select! {
-            changed = self.neighbours.standing.changed() => changed.ok()?,
+            changed = self.neighbours.seen.changed() => changed.ok()?,
             changed = self.neighbours.held.changed() => {
                 changed.ok()?;
                 return Some(Missed { outbox: true, ..Missed::default() });
             }
         }
-        let found = *self.neighbours.standing.borrow_and_update();
-        let missed = Missed::between(&self.seen, &found);
+        let found = *self.neighbours.seen.borrow_and_update();
+        let is_continued = found.losses == self.seen.losses;
+        let missed = Found { standing: found.standing, is_continued }.missed(&self.seen.standing);
         self.seen = found;
         Some(missed)
     }
@@ -113,7 +134,7 @@ impl Store {
             Place::File(_) => None,
             Place::Server(neighbours) => {
                 let neighbours = neighbours.clone();
-                let seen = *neighbours.standing.borrow();
+                let seen = *neighbours.seen.borrow();
                 Some(Moves { neighbours, seen })
             }
         }

@@ -1,0 +1,95 @@
+//! What a group will be asked about, read ahead in a handful of questions: one by one, each takes its own way to the database and back.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Memory, Newest};
+use crate::core::time::UtcMicros;
+use crate::pipeline::read::{Calibration, Submission};
+use crate::store::{Id, RecordAt, Span, Store, StoreError};
+
+/// What is stored where a group's items are about to go. What is not in here was not asked for.
+#[derive(Debug, Default)]
+pub(in crate::pipeline) struct Ahead {
+    keys: HashMap<String, Option<(Id, Vec<u8>)>>,
+    /// The records of an IMU at an instant.
+    records: HashMap<(u32, UtcMicros), Vec<RecordAt>>,
+    /// The record that holds a gyro's row at an instant.
+    rows: HashMap<(u32, UtcMicros), Option<Id>>,
+}
+
+impl Ahead {
+    pub async fn read<'a>(
+        store: &Store,
+        newest: &Newest,
+        items: impl Iterator<Item = &'a Submission>,
+    ) -> Result<Self, StoreError> {
+        let sent: Vec<&Calibration> = items.filter_map(Submission::calibration).collect();
+        let mut ahead = Self::default();
+        let keys: HashSet<&str> = sent.iter().filter_map(|sent| sent.idempotency_key.as_deref()).collect();
+        let (mut at_imus, mut at_gyros) = (HashSet::new(), HashSet::new());
+        {
+            let tables = store.names().read();
+            for sent in &sent {
+                let at = sent.calibrated_at;
+                let imu = tables.imus.number(sent.imu.as_str());
+                at_imus.extend(imu.filter(|imu| !newest.is_new(*imu, at)).map(|imu| (imu, at)));
+                let gyros = sent.gyros.iter().filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
+                at_gyros.extend(gyros.filter(|gyro| !newest.is_new_of(*gyro, at)).map(|gyro| (gyro, at)));
+            }
+        }
+        let keys: Vec<&str> = keys.into_iter().collect();
+        if !keys.is_empty() {
+            let mut used: HashMap<String, (Id, Vec<u8>)> = store.keys(&keys).await?.into_iter().collect();
+            ahead.keys = keys.into_iter().map(|key| (key.to_owned(), used.remove(key))).collect();
+        }
+        let at_imus: Vec<(u32, UtcMicros)> = at_imus.into_iter().collect();
+        let records = store.records_at_many(&at_imus).await?;
+        ahead.records = at_imus.into_iter().zip(records).collect();
+        let at_gyros: Vec<(u32, UtcMicros)> = at_gyros.into_iter().collect();
+        let spans: Vec<_> = at_gyros.iter().map(|(gyro, at)| (*gyro, Span { from: *at, to: *at })).collect();
+        let rows = store.histories(&spans, 1).await?;
+        let held = |rows: Vec<crate::store::Figures>| rows.first().map(|figures| figures.record);
+        ahead.rows = at_gyros.into_iter().zip(rows.into_iter().map(held)).collect();
+        Ok(ahead)
+    }
+
+    /// What a key was used for.
+    pub(super) async fn key(&self, key: &str, store: &Store) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
+        match self.keys.get(key) {
+            Some(known) => Ok(known.clone()),
+            None => store.key(key).await,
+        }
+    }
+
+    /// As [`Store::records_at`].
+    pub(super) async fn records_at(&self, imu: u32, at: UtcMicros, store: &Store) -> Result<Vec<RecordAt>, StoreError> {
+        match self.records.get(&(imu, at)) {
+            Some(known) => Ok(known.clone()),
+            None => store.records_at(imu, at).await,
+        }
+    }
+
+    /// The stored record that holds a gyro's row at an instant.
+    pub(super) async fn row_at(&self, gyro: u32, at: UtcMicros, store: &Store) -> Result<Option<Id>, StoreError> {
+        match self.rows.get(&(gyro, at)) {
+            Some(known) => Ok(*known),
+            None => {
+                let rows = store.history(gyro, Span { from: at, to: at }, 1).await?;
+                Ok(rows.first().map(|figures| figures.record))
+            }
+        }
+    }
+}
+
+impl Memory {
+    /// Takes in what is stored of gyros that are not remembered yet: the newest rows of each, and whether there are no others.
+    pub fn take_in<'a>(&mut self, read: impl Iterator<Item = (u32, &'a [crate::store::Figures], bool)>) {
+        for (gyro, rows, whole) in read {
+            self.gyros.entry(gyro).or_insert_with(|| super::memory::Ring::of(rows, whole));
+        }
+    }
+
+    pub fn knows(&self, gyro: u32) -> bool {
+        self.gyros.contains_key(&gyro)
+    }
+}

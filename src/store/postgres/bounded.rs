@@ -1,0 +1,113 @@
+//! Questions to the database that come to an end: a host that falls silent neither closes a connection nor answers on it, and TCP by
+//! itself waits for a quarter of an hour.
+
+use std::io::{Error as IoError, ErrorKind};
+use std::time::Duration;
+
+use futures::future::BoxFuture;
+use futures::stream::{BoxStream, StreamExt, unfold};
+use sqlx::postgres::{PgConnectOptions, PgPoolOptions, PgQueryResult, PgRow, PgStatement, PgTypeInfo};
+use sqlx::{Connection, Either, Error, Execute, Executor, PgPool, Postgres, SqlSafeStr, SqlStr, Transaction};
+use tokio::time::timeout;
+
+/// What comes of `work`, unless nothing has within `limit`.
+///
+/// # Errors
+/// Those of `work`; [`ErrorKind::TimedOut`].
+pub(super) async fn within<T, E: From<Error>>(
+    limit: Duration,
+    work: impl Future<Output = Result<T, E>>,
+) -> Result<T, E> {
+    timeout(limit, work).await.unwrap_or_else(|_| Err(silent(limit).into()))
+}
+
+fn silent(limit: Duration) -> Error {
+    Error::Io(IoError::new(ErrorKind::TimedOut, format!("no answer within {} s", limit.as_secs_f64())))
+}
+
+/// Connections that read. None of them waits longer than `limit` for the next row.
+#[derive(Debug, Clone)]
+pub(in crate::store) struct PgReaders {
+    pool: PgPool,
+    limit: Duration,
+}
+
+impl PgReaders {
+    pub async fn connect(
+        options: PgPoolOptions,
+        connect: PgConnectOptions,
+        limit: Duration,
+    ) -> Result<Self, sqlx::Error> {
+        // A connection on which a question was given up is closed, not handed to the next.
+        let options = options.after_release(move |connection, _| {
+            Box::pin(async move { within(limit, connection.ping()).await.map(|()| true) })
+        });
+        let pool = options.connect_with(connect).await?;
+        Ok(Self { pool, limit })
+    }
+
+    /// Of whom further connections are asked.
+    pub fn turn_to(&self, connect: PgConnectOptions) {
+        self.pool.set_connect_options(connect);
+    }
+
+    pub fn pool(&self) -> &PgPool {
+        &self.pool
+    }
+
+    /// Several questions, to be asked [within the limit](Self::within_limit).
+    pub async fn begin_with(&self, statement: impl SqlSafeStr) -> Result<Transaction<'static, Postgres>, Error> {
+        self.pool.begin_with(statement).await
+    }
+
+    /// What comes of `work`, unless nothing has within the limit of one question.
+    pub async fn within_limit<T, E: From<Error>>(&self, work: impl Future<Output = Result<T, E>>) -> Result<T, E> {
+        within(self.limit, work).await
+    }
+
+    pub fn is_closed(&self) -> bool {
+        self.pool.is_closed()
+    }
+
+    /// Connections on which nobody answers are left to themselves.
+    pub async fn close(&self) {
+        let _silent = timeout(self.limit, self.pool.close()).await;
+    }
+}
+
+type Step = Result<Either<PgQueryResult, PgRow>, Error>;
+
+impl<'c> Executor<'c> for &PgReaders {
+    type Database = Postgres;
+
+    fn fetch_many<'e, 'q: 'e, E>(self, query: E) -> BoxStream<'e, Step>
+    where
+        'c: 'e,
+        E: 'q + Execute<'q, Postgres>,
+    {
+        let (limit, steps) = (self.limit, self.pool.fetch_many(query));
+        let next = move |steps: Option<BoxStream<'e, Step>>| async move {
+            let mut steps = steps?;
+            match timeout(limit, steps.next()).await {
+                Ok(step) => Some((step?, Some(steps))),
+                Err(_) => Some((Err(silent(limit)), None)),
+            }
+        };
+        unfold(Some(steps), next).boxed()
+    }
+
+    fn fetch_optional<'e, 'q: 'e, E>(self, query: E) -> BoxFuture<'e, Result<Option<PgRow>, Error>>
+    where
+        'c: 'e,
+        E: 'q + Execute<'q, Postgres>,
+    {
+        Box::pin(within(self.limit, self.pool.fetch_optional(query)))
+    }
+
+    fn prepare_with<'e>(self, sql: SqlStr, parameters: &'e [PgTypeInfo]) -> BoxFuture<'e, Result<PgStatement, Error>>
+    where
+        'c: 'e,
+    {
+        Box::pin(within(self.limit, self.pool.prepare_with(sql, parameters)))
+    }
+}

@@ -1,0 +1,118 @@
+//! Where the database may be: `postgres://user@one,two:5433/database?target_session_attrs=read-write` names several hosts, as libpq does.
+//! They are tried in turn; the driver knows of one.
+
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use sqlx::postgres::PgConnectOptions;
+use sqlx::{ConnectOptions, PgConnection, Row as _};
+
+use super::bounded::within;
+use crate::store::error::StoreError;
+
+/// The hosts of one database, and the one that answered last.
+#[derive(Debug, Clone)]
+pub(in crate::store) struct Hosts {
+    all: Arc<[PgConnectOptions]>,
+    last: Arc<AtomicUsize>,
+    /// Whether a host that does not take writes is passed over.
+    read_write: bool,
+}
+
+/// How long one of several hosts is waited for before the next is tried.
+const FOR_EACH: Duration = Duration::from_secs(2);
+
+impl Hosts {
+    /// # Errors
+    /// [`StoreError::Other`] where the address cannot be read.
+    pub fn of(url: &str) -> Result<Self, StoreError> {
+        let wrong = |why: String| StoreError::Other(why.into());
+        let (scheme, rest) = url.split_once("://").ok_or_else(|| wrong("no address of a database".to_owned()))?;
+        let (authority, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
+        let (user, hosts) = authority.rsplit_once('@').map_or(("", authority), |(user, hosts)| (user, hosts));
+        let user = if user.is_empty() { String::new() } else { format!("{user}@") };
+        let (path, query) = path.split_once('?').unwrap_or((path, ""));
+        let (wanted, others): (Vec<&str>, Vec<&str>) = query
+            .split('&')
+            .filter(|part| !part.is_empty())
+            .partition(|part| part.starts_with("target_session_attrs="));
+        let read_write = match wanted.first().and_then(|part| part.split_once('=')).map(|(_, value)| value) {
+            None if hosts.contains(',') => true,
+            None | Some("any") => false,
+            Some("read-write" | "primary") => true,
+            Some(other) => {
+                let why = "the service writes, so it takes any, read-write or primary";
+                return Err(wrong(format!("target_session_attrs={other}: {why}")));
+            }
+        };
+        let one = |host: &str| {
+            let query = others.join("&");
+            let options = PgConnectOptions::from_str(&format!("{scheme}://{user}{host}{path}?{query}"))?;
+            // A pooler refuses what it does not know at the start of a session; figures travel as they are, not as digits.
+            let options = options.application_name("gyrowatch").extra_float_digits(None);
+            Ok(options.statement_cache_capacity(256).disable_statement_logging())
+        };
+        let all: Result<Vec<_>, sqlx::Error> = hosts.split(',').map(one).collect();
+        Ok(Self { all: all?.into(), last: Arc::default(), read_write })
+    }
+
+    /// The one that answered last.
+    pub fn last(&self) -> &PgConnectOptions {
+        &self.all[self.last.load(Ordering::Relaxed)]
+    }
+
+    pub fn are_several(&self) -> bool {
+        self.all.len() > 1
+    }
+
+    /// A connection to the first that answers and does what it is wanted for, unless none does within `patience`.
+    ///
+    /// # Errors
+    /// [`StoreError`] of the last that was tried.
+    pub async fn reach(&self, patience: Duration) -> Result<PgConnection, StoreError> {
+        let (end, first) = (Instant::now() + patience, self.last.load(Ordering::Relaxed));
+        let for_each = if self.are_several() { FOR_EACH.min(patience) } else { patience };
+        let mut refused = None;
+        for place in (0..self.all.len()).map(|i| (first + i) % self.all.len()) {
+            let left = end.saturating_duration_since(Instant::now());
+            match within(for_each.min(left), self.open(place)).await {
+                Ok(connection) => {
+                    self.last.store(place, Ordering::Relaxed);
+                    return Ok(connection);
+                }
+                Err(error) => refused = Some(error),
+            }
+        }
+        Err(refused.expect("there is at least one host").into())
+    }
+
+    async fn open(&self, place: usize) -> Result<PgConnection, sqlx::Error> {
+        let mut connection = self.all[place].connect().await?;
+        if self.read_write {
+            let asked = sqlx::raw_sql("SHOW transaction_read_only").fetch_one(&mut connection).await?;
+            if asked.try_get::<String, _>(0)? == "on" {
+                let why = format!("{} takes no writes", self.all[place].get_host());
+                return Err(sqlx::Error::Io(std::io::Error::other(why)));
+            }
+        }
+        Ok(connection)
+    }
+}
+
+/// An address for people to read.
+pub(super) fn without_password(url: &str) -> String {
+    let Some((scheme, rest)) = url.split_once("://") else { return url.to_owned() };
+    let (authority, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
+    let shown = match authority.rsplit_once('@').map(|(user, hosts)| (user.split_once(':'), hosts)) {
+        Some((Some((user, _)), hosts)) => format!("{scheme}://{user}:hidden@{hosts}"),
+        _ => format!("{scheme}://{authority}"),
+    };
+    let (path, query) = path.split_once('?').unwrap_or((path, ""));
+    let hidden =
+        |part: &str| if part.starts_with("password=") { "password=hidden".to_owned() } else { part.to_owned() };
+    let query: Vec<String> = query.split('&').filter(|part| !part.is_empty()).map(hidden).collect();
+    let query = if query.is_empty() { String::new() } else { format!("?{}", query.join("&")) };
+    format!("{shown}{path}{query}")
+}

@@ -1,0 +1,133 @@
+//! What may stand between a server and its database: it leads to another host, takes its time, or falls silent.
+#![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
+
+use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::time::{Instant, sleep_until};
+
+pub struct Proxy {
+    pub address: SocketAddr,
+    state: Arc<State>,
+}
+
+struct State {
+    target: Mutex<SocketAddr>,
+    delay: Mutex<Duration>,
+    /// Connections up to this one are silent: nothing is handed on, nothing is closed.
+    silent_up_to: AtomicU32,
+    connections: AtomicU32,
+    /// How often somebody was asked after the answer before had come.
+    questions: AtomicU64,
+    answered_bytes: AtomicU64,
+}
+
+impl Proxy {
+    pub async fn to(target: SocketAddr) -> Self {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let state = Arc::new(State {
+            target: Mutex::new(target),
+            delay: Mutex::new(Duration::ZERO),
+            silent_up_to: AtomicU32::new(0),
+            connections: AtomicU32::new(0),
+            questions: AtomicU64::new(0),
+            answered_bytes: AtomicU64::new(0),
+        });
+        let shared = state.clone();
+        tokio::spawn(async move {
+            while let Ok((client, _)) = listener.accept().await {
+                tokio::spawn(shared.clone().hand_on(client));
+            }
+        });
+        Self { address, state }
+    }
+
+    /// The same database through this.
+    pub fn url(&self, url: &str) -> String {
+        let (user, path) = (url.split_once('@').unwrap().0, url.rsplit_once('/').unwrap().1);
+        format!("{user}@{}/{path}", self.address)
+    }
+
+    /// New connections are led there.
+    pub fn leads_to(&self, target: SocketAddr) {
+        *self.state.target.lock().unwrap() = target;
+    }
+
+    /// Each question takes so much longer.
+    pub fn delays(&self, round_trip: Duration) {
+        *self.state.delay.lock().unwrap() = round_trip / 2;
+    }
+
+    /// Those whose connections there are hear nothing any more; new ones are served.
+    pub fn silences_connections(&self) {
+        self.state.silent_up_to.store(self.state.connections.load(Ordering::SeqCst), Ordering::SeqCst);
+    }
+
+    /// Nobody hears anything any more, whoever comes; until [`Proxy::speaks`].
+    pub fn falls_silent(&self) {
+        self.state.silent_up_to.store(u32::MAX, Ordering::SeqCst);
+    }
+
+    pub fn speaks(&self) {
+        self.silences_connections();
+    }
+
+    pub fn questions(&self) -> u64 {
+        self.state.questions.load(Ordering::SeqCst)
+    }
+
+    pub fn answered_bytes(&self) -> u64 {
+        self.state.answered_bytes.load(Ordering::SeqCst)
+    }
+}
+
+impl State {
+    async fn hand_on(self: Arc<Self>, client: TcpStream) {
+        let number = self.connections.fetch_add(1, Ordering::SeqCst) + 1;
+        let target = *self.target.lock().unwrap();
+        while self.is_silent(number) {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        let Ok(database) = TcpStream::connect(target).await else { return };
+        for stream in [&client, &database] {
+            stream.set_nodelay(true).unwrap();
+        }
+        let (from_client, to_client) = client.into_split();
+        let (from_database, to_database) = database.into_split();
+        let answered = Arc::new(AtomicU64::new(1));
+        tokio::join!(
+            self.pass(number, from_client, to_database, |_| {
+                self.questions.fetch_add(answered.swap(0, Ordering::SeqCst), Ordering::SeqCst);
+            }),
+            self.pass(number, from_database, to_client, |len| {
+                answered.store(1, Ordering::SeqCst);
+                self.answered_bytes.fetch_add(len as u64, Ordering::SeqCst);
+            }),
+        );
+    }
+
+    async fn pass(&self, number: u32, mut from: OwnedReadHalf, mut to: OwnedWriteHalf, passed: impl Fn(usize)) {
+        let mut said = vec![0; 1 << 16];
+        while let Ok(len @ 1..) = from.read(&mut said).await {
+            let due = Instant::now() + *self.delay.lock().unwrap();
+            sleep_until(due).await;
+            while self.is_silent(number) {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+            passed(len);
+            if to.write_all(&said[..len]).await.is_err() {
+                return;
+            }
+        }
+    }
+
+    fn is_silent(&self, number: u32) -> bool {
+        number <= self.silent_up_to.load(Ordering::SeqCst)
+    }
+}

@@ -310,7 +310,11 @@ async fn of_several_hosts_the_one_that_takes_writes_is_found() {
 }
 
 /// PgBouncer in a process of its own before a database.
-struct Pooler(std::process::Child, u16, tempfile::TempDir);
+struct Pooler {
+    child: std::process::Child,
+    port: u16,
+    _settings: tempfile::TempDir,
+}
 
 impl Pooler {
     async fn start(database: &str, mode: &str) -> Self {
@@ -337,18 +341,18 @@ impl Pooler {
             }
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
-        Self(child, port, dir)
+        Self { child, port, _settings: dir }
     }
 
     fn url(&self, database: &str) -> String {
-        format!("postgres://postgres@127.0.0.1:{}/{}", self.1, database.rsplit_once('/').unwrap().1)
+        format!("postgres://postgres@127.0.0.1:{}/{}", self.port, database.rsplit_once('/').unwrap().1)
     }
 }
 
 impl Drop for Pooler {
     fn drop(&mut self) {
-        let _gone = self.0.kill();
-        let _reaped = self.0.wait();
+        let _gone = self.child.kill();
+        let _reaped = self.child.wait();
     }
 }
 

@@ -9,15 +9,15 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use sqlx::migrate::Migrator;
-use sqlx::{AssertSqlSafe, ConnectOptions, SqliteConnection};
-use support::{Server, data, gyrowatch};
+use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
+use support::{Server, cluster, data, gyrowatch};
 
 /// Bytes of a row of the history's log: the gyro's number, and its figures.
 const ROW: usize = 124;
 
 /// A service with records (one came late), a campaign, bench results and an event in it, and what it answers about them.
-async fn filled() -> (Server, Vec<(String, Value)>) {
-    let server = Server::start().await;
+async fn filled(settings: &[(&str, &str)]) -> (Server, Vec<(String, Value)>) {
+    let server = Server::start_with(settings).await;
     let mut paths = Vec::new();
     for at in ["2026-03-01T08:00:00Z", "2026-03-22T08:00:00Z", "2026-03-08T08:00:00Z"] {
         let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
@@ -110,12 +110,12 @@ async fn write_as_of(version: i64, file: &Path, from: &Path) {
             .unwrap();
         }
     }
-    sqlx::Connection::close(connection).await.unwrap();
+    connection.close().await.unwrap();
 }
 
 #[tokio::test]
 async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that_is_in_it() {
-    let (mut server, answers) = filled().await;
+    let (mut server, answers) = filled(&[]).await;
     assert!(server.terminate().0.success());
     let newest = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/sqlite")).unwrap().count();
     assert!(newest >= 9);
@@ -144,6 +144,63 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
         assert!(upgraded.terminate().0.success());
         let url = format!("sqlite://{}", upgraded.dir().join("gyrowatch.db").display());
         let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
+        assert!(verified.status.success(), "version {version}: {verified:?}");
+    }
+}
+
+/// Makes an empty database of a server one as `version` left it, with what that version could hold of the database `from`.
+async fn write_server_as_of(version: i64, all: &Migrator, url: &str, from: &mut PgConnection) {
+    let early = all.iter().filter(|migration| migration.version <= version).cloned().collect();
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    Migrator::with_migrations(early).run(&mut connection).await.unwrap();
+    // Rows come in any order of tables.
+    sqlx::query("SET session_replication_role = replica").execute(&mut connection).await.unwrap();
+    let tables = "SELECT CAST(table_name AS TEXT) FROM information_schema.tables
+                  WHERE table_schema = 'public' AND table_name NOT LIKE '\\_sqlx%'";
+    let newer: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut *from).await.unwrap();
+    let own: Vec<String> = sqlx::query_scalar(tables).fetch_all(&mut connection).await.unwrap();
+    for table in own.iter().filter(|table| newer.contains(table)) {
+        let rows =
+            AssertSqlSafe(format!("SELECT coalesce(CAST(jsonb_agg(to_jsonb(t)) AS TEXT), '[]') FROM {table} AS t"));
+        let rows: String = sqlx::query_scalar(rows).fetch_one(&mut *from).await.unwrap();
+        let delete = AssertSqlSafe(format!("DELETE FROM {table}"));
+        sqlx::query(delete).execute(&mut connection).await.unwrap();
+        let put = format!(
+            "INSERT INTO public.{table} SELECT * FROM jsonb_populate_recordset(NULL::public.{table}, CAST($1 AS JSONB))"
+        );
+        sqlx::query(AssertSqlSafe(put)).bind(rows).execute(&mut connection).await.unwrap();
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_with_all_that_is_in_it() {
+    if !cluster::is_there() {
+        return;
+    }
+    let url = cluster::fresh_database().await;
+    let (mut server, answers) = filled(&[("GYROWATCH_DATABASE_URL", &url)]).await;
+    assert!(server.terminate().0.success());
+    let migrations = Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations/postgres");
+    let all = Migrator::new(migrations).await.unwrap();
+    let mut from = PgConnection::connect(&url).await.unwrap();
+    for version in all.iter().map(|migration| migration.version) {
+        let url = cluster::fresh_database().await;
+        write_server_as_of(version, &all, &url, &mut from).await;
+        let upgraded = Server::start_with(&[("GYROWATCH_DATABASE_URL", &url)]).await;
+        for (path, before) in &answers {
+            let mut before = before.clone();
+            if version < 5 && before.get("notes").is_some() && path.starts_with("/v1/records") {
+                // Earlier versions noted nothing.
+                before["notes"] = json!([]);
+            }
+            assert_eq!(answered(&upgraded, path).await, before, "version {version}: {path}");
+        }
+        let known = upgraded.post("/v1/records", "application/json", data("paper.json")).await;
+        assert!(matches!(known.status, 200 | 201), "version {version}: {}", known.text());
+        let mut new: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
+        assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
+        let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
         assert!(verified.status.success(), "version {version}: {verified:?}");
     }
 }
@@ -195,14 +252,14 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
 
 #[tokio::test]
 async fn a_database_of_a_later_version_is_refused_and_left_alone() {
-    let (mut server, _) = filled().await;
+    let (mut server, _) = filled(&[]).await;
     assert!(server.terminate().0.success());
     let file = server.dir().join("gyrowatch.db");
     let mut connection = sqlx::sqlite::SqliteConnectOptions::new().filename(&file).connect().await.unwrap();
     let later = "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
                  VALUES (9999, 'later', true, x'00', 1)";
     sqlx::query(later).execute(&mut connection).await.unwrap();
-    sqlx::Connection::close(connection).await.unwrap();
+    connection.close().await.unwrap();
     let before = std::fs::read(&file).unwrap();
     let mut command = gyrowatch();
     command.arg("serve").current_dir(server.dir()).env("GYROWATCH_LISTEN", "127.0.0.1:0");

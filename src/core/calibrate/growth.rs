@@ -106,6 +106,14 @@ mod tests {
     }
 
     #[test]
+    fn the_degrees_of_freedom_weigh_each_residual_by_what_it_is_expected_to_be() {
+        // Shares 1 x 0.5 and 2 x 0.75; (0.5 + 1.5)^2 / (0.5^2/0.5 + 1.5^2/0.75) = 4/3.5.
+        let (residuals, x) = (vector(2, |_| 1.0), vector(2, |k| k as f64));
+        let gyro = Unweighted { residuals: &residuals, leverage: &vector(2, |k| [0.5, 0.25][k]), x: &x };
+        assert!((gyro.dof(1.0) - 4.0 / 3.5).abs() < 1e-12, "{}", gyro.dof(1.0));
+    }
+
+    #[test]
     fn variance_and_degrees_of_freedom_are_those_of_the_full_matrices() {
         // A mean of n: M = 1 - 1/n, s^2 = r'r/tr(MV), and with equal variances tr(M) = n - 1 degrees of freedom.
         let n = 12;

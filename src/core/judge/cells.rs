@@ -185,3 +185,44 @@ impl Window {
 }
 
 pub(super) const DAYS_A_YEAR: f64 = 365.25;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::Event;
+    use crate::core::judge::history::{Measured, Seat};
+
+    const DAY: i64 = UtcMicros::DAY;
+
+    fn samples(points: &[(i64, f64)]) -> Vec<Sample> {
+        let sample = |&(at, value): &(i64, f64)| {
+            let d = [Measured { value, sd: Some(0.1) }, Measured::exact(2.0), Measured::exact(0.0)];
+            Sample { at: UtcMicros(at), seat: Seat::default(), d }
+        };
+        points.iter().map(sample).collect()
+    }
+
+    fn cells(samples: &[Sample], marks: &[Mark]) -> Vec<Cell> {
+        let mut cells = Vec::new();
+        samples.iter().for_each(|sample| push(&mut cells, sample, marks));
+        cells
+    }
+
+    #[test]
+    fn a_cell_stands_at_the_mean_of_its_records() {
+        let cells = cells(&samples(&[(700 * DAY, 3.0), (702 * DAY, 3.5)]), &[]);
+        let window = Window::of(&cells, UtcMicros(710 * DAY));
+        assert_eq!(cells.len(), 1);
+        assert!((window.t[0] - (-9.0 / DAYS_A_YEAR)).abs() < 1e-15, "days 700 and 702, seen from day 710");
+        assert_eq!(window.x[0][0], 3.25);
+        assert!((window.sd[0][0].unwrap() - 0.1 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(window.sd[1][0], None, "one standard deviation is missing");
+    }
+
+    #[test]
+    fn an_event_that_restarts_the_control_rules_ends_a_cell_and_a_note_does_not() {
+        let records = samples(&[(700 * DAY, 3.0), (702 * DAY, 3.5)]);
+        let of = |event| cells(&records, &[Mark::of(UtcMicros(701 * DAY), event)]).len();
+        assert_eq!([of(Event::Note), of(Event::Repair)], [1, 2]);
+    }
+}

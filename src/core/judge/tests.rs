@@ -471,6 +471,7 @@ fn a_step_is_no_trend_and_scatter_is_none_either() {
     assert_eq!(step.state, State::Within);
     assert!(matches!(step.finding, Finding::NoTrend { step: Some(at), .. } if at == day(14.0 * 12.0)), "{step:?}");
     assert!(step.reason().contains("; a step on 2026-06-18 fits better."), "{step}");
+    assert!((step.value.unwrap() - 0.025).abs() < 2e-3, "the line's end, off the baseline: {step}");
     let still = trend(24, &|i| 3.0 + 3e-3 * scatter(i));
     assert!(matches!(still.finding, Finding::NoTrend { step: None, .. }), "{still:?}");
     // A course that bends within the shortest window is no line: the last deviation is shown.
@@ -741,6 +742,30 @@ fn tables_3_and_4_meet_their_requirements_and_what_does_not_is_named() {
     let [Some(near), _] = requirement(required, &near, &g, Some(&sd), None, 0.95) else { panic!("E is required") };
     assert_eq!(near.state, State::Indeterminate, "{near}");
     assert_eq!(requirement(&Requirement::default(), &e, &g, None, None, 0.95), [None, None]);
+}
+
+#[test]
+fn of_figures_outside_alike_the_farthest_leads() {
+    use nalgebra::Vector3;
+    let required = &Requirement::tables_3_and_4()[0];
+    let [low, high] = [required.e[0].unwrap(), required.e[1].unwrap()].map(|bounds| [bounds.low, bounds.high]);
+    let width = |[low, high]: [f64; 2]| high - low;
+    for (x, y, name) in [(3.0, 2.0, "E_x"), (2.0, 3.0, "E_y")] {
+        let e = Vector3::new(low[1] + x * width(low), high[1] + y * width(high), 1.0367);
+        let [Some(of_e), _] = requirement(required, &e, &Vector3::zeros(), None, None, 0.95) else { panic!("required") };
+        assert!(of_e.reason().starts_with(name), "{of_e}");
+    }
+}
+
+#[test]
+fn a_probability_is_rounded_only_beyond_999_in_1000() {
+    let points = samples(Some(1e-3), &[(0.0, 3.0), (14.0, 3.0123)]);
+    let mut v = verdict(&points, &[], 1, Rule::Step, &Limits::default());
+    let said = |v: &Verdict| v.reason();
+    for (probability, words) in [(0.999, "= 99.9 %"), (0.9995, "> 99.9 %"), (0.001, "= 0.1 %"), (0.0005, "< 0.1 %")] {
+        v.probability = Some(probability);
+        assert!(said(&v).contains(words), "{probability}: {v}");
+    }
 }
 
 #[test]

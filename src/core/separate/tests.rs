@@ -17,6 +17,21 @@ fn assert_near(what: &str, got: f64, want: f64) {
 }
 
 #[test]
+fn the_closure_of_the_published_method_is_the_rms_of_what_it_leaves_over() {
+    for slot in Slot::ALL {
+        let (e, g) = TABLES_3_4[slot.index()];
+        let (e, g) = (Vector3::from(e), Vector3::from(g));
+        let published = of_the_paper(slot).published.unwrap();
+        // The best that D_I along u and anything across it can do: |D_O| of both, by the plane that the method spans.
+        let (u, y) = (e / e.norm(), g / e.norm());
+        let across = y - u * y.dot(&u);
+        assert!(published.closure_rms * 3.0_f64.sqrt() <= across.norm());
+        let far = separate(&Geometry::Skewed, slot, &e, &(g * 1e3), None).unwrap().published.unwrap();
+        assert!((far.closure_rms / (1e3 * published.closure_rms) - 1.0).abs() < 1e-9, "in proportion to G");
+    }
+}
+
+#[test]
 fn the_papers_tables_give_the_golden_figures() {
     struct Golden {
         alpha: [f64; 3],

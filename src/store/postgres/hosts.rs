@@ -116,3 +116,49 @@ pub(super) fn without_password(url: &str) -> String {
     let query = if query.is_empty() { String::new() } else { format!("?{}", query.join("&")) };
     format!("{shown}{path}{query}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hosts(url: &str) -> Vec<(String, u16)> {
+        let hosts = Hosts::of(url).unwrap();
+        hosts.all.iter().map(|one| (one.get_host().to_owned(), one.get_port())).collect()
+    }
+
+    #[test]
+    fn every_host_of_an_address_is_found_with_its_port() {
+        let one = hosts("postgres://u:p@db.example/gyrowatch?sslmode=disable");
+        assert_eq!(one, [("db.example".to_owned(), 5432)]);
+        let three =
+            hosts("postgresql://u@one,two:5433,[::1]:5434/gyrowatch?target_session_attrs=read-write&sslmode=disable");
+        assert_eq!(three.iter().map(|(_, port)| *port).collect::<Vec<_>>(), [5432, 5433, 5434]);
+        assert_eq!([&three[0].0, &three[1].0], ["one", "two"]);
+    }
+
+    #[test]
+    fn who_takes_no_writes_is_passed_over_where_there_are_several_or_it_is_asked_for() {
+        let passes = |url: &str| Hosts::of(url).unwrap().read_write;
+        assert!(!passes("postgres://u@one/g") && passes("postgres://u@one,two/g"));
+        assert!(!passes("postgres://u@one,two/g?target_session_attrs=any"));
+        assert!(passes("postgres://u@one/g?target_session_attrs=primary"));
+        let refused = Hosts::of("postgres://u@one/g?target_session_attrs=standby").unwrap_err();
+        assert!(refused.to_string().contains("target_session_attrs=standby"), "{refused}");
+    }
+
+    #[test]
+    fn no_password_is_shown() {
+        for (url, shown) in [
+            (
+                "postgres://u:secret@one,two:5433/g?sslmode=require",
+                "postgres://u:hidden@one,two:5433/g?sslmode=require",
+            ),
+            ("postgres://u@one/g", "postgres://u@one/g"),
+            ("postgres:///g?host=/run&password=secret", "postgres:///g?host=/run&password=hidden"),
+            ("postgres://u:se@cret@one", "postgres://u:hidden@one"),
+            ("sqlite://gyrowatch.db", "sqlite://gyrowatch.db"),
+        ] {
+            assert_eq!(without_password(url), shown);
+        }
+    }
+}

@@ -10,6 +10,7 @@ mod hosts;
 mod lease;
 mod names;
 mod neighbours;
+mod standing;
 mod turn;
 
 use std::time::{Duration, Instant};
@@ -23,7 +24,7 @@ use self::bounded::within;
 use self::hosts::Hosts;
 pub(super) use self::neighbours::Neighbours;
 pub(super) use self::turn::ServerWriter;
-pub use self::{lease::Duty, neighbours::Moves, turn::Missed};
+pub use self::{lease::Duty, neighbours::Moves, standing::Missed};
 use super::commit::Writer;
 use super::db::Readers;
 use super::error::StoreError;

@@ -6,7 +6,7 @@ use tokio::sync::watch;
 
 use super::hosts::Hosts;
 use super::lease::{self, Duty, Held};
-use super::turn::{Found, Missed, Standing};
+use super::standing::{Found, Missed, Standing};
 use super::{PgReaders, claim, names};
 use crate::store::error::StoreError;
 use crate::store::names::{Commit, Names};

@@ -309,3 +309,72 @@ fn baseline_weights(line: &Line<'_>, level: &Level, now: UtcMicros) -> (Weights,
     }
     (inside, apart)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By bisection, where the band's edge `sign` t sd meets the budget.
+    fn meets(forecast: &Forecast, budget: f64, sign: f64) -> Option<f64> {
+        let t = StudentsT::new(0.0, 1.0, forecast.freedom).unwrap().inverse_cdf(DATES);
+        let edge = |days: f64| {
+            let Measured { value, sd } = forecast.at(days);
+            value + sign * t * sd.unwrap() - budget
+        };
+        let (mut low, mut high) = (0.0, 1e6);
+        if edge(high) < 0.0 {
+            return None;
+        }
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if edge(middle) < 0.0 { low = middle } else { high = middle }
+        }
+        Some(high)
+    }
+
+    #[test]
+    fn dates_are_where_the_edges_of_the_band_meet_the_budget() {
+        let budget = 0.01;
+        for (v0, v1, vb) in [(1e-7, 0.0, 1e-7), (4e-7, -1e-7, 9e-7), (1e-7, 5e-7, 2e-7), (1e-8, 1e-6, 1e-6), (1e-7, 0.0, 9e-6)] {
+            let forecast = Forecast { deviation: 0.002, per_year: 0.006, v0, v1, vb, freedom: 11.0 };
+            let [first, middle, last] = forecast.reaches(budget);
+            assert!((middle.unwrap() - 0.008 / 0.006 * DAYS_A_YEAR).abs() < 1e-6);
+            let near = |what: &str, got: Option<f64>, expected: Option<f64>| match (got, expected) {
+                (Some(got), Some(expected)) => assert!((got / expected - 1.0).abs() < 1e-6, "{what}: {got} {expected}"),
+                (got, expected) => assert_eq!(got, expected, "{what} of {forecast:?}"),
+            };
+            near("first", first, meets(&forecast, budget, 1.0));
+            near("last", last, meets(&forecast, budget, -1.0));
+        }
+        let falling = Forecast { deviation: -0.002, per_year: -0.006, v0: 1e-7, v1: 5e-7, vb: 2e-7, freedom: 11.0 };
+        let rising = Forecast { deviation: 0.002, per_year: 0.006, ..falling };
+        assert_eq!(falling.reaches(budget), rising.reaches(budget), "the side makes no difference");
+    }
+
+    #[test]
+    fn a_point_is_left_out_by_the_scatter_of_the_others() {
+        // Level but for +-1 by turns and one that is off by `off`: its distance from the others in their standard deviations is known to fit
+        // between 4 sqrt((n - 3)/n) and 4 by the choice of `off`.
+        let noise = Noise { phi: 0.0, walk: 0.0, of_fleet: true };
+        let line = |off: f64| {
+            let n = 12;
+            let t: Vec<f64> = (0..n).map(|i| f64::from(i) - 11.0).collect();
+            let x: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 } + if i == 6 { off } else { 0.0 }).collect();
+            let first = vec![UtcMicros(0); 12];
+            let sd = vec![None; 12];
+            let points = Points { first: &first, t: &t, x: &x, sd: &sd };
+            Line::through(points, &noise, Prior { least: 1e-6, ..Prior::of(1e-3, &sd) }).n
+        };
+        // Through the eleven others by hand: their line and its residuals' sum of squares over n - 3 = 9.
+        let others: Vec<(f64, f64)> =
+            (0..12).filter(|i| *i != 6).map(|i| (f64::from(i) - 11.0, if i % 2 == 0 { 1.0 } else { -1.0 })).collect();
+        let (mt, mx) = (others.iter().map(|p| p.0).sum::<f64>() / 11.0, others.iter().map(|p| p.1).sum::<f64>() / 11.0);
+        let sxx: f64 = others.iter().map(|p| (p.0 - mt).powi(2)).sum();
+        let slope = others.iter().map(|p| (p.0 - mt) * (p.1 - mx)).sum::<f64>() / sxx;
+        let rest: f64 = others.iter().map(|p| (p.1 - mx - slope * (p.0 - mt)).powi(2)).sum::<f64>() / 9.0;
+        let ahead = 1.0 + 1.0 / 11.0 + (-5.0 - mt).powi(2) / sxx;
+        // The predicted residual at its place over the square root of its variance is 4 exactly here.
+        let at_four = 4.0 * (rest * ahead).sqrt() + mx + slope * (-5.0 - mt) - 1.0;
+        assert_eq!([line(at_four * 0.999), line(at_four * 1.001)], [12, 11]);
+    }
+}

@@ -1,13 +1,13 @@
 //! The database behind the servers changes under them: a standby takes over that has lost commits, a host falls silent, is far away, or
 //! is one of several. Nothing is mixed up, and writing goes on.
 
-mod proxy;
+mod database_proxy;
 mod support;
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use proxy::Proxy;
+use database_proxy::Proxy;
 use serde_json::{Value, json};
 use sqlx::{Connection, PgConnection};
 use support::Server;

@@ -752,7 +752,9 @@ fn of_figures_outside_alike_the_farthest_leads() {
     let width = |[low, high]: [f64; 2]| high - low;
     for (x, y, name) in [(3.0, 2.0, "E_x"), (2.0, 3.0, "E_y")] {
         let e = Vector3::new(low[1] + x * width(low), high[1] + y * width(high), 1.0367);
-        let [Some(of_e), _] = requirement(required, &e, &Vector3::zeros(), None, None, 0.95) else { panic!("required") };
+        let [Some(of_e), _] = requirement(required, &e, &Vector3::zeros(), None, None, 0.95) else {
+            panic!("required")
+        };
         assert!(of_e.reason().starts_with(name), "{of_e}");
     }
 }

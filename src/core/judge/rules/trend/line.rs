@@ -335,7 +335,9 @@ mod tests {
     #[test]
     fn dates_are_where_the_edges_of_the_band_meet_the_budget() {
         let budget = 0.01;
-        for (v0, v1, vb) in [(1e-7, 0.0, 1e-7), (4e-7, -1e-7, 9e-7), (1e-7, 5e-7, 2e-7), (1e-8, 1e-6, 1e-6), (1e-7, 0.0, 9e-6)] {
+        for (v0, v1, vb) in
+            [(1e-7, 0.0, 1e-7), (4e-7, -1e-7, 9e-7), (1e-7, 5e-7, 2e-7), (1e-8, 1e-6, 1e-6), (1e-7, 0.0, 9e-6)]
+        {
             let forecast = Forecast { deviation: 0.002, per_year: 0.006, v0, v1, vb, freedom: 11.0 };
             let [first, middle, last] = forecast.reaches(budget);
             assert!((middle.unwrap() - 0.008 / 0.006 * DAYS_A_YEAR).abs() < 1e-6);
@@ -359,7 +361,8 @@ mod tests {
         let line = |off: f64| {
             let n = 12;
             let t: Vec<f64> = (0..n).map(|i| f64::from(i) - 11.0).collect();
-            let x: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 } + if i == 6 { off } else { 0.0 }).collect();
+            let x: Vec<f64> =
+                (0..n).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 } + if i == 6 { off } else { 0.0 }).collect();
             let first = vec![UtcMicros(0); 12];
             let sd = vec![None; 12];
             let points = Points { first: &first, t: &t, x: &x, sd: &sd };

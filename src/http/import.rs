@@ -95,7 +95,8 @@ async fn post_import(
     tokio::spawn(async move {
         let late = telling.late_or(Late::Digest);
         let answers = Answers { sender, room };
-        import(&app, caller, late, body, &answers).await;
+        // A task of its own does not know whose it is.
+        caller.clone().during(import(&app, caller, late, body, &answers)).await;
         // Whoever has read the last answer finds the digest queued.
         telling.end(&app, late).await;
         drop(answers);

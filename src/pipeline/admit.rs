@@ -5,13 +5,14 @@ mod checking;
 mod confirming;
 mod correcting;
 mod memory;
+mod sending;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::judging;
 use super::read::{Calibration, GyroEvent, Submission};
-use super::{Accepted, Refused};
+use super::{Accepted, Actor, Refused};
 use crate::config::Judging;
 use crate::core::bench::BenchMethod;
 use crate::core::history_note::FAR_DAYS;
@@ -20,13 +21,14 @@ use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
-    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, PublishedFigures, RecordRow, Span, States, Store,
-    StoreError, StoredVerdict, Tables, VerdictSheet,
+    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Kind, PublishedFigures, RecordRow, Span, States,
+    Store, StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::{history_note, time};
 use checking::Checked;
 pub(super) use memory::Memory;
 use memory::Remembered;
+use sending::Sending;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
 #[derive(Debug, Default)]
@@ -41,6 +43,7 @@ pub(super) struct Group {
     keys: HashMap<String, (Id, [u8; 32])>,
     /// New names by what they look like.
     looks: HashMap<(Table, String), String>,
+    sendings: Vec<Sending>,
 }
 
 /// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
@@ -136,6 +139,8 @@ pub(super) struct Desk<'a> {
     /// Where clocks that were never set begin.
     pub epochs: &'a [UtcMicros],
     pub now: UtcMicros,
+    /// Whose item is at hand.
+    pub by: &'a Actor,
 }
 
 impl Desk<'_> {
@@ -199,6 +204,8 @@ impl Desk<'_> {
             }
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }
+        let place = if sent.kind == Kind::Campaign { "campaigns" } else { "records" };
+        let sent_by = Some(self.sent(place, id, group));
         group.records.insert((imu, at), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         group.changes.models_used.extend(sent.model.map(|model| (id, model)));
@@ -214,6 +221,7 @@ impl Desk<'_> {
             verdicts: sheet,
             voided: set_aside,
             notes: history_note::kept(&notes).map(Into::into),
+            sent_by,
         });
         Ok((id, notes.into()))
     }

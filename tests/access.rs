@@ -760,7 +760,11 @@ async fn over_tls_a_new_certificate_is_shown_without_a_restart_and_a_bad_one_nev
     .await;
     let url = format!("https://{}/healthz", server.address());
     let (one, two) = (trusting("tls/one.crt"), trusting("tls/two.crt"));
-    assert_eq!(one.get(&url).send().await.unwrap().status(), 200);
+    let well = one.get(&url).send().await.unwrap();
+    assert_eq!(
+        (well.status().as_u16(), well.headers()["strict-transport-security"].to_str().unwrap()),
+        (200, "max-age=31536000")
+    );
     assert!(two.get(&url).send().await.is_err(), "another certificate is not trusted");
     assert!(one.get(url.replace("https", "http")).send().await.is_err(), "nothing is said in the open");
     let made = one.post(url.replace("healthz", "v1/tokens")).header("content-type", "application/json");

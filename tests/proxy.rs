@@ -297,6 +297,7 @@ async fn under_a_prefix_every_page_and_every_answer_leads_under_it() {
                 }
             }
         }
+        println!("{} addresses followed, {} forms sent", seen.len(), forms.len());
         assert!(seen.len() > 60 && forms.len() > 8, "{seen:?} {forms:?}");
         for part in
             ["gyros/LFG-0101", "records/", "campaigns/", "hooks/", "assets/style", "docs/", "alerts/", "preference"]

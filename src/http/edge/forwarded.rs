@@ -137,13 +137,12 @@ mod tests {
         ] {
             assert_eq!(client(sent), expected, "{sent}");
         }
-        let twice = [("x-forwarded-for", "192.0.2.7"), ("x-forwarded-for", "192.0.2.8")];
         let mut headers = HeaderMap::new();
-        twice.map(|(name, value)| headers.append(name, value.parse().unwrap()));
-        assert_eq!(
-            Way::of(&headers, "127.0.0.1".parse().unwrap(), &["127.0.0.1/32".parse().unwrap()]).client,
-            "192.0.2.8".parse::<IpAddr>().unwrap()
-        );
+        for address in ["192.0.2.7", "192.0.2.8"] {
+            headers.append("x-forwarded-for", address.parse().unwrap());
+        }
+        let found = Way::of(&headers, "127.0.0.1".parse().unwrap(), &["127.0.0.1/32".parse().unwrap()]);
+        assert_eq!(found.client.to_string(), "192.0.2.8", "of two headers the last");
     }
 
     #[test]

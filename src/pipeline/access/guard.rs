@@ -109,7 +109,8 @@ impl Guard {
 
     /// A request came through a proxy: from now on nobody is let in for being on this machine.
     pub fn note_proxy(&self) {
-        if !self.0.behind_proxy.swap(true, Ordering::Relaxed) && !self.asks_for_tokens() {
+        let is_known = self.0.behind_proxy.load(Ordering::Relaxed);
+        if !is_known && !self.0.behind_proxy.swap(true, Ordering::Relaxed) && !self.asks_for_tokens() {
             tracing::warn!("a request came through a proxy: nothing is answered any more until a token is made");
         }
     }

@@ -64,6 +64,16 @@ const ENGINEERS: [&str; 44] = [
     "POST /v1/gyros/{serial}/events",
     "POST /v1/hooks/{id}/test",
 ];
+/// Of what reads nothing but needs no engineer.
+const STATIONS: [&str; 7] = [
+    "POST /v1/records",
+    "POST /v1/campaigns",
+    "POST /v1/bench-results",
+    "POST /v1/import",
+    "GET /import",
+    "POST /import/preview",
+    "POST /import/store",
+];
 const MODELLERS: [&str; 1] = ["POST /v1/imus/{imu}/model"];
 const ADMINS: [&str; 12] = [
     "GET /hooks/new",
@@ -124,6 +134,7 @@ async fn every_route_asks_for_a_token_that_is_valid_and_has_the_role() {
     let (admin, _) = token(&server, "", "admin", json!({})).await;
     let (engineer, _) = token(&server, &admin, "engineer", json!({})).await;
     let (station, _) = token(&server, &admin, "station", json!({})).await;
+    let (viewer, _) = token(&server, &admin, "viewer", json!({})).await;
     let soon = jiff::Timestamp::from_microsecond(gyrowatch::system::Clock::System.now().0 + 700_000).unwrap();
     let (expired, _) = token(&server, &admin, "admin", json!({ "expires_at": soon.to_string() })).await;
     let (revoked, id) = token(&server, &admin, "admin", json!({})).await;
@@ -132,7 +143,7 @@ async fn every_route_asks_for_a_token_that_is_valid_and_has_the_role() {
     let wrong = format!("{}0", &admin[..admin.len() - 1]);
     let wrong = if wrong == admin { format!("{}1", &admin[..admin.len() - 1]) } else { wrong };
 
-    let (mut no_station, mut no_engineer) = (BTreeSet::new(), BTreeSet::new());
+    let (mut no_viewer, mut no_station, mut no_engineer) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
     for route in routes(&server, &admin).await {
         let (method, path) = route.split_once(' ').unwrap();
         let path = path.replace(['{', '}'], "");
@@ -154,7 +165,8 @@ async fn every_route_asks_for_a_token_that_is_valid_and_has_the_role() {
             let challenge = answer.headers["www-authenticate"].to_str().unwrap();
             assert!(challenge.starts_with("Bearer"), "{route} with {what} token: {challenge}");
         }
-        for (token, refused) in [(&station, &mut no_station), (&engineer, &mut no_engineer)] {
+        for (token, refused) in [(&viewer, &mut no_viewer), (&station, &mut no_station), (&engineer, &mut no_engineer)]
+        {
             let answer = call(&server, method, &path, token, "").await;
             assert_ne!(answer.status, 401, "{route}");
             if answer.status == 403 {
@@ -166,14 +178,95 @@ async fn every_route_asks_for_a_token_that_is_valid_and_has_the_role() {
     let owned = |routes: &[&str]| routes.iter().map(|route| (*route).to_owned()).collect::<BTreeSet<_>>();
     assert_eq!(no_engineer, owned(&ADMINS));
     assert_eq!(no_station, owned(&[&ADMINS[..], &ENGINEERS, &MODELLERS].concat()));
+    assert_eq!(no_viewer, owned(&[&ADMINS[..], &ENGINEERS, &MODELLERS, &STATIONS].concat()));
+    let changing = |route: &&String| !route.starts_with("GET ") && !OPEN.contains(&route.as_str());
+    assert!(routes(&server, &admin).await.iter().filter(changing).all(|route| no_viewer.contains(route)));
+    assert_eq!(call(&server, "GET", "/metrics", &viewer, "").await.status, 200);
     // What nobody has said anything about, a method or a path, is refused or not there.
     assert_eq!(call(&server, "PUT", "/v1/gyros", &station, "").await.status, 403);
     assert_eq!(call(&server, "GET", "/v1/nothing", "", "").await.status, 404);
 }
 
 #[tokio::test]
-async fn until_the_first_token_this_machine_may_do_everything_and_then_nobody_without_one() {
+async fn without_tokens_this_machine_reads_posts_and_acknowledges_and_makes_no_token_and_no_hook() {
+    let server = Server::start_with(&[("GYROWATCH_ACCESS__OPEN", "")]).await;
+    let mut record = support::paper_record(1, 0);
+    for month in 1..=6 {
+        record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
+        record["gyros"][0]["g_pulse_per_s_g0"][0] = (2.4210 + if month > 4 { 0.05 } else { 0.0 }).into();
+        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
+    }
+    let alert = server.get("/v1/alerts").await.json()["alerts"][0]["id"].as_str().unwrap().to_owned();
+    let word = json!({ "by": "Li", "reason": "seen" });
+    assert_eq!(server.post_json(&format!("/v1/alerts/{alert}/acknowledge"), &word).await.status, 200);
+    for route in ADMINS {
+        let (method, path) = route.split_once(' ').unwrap();
+        let answer = call(&server, method, &path.replace(['{', '}'], ""), "", "{}").await;
+        assert_eq!((answer.status, answer.content_type.as_str()), (401, "application/problem+json"), "{route}");
+        assert!(answer.text().contains("gyrowatch token create"), "{}", answer.text());
+    }
+    let log = server.log();
+    assert!(log.contains("WARN") && log.contains("Behind a proxy make a token first"), "{log}");
+    let setup = setup_secret(&log);
+    let wrong = format!("{}{}", &setup[..setup.len() - 1], if setup.ends_with('0') { '1' } else { '0' });
+    let first = json!({ "name": "first", "role": "admin" }).to_string();
+    assert_eq!(call(&server, "POST", "/v1/tokens", &wrong, &first).await.status, 401);
+    let hook = json!({ "kind": "cloudevents", "url": "http://127.0.0.1:9/" }).to_string();
+    assert_eq!(call(&server, "POST", "/v1/hooks", &setup, &hook).await.status, 201, "as any administrator");
+    // Of two at once one is made.
+    let (one, other) = tokio::join!(
+        call(&server, "POST", "/v1/tokens", &setup, &first),
+        call(&server, "POST", "/v1/tokens", &setup, &first)
+    );
+    let mut statuses = [one.status, other.status];
+    statuses.sort_unstable();
+    assert_eq!(statuses, [201, 401]);
+    let made = if one.status == 201 { one } else { other };
+    assert_eq!(made.headers["cache-control"], "no-store");
+    let admin = made.json()["token"].as_str().unwrap().to_owned();
+    assert_eq!(call(&server, "POST", "/v1/tokens", &setup, &first).await.status, 401, "it is used up");
+    assert_eq!(server.get("/v1/gyros").await.status, 401);
+    let trail = call(&server, "GET", "/v1/audit?action=create%20token", &admin, "").await.json();
+    assert_eq!(trail["lines"][0]["who"], "setup");
+    assert!(
+        !std::fs::read(server.dir().join("gyrowatch.db-wal"))
+            .unwrap()
+            .windows(64)
+            .any(|w| w == &setup.as_bytes()[18..])
+    );
+}
+
+/// The secret that the start shows where there is no token.
+fn setup_secret(log: &str) -> String {
+    let (_, from) = log.split_once("setup_secret=").unwrap_or_else(|| panic!("{log}"));
+    from.trim_start_matches('"').chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect()
+}
+
+#[tokio::test]
+async fn from_the_first_header_of_a_proxy_on_nobody_is_let_in_without_a_token() {
+    for header in ["forwarded", "x-forwarded-for", "x-forwarded-proto", "x-real-ip", "via"] {
+        let server = Server::start_with(&[("GYROWATCH_ACCESS__OPEN", "")]).await;
+        assert_eq!(server.get("/v1/gyros").await.status, 200);
+        let through = server.call("GET", "/v1/gyros", &[(header, "1.1 proxy")], "").await;
+        assert_eq!((through.status, through.content_type.as_str()), (403, "application/problem+json"), "{header}");
+        assert_eq!(server.get("/v1/gyros").await.status, 403, "the next may come through it too");
+        assert_eq!(server.get("/healthz").await.status, 200);
+        assert!(server.log().contains("a request came through a proxy"), "{}", server.log());
+        let made =
+            call(&server, "POST", "/v1/tokens", &setup_secret(&server.log()), r#"{"name":"a","role":"admin"}"#).await;
+        assert_eq!(made.status, 201, "whoever has the secret of the log is let in");
+    }
+    for configured in ["GYROWATCH_SERVER__TRUSTED_PROXIES", "GYROWATCH_SERVER__BASE_PATH"] {
+        let value = if configured.ends_with("PATH") { "/gyrowatch" } else { "10.0.0.0/8" };
+        let server = Server::start_with(&[("GYROWATCH_ACCESS__OPEN", ""), (configured, value)]).await;
+        assert_eq!(server.get("/v1/gyros").await.status, 403, "{configured}");
+    }
+}
+
+#[tokio::test]
+async fn until_the_first_token_an_open_service_may_be_asked_for_everything_and_then_nothing_without_one() {
     let server = Server::start().await;
+    assert!(server.log().contains("access.open is set"), "{}", server.log());
     assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
     let (admin, id) = token(&server, "", "admin", json!({})).await;
     assert_eq!(server.get("/v1/gyros").await.status, 401);
@@ -518,6 +611,8 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
     let expected = [
         "create token",
         "create token",
+        "store",
+        "store",
         "acknowledge",
         "silence",
         "mark event",
@@ -555,9 +650,78 @@ async fn everything_that_people_do_is_in_the_audit_trail_with_who_and_what_befor
     let none = call(&server, "GET", "/v1/audit?to=2020-01-01T00:00:00Z", &admin, "").await.json();
     assert!(none["lines"].as_array().unwrap().is_empty());
     let csv = call(&server, "GET", "/v1/audit?format=csv", &admin, "").await;
-    assert!(csv.content_type.starts_with("text/csv") && csv.text().lines().count() == 12, "{}", csv.text());
+    assert!(csv.content_type.starts_with("text/csv") && csv.text().lines().count() == 14, "{}", csv.text());
     assert!(csv.text().contains(&admin_id));
     assert_eq!(call(&server, "GET", "/v1/audit?format=xml", &admin, "").await.status, 400);
+}
+
+/// What an answer says of who sent it, without the token's identifier and the program's version.
+fn sender(answer: &Answer) -> (String, String, String) {
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let sent_by = answer.json()["sent_by"].clone();
+    let text = |key: &str| sent_by[key].as_str().unwrap_or_else(|| panic!("{key} of {sent_by}")).to_owned();
+    (text("name"), text("address"), text("agent").split('/').next().unwrap().to_owned())
+}
+
+#[tokio::test]
+async fn who_sent_something_is_kept_with_it_shown_and_audited() {
+    let server = Server::start().await;
+    let bench = json!({ "serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-03-02T08:00:00Z",
+        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.0, "d_s_deg_per_h_g0": 2.0 });
+    let first = server.post_json("/v1/records", &support::paper_record(1, 0)).await.json();
+    let first = format!("/v1/records/{}", first["id"].as_str().unwrap());
+    let (admin, _) = token(&server, "", "admin", json!({})).await;
+    let (station, id) = token(&server, &admin, "station", json!({})).await;
+    let shown = call(&server, "GET", &first, &admin, "").await;
+    assert_eq!(sender(&shown), ("local".into(), "127.0.0.1".into(), "gyrowatch".into()));
+    assert!(shown.json()["sent_by"]["token"].is_null());
+
+    let mut places = vec![];
+    for (path, body) in [
+        ("records", support::paper_record(2, 0).to_string()),
+        ("bench-results", bench.to_string()),
+        ("campaigns", data("practice/campaign-00.json")),
+    ] {
+        let stored = call(&server, "POST", &format!("/v1/{path}"), &station, &body).await;
+        assert_eq!(stored.status, 201, "{}", stored.text());
+        places.push(format!("{path}/{}", stored.json()["id"].as_str().unwrap()));
+    }
+    let lines = (1..=40).map(|minute| support::paper_record(2, minute).to_string() + "\n").collect::<String>();
+    let bearer = format!("Bearer {station}");
+    let agent = format!("agent {}\u{e9}", "x".repeat(500));
+    let headers =
+        [("authorization", bearer.as_str()), ("content-type", "application/x-ndjson"), ("user-agent", agent.as_str())];
+    let imported = server.call("POST", "/v1/import", &headers, lines).await.text();
+    for place in &places {
+        let shown = call(&server, "GET", &format!("/v1/{place}"), &admin, "").await;
+        assert_eq!(sender(&shown), ("the station".into(), "127.0.0.1".into(), "gyrowatch".into()), "{place}");
+        assert_eq!(shown.json()["sent_by"]["token"], id.as_str());
+        let lines =
+            call(&server, "GET", &format!("/v1/audit?subject={place}"), &admin, "").await.json()["lines"].clone();
+        assert_eq!((&lines[0]["action"], &lines[0]["who"]), (&json!("store"), &json!("the station")), "{place}");
+        assert!(lines[0]["agent"].as_str().unwrap().starts_with("gyrowatch/"), "{lines}");
+        if let Some(page) = place.strip_prefix("records").or(place.strip_prefix("campaigns")) {
+            let page = format!("/{}{page}", place.split('/').next().unwrap());
+            let page = call(&server, "GET", &page, &admin, "").await.text();
+            assert!(page.contains("sent by") && page.contains("the station (127.0.0.1, gyrowatch/"), "{page}");
+        }
+    }
+    for line in imported.lines() {
+        let line: Value = serde_json::from_str(line).unwrap();
+        let shown = call(&server, "GET", &format!("/v1/records/{}", line["id"].as_str().unwrap()), &admin, "").await;
+        let (name, _, agent) = sender(&shown);
+        assert_eq!((name.as_str(), agent.chars().count()), ("the station", 200));
+    }
+    // One line for all that came together.
+    let trail = call(&server, "GET", "/v1/audit?action=store&subject=records", &admin, "").await.json();
+    let counts = trail["lines"].as_array().unwrap().iter().map(|line| line["after"]["stored"].as_u64().unwrap());
+    assert_eq!(counts.sum::<u64>(), 40, "{trail}");
+    // What was there before is still the first sender's.
+    assert_eq!(
+        call(&server, "POST", "/v1/records", &admin, &support::paper_record(1, 0).to_string()).await.status,
+        200
+    );
+    assert_eq!(sender(&call(&server, "GET", &first, &admin, "").await).0, "local");
 }
 
 #[tokio::test]
@@ -596,7 +760,11 @@ async fn over_tls_a_new_certificate_is_shown_without_a_restart_and_a_bad_one_nev
     .await;
     let url = format!("https://{}/healthz", server.address());
     let (one, two) = (trusting("tls/one.crt"), trusting("tls/two.crt"));
-    assert_eq!(one.get(&url).send().await.unwrap().status(), 200);
+    let well = one.get(&url).send().await.unwrap();
+    assert_eq!(
+        (well.status().as_u16(), well.headers()["strict-transport-security"].to_str().unwrap()),
+        (200, "max-age=31536000")
+    );
     assert!(two.get(&url).send().await.is_err(), "another certificate is not trusted");
     assert!(one.get(url.replace("https", "http")).send().await.is_err(), "nothing is said in the open");
     let made = one.post(url.replace("healthz", "v1/tokens")).header("content-type", "application/json");
@@ -662,7 +830,8 @@ async fn pages_offer_to_everybody_what_they_may_do_and_nothing_else() {
     let hook = json!({ "kind": "cloudevents", "url": "http://127.0.0.1:9/" });
     assert_eq!(server.post_json("/v1/hooks", &hook).await.status, 201);
     let (admin, _) = token(&server, "", "admin", json!({})).await;
-    for role in ["station", "engineer", "admin"] {
+    let reads = |role: &str| matches!(role, "viewer" | "station");
+    for role in ["viewer", "station", "engineer", "admin"] {
         let (token, _) = token(&server, &admin, role, json!({})).await;
         let cookie = cookie(&sign_in(&server, &token).await);
         let headers = [("cookie", cookie.as_str()), ("accept", "text/html")];
@@ -684,11 +853,12 @@ async fn pages_offer_to_everybody_what_they_may_do_and_nothing_else() {
             }
         }
         let orders = server.call("GET", "/diagnoses", &headers, "").await.text();
-        assert_eq!(orders.contains("action=\"/diagnoses\" method=\"post\""), role != "station");
+        assert_eq!(orders.contains("action=\"/diagnoses\" method=\"post\""), !reads(role));
         let any = |part: &str| offers.iter().any(|at| at.split('?').next().unwrap().contains(part));
-        assert!(any("/gyros/LFG-0101") && any("/import/preview"), "{offers:?}");
+        assert!(any("/gyros/LFG-0101"), "{offers:?}");
+        assert_eq!(any("/import"), role != "viewer", "{role}: {offers:?}");
         let engineers = ["/void", "/acknowledge", "/silence", "/events/new", "/hooks", "/test"];
-        assert_eq!(engineers.map(any), [role != "station"; 6], "{role}: {offers:?}");
+        assert_eq!(engineers.map(any), [!reads(role); 6], "{role}: {offers:?}");
         assert_eq!(["/hooks/new", "/enabled", "/delete"].map(any), [role == "admin"; 3], "{role}: {offers:?}");
     }
     let (token, _) = token(&server, &admin, "station", json!({})).await;

@@ -2,6 +2,7 @@
 //! file with errors. Whatever they do, the console does not complain and no request leaves the service.
 
 mod chromium;
+mod nginx;
 mod receiver;
 mod support;
 
@@ -11,6 +12,7 @@ use std::process::{Child, Stdio};
 use std::time::Duration;
 
 use chromium::Browser;
+use nginx::Nginx;
 use receiver::Receiver;
 use serde_json::Value;
 use support::{Server, data, gyrowatch};
@@ -133,6 +135,39 @@ async fn an_engineer_finds_a_gyro_zooms_switches_the_method_and_exports() {
     browser.wait("document.querySelector('[data-drawn]')").await;
     let bench = browser.eval(names).await;
     assert_eq!(bench, "torque feedback,turntable servo,torque feedback,turntable servo");
+    browser.has_behaved().await;
+}
+
+/// The console complains where the content security policy forbids what a page does, and any request beside the prefix is a fault.
+#[tokio::test]
+async fn under_a_prefix_an_engineer_signs_in_sees_a_plot_and_reads_the_api() {
+    if !chromium::is_installed() || !support::required("nginx") {
+        return;
+    }
+    let server = Server::start_with(&[("GYROWATCH_SERVER__BASE_PATH", "/gyrowatch")]).await;
+    let url = format!("sqlite://{}", server.dir().join("gyrowatch.db").display());
+    let made = gyrowatch()
+        .args(["token", "create", "Li", "--role", "engineer"])
+        .env("GYROWATCH_DATABASE_URL", url)
+        .output()
+        .unwrap();
+    let token = String::from_utf8(made.stdout).unwrap();
+    let bearer = format!("Bearer {}", token.trim());
+    let headers = [("authorization", bearer.as_str()), ("content-type", "application/json")];
+    assert_eq!(server.call("POST", "/v1/records", &headers, data("paper.json")).await.status, 201);
+    let location = format!("location /gyrowatch/ {{ proxy_pass http://{}; }}", server.address());
+    let nginx = Nginx::start(&location, false);
+    let base = format!("http://{}/gyrowatch", nginx.address());
+    let dir = tempfile::tempdir().unwrap();
+    let browser = Browser::open(&base, dir.path()).await;
+    browser.look(1280, 1000, false).await;
+    browser.goto("/gyros/LFG-0101").await;
+    browser.wait("location.pathname == '/gyrowatch/sign-in'").await;
+    browser.type_into("input[name=token]", &format!("{}\n", token.trim())).await;
+    browser.wait("location.pathname == '/gyrowatch/gyros/LFG-0101' && document.querySelector('[data-drawn]')").await;
+    browser.click("a[href='/gyrowatch/docs']").await;
+    browser.wait("document.querySelectorAll('.opblock').length > 40").await;
+    browser.wait("document.querySelector('.servers select').value == '/gyrowatch'").await;
     browser.has_behaved().await;
 }
 

@@ -200,7 +200,7 @@ async fn sent_in_turn(servers: &[&Server]) {
 
 /// What became of the alerts of each gyro, in order.
 async fn alerts_of(url: &str) -> Vec<(String, i64, String)> {
-    let sql = "SELECT gyro.serial, dense_rank() OVER (ORDER BY alert.gyro, alert.id), alert_step.action
+    let sql = "SELECT gyro.serial, dense_rank() OVER (ORDER BY gyro.serial, alert.id), alert_step.action
                FROM alert_step JOIN alert ON alert.id = alert_step.alert JOIN gyro ON gyro.id = alert.gyro
                ORDER BY 2, alert_step.id";
     let mut connection = PgConnection::connect(url).await.unwrap();

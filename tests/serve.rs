@@ -75,3 +75,67 @@ async fn who_asks_whether_to_send_a_body_is_told_to_go_on_before_anything_else()
         assert!(answer.starts_with("HTTP/1.1 20") && answer.contains("\"id\":"), "{path}: {answer}");
     }
 }
+
+#[tokio::test]
+async fn an_http_1_1_request_without_a_host_is_refused() {
+    let server = Server::start().await;
+    for (request, expected) in [
+        ("GET /healthz HTTP/1.1\r\nConnection: close\r\n\r\n", "HTTP/1.1 400"),
+        ("GET http://localhost/healthz HTTP/1.1\r\nConnection: close\r\n\r\n", "HTTP/1.1 400"),
+        ("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", "HTTP/1.1 200"),
+        ("GET /healthz HTTP/1.0\r\n\r\n", "HTTP/1.0 200"),
+    ] {
+        let mut stream = server.open_and_send(request).await;
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).await.unwrap();
+        assert!(answer.starts_with(expected), "{request}{answer}");
+    }
+}
+
+const PARENT: &str = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01";
+
+#[tokio::test]
+async fn every_answer_says_what_browsers_and_traces_need() {
+    let server = Server::start_with(&[("GYROWATCH_LOG__FILTER", "gyrowatch=debug")]).await;
+    for path in [
+        "/",
+        "/healthz",
+        "/metrics",
+        "/openapi.json",
+        "/docs/",
+        "/docs/swagger-ui.css",
+        "/v1/gyros",
+        "/v1/nothing",
+        "/nowhere",
+    ] {
+        let answer = server.get(path).await;
+        assert_eq!(answer.headers["x-content-type-options"], "nosniff", "{path}");
+        assert!(!answer.headers.contains_key("strict-transport-security"), "{path}: nothing is encrypted");
+        let (id, parent) = (answer.headers["x-request-id"].to_str().unwrap(), &answer.headers["traceparent"]);
+        assert!(id.len() == 32 && parent.to_str().unwrap().contains(id), "{path}: {id}, {parent:?}");
+    }
+    let docs = server.get("/docs/").await;
+    assert!(
+        docs.headers["content-security-policy"].to_str().unwrap().starts_with("default-src 'none'; script-src 'self'")
+    );
+
+    let sent = [("x-request-id", "station-7/1"), ("traceparent", PARENT)];
+    let answer = server.call("GET", "/v1/gyros?limit=3", &sent, "").await;
+    assert_eq!(
+        (&answer.headers["x-request-id"], &answer.headers["traceparent"]),
+        (&"station-7/1".parse().unwrap(), &PARENT.parse().unwrap())
+    );
+    let wrong = server
+        .call("GET", "/v1/gyros", &[("x-request-id", "a b"), ("authorization", "Bearer x"), ("traceparent", "x")], "")
+        .await;
+    assert_ne!(wrong.headers["x-request-id"], "a b");
+    let log = server.log();
+    let told = log.lines().find(|line| line.contains("station-7/1")).unwrap_or_else(|| panic!("{log}"));
+    for part in ["DEBUG", "answered", "GET", "/v1/gyros", "status=200", PARENT, "client=127.0.0.1", "took_ms="] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!told.contains("limit=3"), "a query may hold what is nobody's business: {told}");
+    // What goes wrong on the way names the request that it went wrong with.
+    let id = wrong.headers["x-request-id"].to_str().unwrap();
+    assert!(log.lines().any(|line| line.contains("a wrong token") && line.contains(id)), "{log}");
+}

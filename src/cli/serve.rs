@@ -112,6 +112,7 @@ async fn serve_with(
         "cannot listen on {address} (server.listen): there is no token yet, and without one everybody could do everything; \
          make one first: gyrowatch token create NAME --role admin"
     );
+    warn_without_tokens(&pipeline);
     let outbox = Outbox::start(&pipeline).context("cannot deliver to hooks")?;
     let pipeline = Arc::new(pipeline);
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::clone(&pipeline) };
@@ -125,6 +126,24 @@ async fn serve_with(
     http::server::serve(listener, tls, router, &config.server, stop).await;
     outbox.stop().await;
     Ok(())
+}
+
+/// Until there is a token, who asks is told by their address, which a reverse proxy on this machine shares with all whom it lets through.
+fn warn_without_tokens(pipeline: &Pipeline) {
+    let guard = pipeline.guard();
+    match guard.setup_secret() {
+        _ if guard.asks_for_tokens() => {}
+        Some(secret) => tracing::warn!(
+            setup_secret = secret.reveal(),
+            "no token has been made: whoever reaches this address may read, post and acknowledge, and behind a reverse proxy that is \
+             everybody. Behind a proxy make a token first: `gyrowatch token create NAME --role admin`, or POST /v1/tokens with \
+             `Authorization: Bearer` and this setup secret, which the first token uses up"
+        ),
+        None => tracing::warn!(
+            "no token has been made and access.open is set: whoever reaches this address may do everything, and behind a reverse \
+             proxy that is everybody. Behind a proxy make a token first: `gyrowatch token create NAME --role admin`"
+        ),
+    }
 }
 
 /// Resolves at SIGTERM or SIGINT.

@@ -31,7 +31,7 @@ enum Order {
     Create {
         /// Who or what will use it
         name: String,
-        /// What it may do: station (send and read), engineer (acknowledge, mark events, adopt models), admin (all)
+        /// What it may do: viewer (read), station (send and read), engineer (acknowledge, mark events, adopt models), admin (all)
         #[arg(long, value_parser = role)]
         role: Role,
         /// The only station that it may send for

@@ -7,6 +7,7 @@ use super::ConfigError;
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Access {
+    pub open: bool,
     pub failures_per_minute: usize,
     pub requests_per_second: f64,
     pub session_hours: f64,

@@ -1,16 +1,13 @@
 //! `[hooks]`: how and where to targets are told.
 
-use std::fmt::Display;
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::time::Duration;
 
 use ipnet::IpNet;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer};
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::ConfigError;
+use super::values::list;
 use crate::alert::deliver::AttemptLimits;
 use crate::alert::ladder::{LONGEST_WAIT, Ladder};
 use crate::core::time::UtcMicros;
@@ -108,19 +105,4 @@ impl Hooks {
             _ => Ok(()),
         }
     }
-}
-
-/// A list, or its items in one text with commas between: an environment variable holds no list.
-fn list<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
-where
-    T: FromStr<Err: Display>,
-    D: Deserializer<'de>,
-{
-    let text = |item: &Value| item.as_str().map_or_else(|| item.to_string(), str::to_owned);
-    let items = match Value::deserialize(deserializer)? {
-        Value::Array(items) => items.iter().map(text).collect(),
-        one => text(&one).split(',').map(|item| item.trim().to_owned()).filter(|item| !item.is_empty()).collect(),
-    };
-    let items: Vec<String> = items;
-    items.iter().map(|item| item.parse().map_err(|why| D::Error::custom(format!("{item}: {why}")))).collect()
 }

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use config::{Config as Layers, Environment, File, FileFormat};
+use ipnet::IpNet;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -59,6 +60,9 @@ pub struct Server {
     pub tls_certificate: Option<PathBuf>,
     pub tls_key: Option<PathBuf>,
     pub plain_http: String,
+    #[serde(deserialize_with = "values::list")]
+    pub trusted_proxies: Vec<IpNet>,
+    pub base_path: String,
     pub max_body_bytes: usize,
     pub max_import_bytes: usize,
     pub max_import_line_bytes: usize,
@@ -86,6 +90,11 @@ impl Server {
     /// Whether what travels is encrypted here.
     pub fn is_encrypted(&self) -> bool {
         self.tls_certificate.is_some()
+    }
+
+    /// Whether the configuration says that a proxy stands in front.
+    pub fn is_behind_proxy(&self) -> bool {
+        !(self.trusted_proxies.is_empty() && self.base_path.is_empty())
     }
 
     /// Certificate and key, where there are any.
@@ -118,6 +127,12 @@ impl Server {
         }
         if !self.plain_http.is_empty() && self.plain_http != PLAIN_HTTP {
             return wrong("server.plain_http", &format!("must be empty or say \"{PLAIN_HTTP}\""));
+        }
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_~.".contains(c);
+        let is_segment = |part: &str| !part.is_empty() && part != "." && part != ".." && part.chars().all(is_plain);
+        let segments = self.base_path.strip_prefix('/').map(|rest| rest.split('/').all(is_segment));
+        if !self.base_path.is_empty() && segments != Some(true) {
+            return wrong("server.base_path", &format!("must be empty or like /gyrowatch, is {:?}", self.base_path));
         }
         Ok(())
     }

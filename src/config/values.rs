@@ -1,6 +1,8 @@
 //! Values that are written as text: read with words that say what is wanted.
 
+use std::fmt::Display;
 use std::net::SocketAddr;
+use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, de};
 use serde_json::Value;
@@ -43,4 +45,18 @@ fn parsed<E: de::Error>(text: String) -> Result<UtcMicros, E> {
             "must be a date or an RFC 3339 time, such as \"1950-01-01\" or \"1950-01-01T00:00:00Z\", is {text:?}"
         ))
     })
+}
+
+/// A list, or its items in one text with commas between: an environment variable holds no list.
+pub(super) fn list<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    T: FromStr<Err: Display>,
+    D: Deserializer<'de>,
+{
+    let text = |item: &Value| item.as_str().map_or_else(|| item.to_string(), str::to_owned);
+    let items: Vec<String> = match Value::deserialize(deserializer)? {
+        Value::Array(items) => items.iter().map(text).collect(),
+        one => text(&one).split(',').map(|item| item.trim().to_owned()).filter(|item| !item.is_empty()).collect(),
+    };
+    items.iter().map(|item| item.parse().map_err(|why| de::Error::custom(format!("{item}: {why}")))).collect()
 }

@@ -3,7 +3,9 @@
 /// Each may do what those before it may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
-    /// Sends calibrations and reads.
+    /// Reads.
+    Viewer,
+    /// Sends calibrations.
     Station,
     /// Says what is to be made of them: acknowledges, silences, marks events, adopts models.
     Engineer,
@@ -12,10 +14,11 @@ pub enum Role {
 }
 
 impl Role {
-    pub const ALL: [Self; 3] = [Self::Station, Self::Engineer, Self::Admin];
+    pub const ALL: [Self; 4] = [Self::Viewer, Self::Station, Self::Engineer, Self::Admin];
 
     pub fn name(self) -> &'static str {
         match self {
+            Self::Viewer => "viewer",
             Self::Station => "station",
             Self::Engineer => "engineer",
             Self::Admin => "admin",

@@ -56,6 +56,8 @@ struct AuditLine {
     token: Option<String>,
     /// The address that it came from.
     source: String,
+    /// The program that was used, by its own word (`User-Agent`).
+    agent: Option<String>,
     action: String,
     subject: String,
     /// What it was about, as it was; null where it was not.
@@ -121,6 +123,7 @@ fn line(row: AuditRow) -> Result<AuditLine, Problem> {
         who: row.who,
         token: row.token.map(|token| token.to_string()),
         source: row.source,
+        agent: row.agent,
         action: row.action,
         subject: row.subject,
     })
@@ -128,12 +131,15 @@ fn line(row: AuditRow) -> Result<AuditLine, Problem> {
 
 fn as_csv(rows: &[AuditRow]) -> Option<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["id", "at", "who", "token", "source", "action", "subject", "before", "after"]).ok()?;
+    writer
+        .write_record(["id", "at", "who", "token", "source", "action", "subject", "before", "after", "agent"])
+        .ok()?;
     for row in rows {
         let (id, at, token) = (row.id.to_string(), time::format(row.at), row.token.map(|token| token.to_string()));
         let (before, after) = (row.before.as_deref().unwrap_or(""), row.after.as_deref().unwrap_or(""));
         let token = token.as_deref().unwrap_or("");
-        writer.write_record([&id, &at, &row.who, token, &row.source, &row.action, &row.subject, before, after]).ok()?;
+        let (who, source, agent) = (&row.who, &row.source, row.agent.as_deref().unwrap_or(""));
+        writer.write_record([&id, &at, who, token, source, &row.action, &row.subject, before, after, agent]).ok()?;
     }
     writer.into_inner().ok()
 }

@@ -21,6 +21,7 @@ use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
+use crate::wire::sender::SenderBody;
 use crate::wire::time;
 
 pub fn routes() -> OpenApiRouter<App> {
@@ -83,6 +84,8 @@ struct StoredBench {
     #[serde(flatten)]
     standing: StandingBody,
     received_at: String,
+    /// Who sent it; null of what a version without that knowledge stored.
+    sent_by: Option<SenderBody>,
     /// The result word for word as it was sent; of raw dwells, what was fitted to them.
     #[schema(value_type = BenchBody)]
     bench_result: Box<RawValue>,
@@ -112,5 +115,6 @@ async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Res
         DocumentKind::Record | DocumentKind::Bench => (body, None),
     };
     let (standing, received_at) = (standing(&app, number).await?, time::format(row.received_at));
-    Ok(Json(StoredBench { id: number.to_string(), standing, received_at, bench_result, campaign }))
+    let sent_by = app.pipeline.sender(row.sent_by).await?;
+    Ok(Json(StoredBench { id: number.to_string(), standing, received_at, sent_by, bench_result, campaign }))
 }

@@ -32,6 +32,7 @@ use crate::wire::document::DocumentKind;
 use crate::wire::history_note;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
+use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
 use crate::wire::time;
 
@@ -143,6 +144,8 @@ struct StoredCampaignBody {
     #[serde(flatten)]
     standing: StandingBody,
     received_at: String,
+    /// Who sent it; null of what a version without that knowledge stored.
+    sent_by: Option<SenderBody>,
     /// The campaign word for word as it was sent; one sent as CSV, as the JSON that says the same.
     #[schema(value_type = CampaignBody)]
     campaign: Box<RawValue>,
@@ -159,8 +162,9 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of campaign {id} is no JSON")))?;
-    let standing = standing(&app, id).await?;
-    Ok(Json(StoredCampaignBody { answer, standing, received_at: time::format(row.received_at), campaign }))
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
+    let received_at = time::format(row.received_at);
+    Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
 }
 
 /// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot be told.

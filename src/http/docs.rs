@@ -1,11 +1,14 @@
 //! The description of the service for programs (OpenAPI 3.1) and its reader.
 
-use axum::Router;
+use axum::http::HeaderValue;
+use axum::http::header::CONTENT_SECURITY_POLICY;
+use axum::response::Response;
+use axum::{Router, middleware};
 use utoipa::OpenApi as _;
 use utoipa::openapi::link::Link;
 use utoipa::openapi::path::{Operation, PathItem};
-use utoipa::openapi::{OpenApi, RefOr};
-use utoipa_swagger_ui::SwaggerUi;
+use utoipa::openapi::{OpenApi, RefOr, Server};
+use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use super::App;
 
@@ -72,8 +75,22 @@ fn operations(item: &PathItem) -> impl Iterator<Item = &Operation> {
     [&item.get, &item.post, &item.put, &item.patch, &item.delete].into_iter().flatten()
 }
 
-/// `/openapi.json` and `/docs`.
-pub fn router(mut openapi: OpenApi) -> Router<App> {
+/// Nothing is loaded from elsewhere. The reader puts style into its page, and has its pictures in its style sheet.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
+                      connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";
+
+/// `/openapi.json` and `/docs`, of a service whose paths begin with `base_path`.
+pub fn router(mut openapi: OpenApi, base_path: &str) -> Router<App> {
     link(&mut openapi);
-    SwaggerUi::new("/docs").url("/openapi.json", openapi).into()
+    if !base_path.is_empty() {
+        openapi.servers = Some(vec![Server::new(base_path)]);
+    }
+    // No other service is asked whether the description is right.
+    let reader = Config::new([format!("{base_path}/openapi.json")]).validator_url("none");
+    Router::from(SwaggerUi::new("/docs").url("/openapi.json", openapi).config(reader)).layer(middleware::map_response(
+        async |mut response: Response| {
+            response.headers_mut().insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
+            response
+        },
+    ))
 }

@@ -4,7 +4,7 @@ use std::panic::AssertUnwindSafe;
 
 use axum::extract::{Request, State};
 use axum::http::header::{CONNECTION, HOST, TRANSFER_ENCODING};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, StatusCode, Version};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use futures::FutureExt;
@@ -16,7 +16,7 @@ use crate::wire::problem::Problem;
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
 pub async fn pass(State(app): State<App>, request: Request, next: Next) -> Response {
     let counted = Counted::begin(&request);
-    if let Some(doubt) = doubt(request.headers()) {
+    if let Some(doubt) = doubt(request.version(), request.headers()) {
         counted.end(doubt.status());
         return doubt;
     }
@@ -38,13 +38,15 @@ async fn answered(counted: Counted, longest_body: usize, answer: impl Future<Out
 
 /// The refusal of a request that a proxy in front may read otherwise: as ending elsewhere, or as meant for somebody else. Nothing
 /// more is read from its connection. hyper refuses lengths that contradict one another, but takes any coding that ends in `chunked`.
-fn doubt(headers: &HeaderMap) -> Option<Response> {
+fn doubt(version: Version, headers: &HeaderMap) -> Option<Response> {
     let mut codings = headers.get_all(TRANSFER_ENCODING).iter();
     let known = codings.next().is_none_or(|coding| coding.as_bytes().eq_ignore_ascii_case(b"chunked"));
     let problem = if !known || codings.next().is_some() {
         Problem::new(501, "Unknown transfer coding", "Transfer-Encoding must be chunked, once, where there is one")
     } else if headers.get_all(HOST).iter().count() > 1 {
         Problem::new(400, "Two hosts", "there must be one Host")
+    } else if version == Version::HTTP_11 && !headers.contains_key(HOST) {
+        Problem::new(400, "No host", "HTTP/1.1 needs a Host")
     } else {
         return None;
     };

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use axum::Extension;
 use axum::body::{Body, BodyDataStream};
 use axum::extract::{Request, State};
+use axum::http::Version;
 use axum::http::header::{CONTENT_TYPE, EXPECT};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -19,13 +20,14 @@ use futures::future::BoxFuture;
 use futures::stream::Peekable;
 use futures::{FutureExt, StreamExt};
 use serde::Serialize;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
+use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type};
+use super::edge::Forwarded;
 use super::telling::Telling;
 use crate::core::fault::Faults;
 use crate::core::notify::Late;
@@ -85,6 +87,8 @@ async fn post_import(
 ) -> Result<Response, Problem> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
     let asks_to_go_on = request.headers().contains_key(EXPECT);
+    // nginx, whose requests have HTTP/1.0 unless it is told otherwise, sends no more of a body once the answer to it has begun.
+    let is_through = request.extensions().get::<Forwarded>().is_some() || request.version() == Version::HTTP_10;
     let mut body = request.into_body().into_data_stream().peekable();
     if asks_to_go_on {
         // hyper says `100 Continue` when the body is asked for, and not any more once an answer has begun.
@@ -92,14 +96,22 @@ async fn post_import(
     }
     let (sender, receiver) = mpsc::unbounded_channel();
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
-    tokio::spawn(async move {
+    let full = Arc::new(Notify::new());
+    let answers = Answers { sender, room, full: Arc::clone(&full) };
+    let done = tokio::spawn(async move {
         let late = telling.late_or(Late::Digest);
-        let answers = Answers { sender, room };
-        import(&app, caller, late, body, &answers).await;
+        // A task of its own does not know whose it is.
+        caller.clone().during(import(&app, caller, late, body, &answers)).await;
         // Whoever has read the last answer finds the digest queued.
         telling.end(&app, late).await;
         drop(answers);
     });
+    if is_through {
+        tokio::select! {
+            _ = done => {}
+            () = full.notified() => {}
+        }
+    }
     let stream = futures::stream::unfold(receiver, |mut receiver| async {
         let (text, _room): (Bytes, OwnedSemaphorePermit) = receiver.recv().await?;
         Some((Ok::<_, std::convert::Infallible>(text), receiver))
@@ -112,6 +124,8 @@ async fn post_import(
 struct Answers {
     sender: mpsc::UnboundedSender<(Bytes, OwnedSemaphorePermit)>,
     room: Arc<Semaphore>,
+    /// Told when there is no room for a further answer.
+    full: Arc<Notify>,
 }
 
 impl Answers {
@@ -119,6 +133,9 @@ impl Answers {
     async fn send(&self, text: Bytes) -> bool {
         let wanted = text.len().min(MAX_UNREAD_ANSWERS) as u32;
         let gone = self.sender.closed();
+        if self.room.available_permits() < text.len() {
+            self.full.notify_one();
+        }
         tokio::select! {
             room = Arc::clone(&self.room).acquire_many_owned(wanted) => {
                 room.is_ok_and(|room| self.sender.send((text, room)).is_ok())

@@ -17,6 +17,7 @@ mod corrections;
 mod diagnoses;
 mod docs;
 mod document;
+mod edge;
 mod events;
 mod gate;
 mod gyro_diagnosis;
@@ -72,14 +73,19 @@ pub fn router(app: App, pages: Router) -> Router {
         Duration::from_secs_f64(server.request_timeout_s),
     ));
     let (router, openapi) = timed.merge(import::routes()).split_for_parts();
-    router.merge(docs::router(openapi)).with_state(app).merge(pages).fallback(problem::no_such_path).layer(
-        // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
-        ServiceBuilder::new()
-            .layer(CompressionLayer::new())
-            .layer(middleware::from_fn_with_state(guarded, gate::pass))
-            .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
-            .layer(DefaultBodyLimit::max(server.max_body_bytes)),
-    )
+    router
+        .merge(docs::router(openapi, &server.base_path))
+        .with_state(app)
+        .merge(pages)
+        .fallback(problem::no_such_path)
+        .layer(
+            // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
+            ServiceBuilder::new()
+                .layer(CompressionLayer::new())
+                .layer(middleware::from_fn_with_state(guarded, gate::pass))
+                .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
+                .layer(DefaultBodyLimit::max(server.max_body_bytes)),
+        )
 }
 
 /// Every route but the import, which may take as long as it likes.

@@ -26,6 +26,7 @@ use crate::wire::history_note;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
+use crate::wire::sender::SenderBody;
 use crate::wire::time;
 
 pub fn routes() -> OpenApiRouter<App> {
@@ -109,6 +110,8 @@ struct StoredRecordBody {
     #[serde(flatten)]
     standing: StandingBody,
     received_at: String,
+    /// Who sent it; null of what a version without that knowledge stored.
+    sent_by: Option<SenderBody>,
     /// The record word for word as it was sent.
     #[schema(value_type = RecordBody)]
     record: Box<RawValue>,
@@ -131,8 +134,9 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
     }
     let record = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
-    let standing = standing(&app, id).await?;
-    Ok(Json(StoredRecordBody { answer, standing, received_at: time::format(row.received_at), record }).into_response())
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
+    let received_at = time::format(row.received_at);
+    Ok(Json(StoredRecordBody { answer, standing, received_at, sent_by, record }).into_response())
 }
 
 /// What the closure of the record says: D_O, which D_I and D_S cannot explain, and what would tell its causes apart.

@@ -41,6 +41,7 @@ impl From<Refused> for Problem {
             Refused::NoSuchHook { .. } => Self::new(404, "No such hook", detail),
             Refused::NoSuchToken { .. } => Self::new(404, "No such token", detail),
             Refused::OtherStation { .. } => Self::new(403, "Another station's", detail),
+            Refused::SetupOver => Self::new(401, "Token not valid", detail),
             Refused::NoRandomNumbers => Self::new(503, "Try again", detail),
             Refused::NoSuchDelivery { .. } => Self::new(404, "No such delivery", detail),
             Refused::HookDisabled { .. } => Self::new(409, "Hook disabled", detail),

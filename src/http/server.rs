@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::body::Body;
-use axum::extract::ConnectInfo;
 use axum::http::Request;
 use hyper::body::Incoming;
 use hyper::server::conn::http1;
@@ -15,8 +14,8 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
-use tower::ServiceExt;
 
+use super::edge::Edge;
 use super::tls::Tls;
 use crate::config::Server;
 
@@ -36,6 +35,7 @@ pub async fn serve(
 ) {
     let connections = Arc::new(Semaphore::new(limits.max_connections));
     let graceful = GracefulShutdown::new();
+    let edge = Arc::new(Edge::of(limits));
     let header_timeout = Duration::from_secs_f64(limits.header_timeout_s);
     tokio::pin!(stop);
     loop {
@@ -56,12 +56,10 @@ pub async fn serve(
             },
         };
         let _nagle_stays_on = stream.set_nodelay(true);
-        let router = router.clone();
+        let (router, edge) = (router.clone(), Arc::clone(&edge));
         let service = hyper::service::service_fn(move |request: Request<Incoming>| {
-            let mut request = request.map(Body::new);
-            request.extensions_mut().insert(ConnectInfo(peer));
-            let answer = router.clone().oneshot(request);
-            async move { Ok::<_, Infallible>(answer.await.unwrap_or_else(|never| match never {})) }
+            let (router, edge) = (router.clone(), Arc::clone(&edge));
+            async move { Ok::<_, Infallible>(edge.pass(request.map(Body::new), peer, router).await) }
         });
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(header_timeout).max_buf_size(MAX_HEAD_BYTES);

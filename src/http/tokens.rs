@@ -27,7 +27,7 @@ pub fn routes() -> OpenApiRouter<App> {
 struct TokenBody {
     id: String,
     name: String,
-    /// `station`, `engineer` or `admin`.
+    /// `viewer`, `station`, `engineer` or `admin`.
     role: &'static str,
     /// The only station that it may send for; null for any.
     station: Option<String>,
@@ -74,7 +74,7 @@ struct NewTokenBody {
     /// Who or what will use it.
     #[schema(min_length = 1, max_length = 64)]
     name: String,
-    /// `station`, `engineer` or `admin`.
+    /// `viewer`, `station`, `engineer` or `admin`.
     role: String,
     /// The only station that it may send for.
     #[serde(default)]

@@ -25,6 +25,7 @@ use crate::wire::calibration::GyroFitBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
+use crate::wire::sender::SenderBody;
 
 pub(super) async fn record(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     match stored_record(&pages, &id).await {
@@ -64,12 +65,14 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
     let serials: Vec<_> = body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), normal_form(&gyro.serial))).collect();
     let title = format!("{} · {}", t.record, body.imu);
     let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
+    let sender = pages.pipeline.sender(row.sent_by).await?;
     let markup = html! {
         h1 { (t.record) " " a href={ "/imus/" (encoded(&body.imu)) } { (body.imu) } }
         p.lead { (t.station) " " (body.station) " · " (t.calibrated) " " (instant(row.calibrated_at)) }
         p.note {
             (t.received) " " (instant(row.received_at)) " · " (t.identifier) " "
             a href={ "/v1/records/" (row.id) } { code { (row.id) } }
+            (sent_by(t, sender.as_ref()))
             @if let Some(operator) = &body.operator { " · " (t.operator) " " (operator) }
             @if let Some(temperature) = body.temperature_c { " · " (temperature) " °C" }
         }
@@ -82,6 +85,14 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
     };
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
+}
+
+/// Who sent it, from where and with what.
+fn sent_by(t: &Text, sender: Option<&SenderBody>) -> Markup {
+    let Some(SenderBody { name, address, agent, .. }) = sender else { return html! {} };
+    let from = [Some(address.as_str()).filter(|address| !address.is_empty()), agent.as_deref()];
+    let from = from.into_iter().flatten().collect::<Vec<_>>().join(", ");
+    html! { " · " (t.sent_by) " " span translate="no" { (name) @if !from.is_empty() { " (" (from) ")" } } }
 }
 
 /// What D_O says by itself.
@@ -107,6 +118,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
     let gyros: Vec<Parameters> = fits.iter().map(Parameters::fitted).collect();
     let title = format!("{} · {}", t.campaign, answer.imu);
     let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
+    let sender = pages.pipeline.sender(row.sent_by).await?;
     let markup = html! {
         h1 { (t.campaign) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.lead {
@@ -116,6 +128,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
         p.note {
             (t.received) " " (instant(row.received_at)) " · " (t.identifier) " "
             a href={ "/v1/campaigns/" (row.id) } { code { (row.id) } }
+            (sent_by(t, sender.as_ref()))
         }
         p { a.action href={ "/campaigns/" (row.id) "/diagnosis" } { (t.diagnose) } }
         (standing.said)

@@ -20,6 +20,9 @@ use crate::wire::time;
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
                       connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 
+/// Attributes that hold an address.
+const LEADING: [&str; 4] = ["href", "src", "action", "formaction"];
+
 /// A page within its frame.
 pub(super) struct Page {
     pub title: String,
@@ -62,7 +65,17 @@ impl Viewer {
             (CACHE_CONTROL, "no-cache"),
             (VARY, "accept-language, cookie"),
         ];
-        (status, head, self.document(page).into_string()).into_response()
+        (status, head, self.under_base(self.document(page).into_string())).into_response()
+    }
+
+    /// Has whatever leads to this service lead under its prefix. In text and values quotation marks are escaped, so only attributes match.
+    fn under_base(&self, document: String) -> String {
+        if self.base_path.is_empty() {
+            return document;
+        }
+        LEADING.iter().fold(document, |document, attribute| {
+            document.replace(&format!(" {attribute}=\"/"), &format!(" {attribute}=\"{}/", self.base_path))
+        })
     }
 
     fn failure(&self, problem: &Problem) -> Page {
@@ -102,7 +115,7 @@ impl Viewer {
                             (entry("/alerts", t.alerts, page.section == Section::Alerts))
                             (entry("/diagnoses", t.diagnoses, page.section == Section::Diagnoses))
                             (entry("/stations", t.stations, page.section == Section::Stations))
-                            (entry("/import", t.import, page.section == Section::Import))
+                            @if self.may(Role::Station) { (entry("/import", t.import, page.section == Section::Import)) }
                             @if self.may(Role::Engineer) { (entry("/hooks", t.hooks, page.section == Section::Hooks)) }
                             (entry("/docs", t.api, false))
                         }

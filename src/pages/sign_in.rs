@@ -4,8 +4,8 @@ use std::net::SocketAddr;
 
 use axum::Form;
 use axum::extract::{ConnectInfo, Query, State as Held};
-use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE};
-use axum::http::{HeaderValue, StatusCode};
+use axum::http::header::{LOCATION, RETRY_AFTER, SET_COOKIE, USER_AGENT};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use maud::html;
 use serde::Deserialize;
@@ -14,7 +14,7 @@ use super::Pages;
 use super::layout::{Page, Section};
 use super::viewer::{Viewer, is_local};
 use crate::core::access::Role;
-use crate::pipeline::{Denied, SESSION_COOKIE};
+use crate::pipeline::{Caller, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
 
 #[derive(Debug, Deserialize)]
@@ -42,13 +42,15 @@ pub(super) async fn enter(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     ConnectInfo(peer): ConnectInfo<SocketAddr>,
+    headers: HeaderMap,
     Form(shown): Form<Shown>,
 ) -> Response {
     let back = shown.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
     let t = viewer.text();
-    match pages.pipeline.sign_in(&shown.token, peer.ip()).await {
+    let agent = headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes()));
+    match pages.pipeline.sign_in(&shown.token, peer.ip(), agent).await {
         Ok(Ok(signed_in)) => {
-            let cookie = session_cookie(&pages, &signed_in.cookie.reveal(), signed_in.seconds);
+            let cookie = session_cookie(&signed_in.cookie.reveal(), signed_in.seconds);
             (StatusCode::SEE_OTHER, [(LOCATION, header(back)), (SET_COOKIE, header(&cookie))]).into_response()
         }
         Ok(Err(Denied::TooManyFailures { wait } | Denied::TooManyRequests { wait })) => {
@@ -65,16 +67,15 @@ pub(super) async fn enter(
 pub(super) async fn leave(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
     match pages.pipeline.sign_out().await {
         Ok(()) => {
-            let gone = session_cookie(&pages, "", 0);
+            let gone = session_cookie("", 0);
             (StatusCode::SEE_OTHER, [(LOCATION, header("/sign-in")), (SET_COOKIE, header(&gone))]).into_response()
         }
         Err(refused) => viewer.show(Err(Problem::new(503, "Try again", refused.to_string()))),
     }
 }
 
-fn session_cookie(pages: &Pages, value: &str, seconds: i64) -> String {
-    let secure = if pages.config.server.is_encrypted() { "; Secure" } else { "" };
-    format!("{SESSION_COOKIE}={value}; Path=/; Max-Age={seconds}; HttpOnly; SameSite=Strict{secure}")
+fn session_cookie(value: &str, seconds: i64) -> String {
+    format!("{SESSION_COOKIE}={value}; Path=/; Max-Age={seconds}; HttpOnly; SameSite=Strict")
 }
 
 fn header(text: &str) -> HeaderValue {

@@ -9,6 +9,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
+use super::Pages;
 use super::text::{Language, Text};
 use crate::core::access::Role;
 use crate::pipeline::{By, Caller};
@@ -33,6 +34,8 @@ pub(super) struct Viewer {
     pub language: Language,
     /// None: as the system says.
     pub theme: Option<Theme>,
+    /// What every path of this service begins with where they look.
+    pub base_path: String,
     /// Path and query of the page that is looked at.
     pub here: String,
     /// The name of the token that they have signed in with.
@@ -52,10 +55,10 @@ impl Viewer {
     }
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for Viewer {
+impl FromRequestParts<Pages> for Viewer {
     type Rejection = Infallible;
 
-    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
+    async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Infallible> {
         let theme = match cookie(&parts.headers, "theme") {
             Some("light") => Some(Theme::Light),
             Some("dark") => Some(Theme::Dark),
@@ -67,7 +70,8 @@ impl<S: Send + Sync> FromRequestParts<S> for Viewer {
         let caller = parts.extensions.get::<Caller>();
         let session = caller.filter(|caller| matches!(caller.by, By::Session { .. }));
         let signed_in = session.map(|caller| caller.name.clone());
-        Ok(Self { language, theme, here, signed_in, role: caller.map(|caller| caller.role) })
+        let base_path = pages.config.server.base_path.clone();
+        Ok(Self { language, theme, base_path, here, signed_in, role: caller.map(|caller| caller.role) })
     }
 }
 

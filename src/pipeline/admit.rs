@@ -7,12 +7,13 @@ mod confirming;
 mod correcting;
 mod memory;
 mod newest;
+mod sending;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::read::{Calibration, GyroEvent, Submission};
-use super::{Accepted, Refused};
+use super::{Accepted, Actor, Refused};
 use crate::config::Judging;
 use crate::core::bench::BenchMethod;
 use crate::core::name::look_keys;
@@ -20,7 +21,7 @@ use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::store::{
-    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, PublishedFigures, RecordRow, States, Store,
+    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Kind, PublishedFigures, RecordRow, States, Store,
     StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::{history_note, time};
@@ -29,6 +30,7 @@ use checking::Checked;
 pub(super) use memory::Memory;
 use memory::Remembered;
 pub(super) use newest::Newest;
+use sending::Sending;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
 #[derive(Debug, Default)]
@@ -45,6 +47,7 @@ pub(super) struct Group {
     keys: HashMap<String, (Id, [u8; 32])>,
     /// New names by what they look like.
     looks: HashMap<(Table, String), String>,
+    sendings: Vec<Sending>,
 }
 
 /// What admission may ask.
@@ -59,6 +62,8 @@ pub(super) struct Desk<'a> {
     /// Where clocks that were never set begin.
     pub epochs: &'a [UtcMicros],
     pub now: UtcMicros,
+    /// Whose item is at hand.
+    pub by: &'a Actor,
 }
 
 impl Desk<'_> {
@@ -122,6 +127,8 @@ impl Desk<'_> {
             }
             sheet.0.push((number, gyro.requirements.iter().flatten().map(StoredVerdict::from).collect()));
         }
+        let place = if sent.kind == Kind::Campaign { "campaigns" } else { "records" };
+        let sent_by = Some(self.sent(place, id, group));
         group.records.insert((imu, at), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         group.changes.models_used.extend(sent.model.map(|model| (id, model)));
@@ -137,6 +144,7 @@ impl Desk<'_> {
             verdicts: sheet,
             voided: set_aside,
             notes: history_note::kept(&notes).map(Into::into),
+            sent_by,
         });
         Ok((id, notes.into()))
     }

@@ -10,10 +10,11 @@ use crate::core::fault::Faults;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
 use crate::core::name::Name;
-use crate::store::{Id, Kind, RecordRow, StoreError, StoredVerdict};
+use crate::store::{AuditRow, Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::history_note;
+use crate::wire::sender::SenderBody;
 
 /// A stored record with its answer.
 #[derive(Debug, Clone)]
@@ -51,6 +52,21 @@ impl Pipeline {
         let notes = history_note::read(row.notes.as_deref());
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
         Ok(Some(StoredRecord { row, answer, seen, closures }))
+    }
+
+    /// Who sent an item, by the line of the audit trail about it.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StoreError> {
+        let Some(line) = line else { return Ok(None) };
+        let body = |line: AuditRow| SenderBody {
+            name: line.who,
+            token: line.token.map(|token| token.to_string()),
+            address: line.source,
+            agent: line.agent,
+        };
+        Ok(self.store.audit_line(line).await?.map(body))
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::admit::{Ahead, Desk, Group, Memory};
-use super::{Accepted, Id, Pipeline, ReadDocument, Refused};
+use super::{Accepted, Actor, Id, Pipeline, ReadDocument, Refused};
 use crate::core::note::Note;
 use crate::store::IdSource;
 
@@ -29,7 +29,7 @@ impl Pipeline {
     pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {
         // Its identifiers are seen by nobody; they only have to differ from those that are stored.
         let mut ids = IdSource::after(NEVER_STORED);
-        let (mut memory, ahead) = (Memory::default(), Ahead::default());
+        let (mut memory, ahead, nobody) = (Memory::default(), Ahead::default(), Actor::by_caller());
         let mut desk = Desk {
             store: &self.store,
             ids: &mut ids,
@@ -39,6 +39,7 @@ impl Pipeline {
             judging: &self.config.judging,
             epochs: &self.config.plausibility.clock_epochs,
             now: self.clock.now(),
+            by: &nobody,
         };
         let (mut group, mut new) = (Group::default(), HashMap::new());
         let mut foreseen = Vec::with_capacity(documents.len());

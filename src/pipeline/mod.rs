@@ -106,9 +106,9 @@ pub struct Pipeline {
 /// What the writer is asked to do.
 #[derive(Debug)]
 enum Job {
-    /// Submissions that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
+    /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
     /// late is told.
-    Store { items: Vec<Submission>, with_verdicts: bool, late: Late, reply: reply::Teller },
+    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: reply::Teller },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
@@ -188,6 +188,8 @@ pub enum Refused {
     NoSuchToken { id: Id },
     #[error("the token is for {station} alone")]
     OtherStation { station: String },
+    #[error("a token has been made, and the setup secret is worth nothing any more")]
+    SetupOver,
     #[error("the operating system gives no random numbers")]
     NoRandomNumbers,
     #[error("there is no delivery {id}")]
@@ -237,7 +239,7 @@ impl Pipeline {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let wake = watch::Sender::default();
         let models = models::ModelBook::load(&store).await?;
-        let guard = Guard::start(store.clone(), config.access.clone()).await?;
+        let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let (due, watched) = watch::channel(0);
         let bustle = background::Bustle::new();
         let diagnoser =
@@ -263,7 +265,7 @@ impl Pipeline {
         let bustle = background::Bustle::new();
         let diagnoser =
             diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
-        let guard = Guard::start(store.clone(), config.access.clone()).await?;
+        let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let (wake, pulse) = (watch::Sender::default(), outbox::Pulse::default());
         Ok(Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard })
     }
@@ -329,7 +331,7 @@ impl Pipeline {
     ) -> Result<(Accepted, T), Refused> {
         self.bustle.stir();
         let (reply, listener) = reply::channel();
-        self.offer(Job::Store { items: vec![item], with_verdicts: true, late, reply })?;
+        self.offer(Job::Store { items: vec![item], by: Actor::by_caller(), with_verdicts: true, late, reply })?;
         let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
         let (mut replies, words) = heard.ok_or(Refused::Stopping)?;
         let accepted = replies.pop().unwrap_or(Err(Refused::Stopping))?;
@@ -343,7 +345,8 @@ impl Pipeline {
         let count = items.len();
         let (reply, listener) = reply::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-        let _queued = self.jobs.send(Job::Store { items, with_verdicts: false, late, reply }).await;
+        let _queued =
+            self.jobs.send(Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply }).await;
         async move {
             let heard = listener.hear(|_| ()).await;
             heard.map_or_else(|| vec![Err(Refused::Stopping); count], |(replies, ())| replies)

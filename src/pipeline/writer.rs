@@ -61,14 +61,16 @@ pub(super) struct Task {
 #[derive(Clone, Copy)]
 struct Item<'a> {
     sent: &'a Submission,
+    by: &'a Actor,
     /// Whether its answer is to hold the verdicts on it.
     with_verdicts: bool,
     /// How what is found late is told.
     late: Late,
 }
 
-fn items_of((sent, with_verdicts, late, _): &StoreJob) -> impl Iterator<Item = Item<'_>> {
-    sent.iter().map(|sent| Item { sent, with_verdicts: *with_verdicts, late: *late })
+fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
+    let StoreJob { items, by, with_verdicts, late, .. } = job;
+    items.iter().map(|sent| Item { sent, by, with_verdicts: *with_verdicts, late: *late })
 }
 
 /// Who is told of what has been written.
@@ -83,8 +85,18 @@ pub(super) struct After {
 
 /// Orders that concern hooks, and where their answers go.
 type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
-/// Submissions, whether they are answered with verdicts and ahead of the disk, how what is found late is told, and where the answers go.
-type StoreJob = (Vec<Submission>, bool, Late, Teller);
+
+/// Submissions, and where their answers go.
+struct StoreJob {
+    items: Vec<Submission>,
+    by: Actor,
+    /// Whether they are answered with verdicts, and ahead of the disk.
+    with_verdicts: bool,
+    /// How what is found late is told.
+    late: Late,
+    teller: Teller,
+}
+
 type Findings = Vec<(Found, oneshot::Sender<Result<(), Refused>>)>;
 
 impl Task {
@@ -153,7 +165,9 @@ impl Task {
             let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
             for job in jobs.drain(..) {
                 let job = match job {
-                    Job::Store { items, with_verdicts, late, reply } => (items, with_verdicts, late, reply),
+                    Job::Store { items, by, with_verdicts, late, reply } => {
+                        StoreJob { items, by, with_verdicts, late, teller: reply }
+                    }
                     Job::Hook { order, by, reply } => {
                         orders.push((order, by, reply));
                         continue;
@@ -205,14 +219,14 @@ impl Task {
                         continue;
                     }
                 };
-                if items + job.0.len() > most && items > 0 {
+                if items + job.items.len() > most && items > 0 {
                     self.process(std::mem::take(&mut group)).await;
                     if mixed {
                         self.finish().await;
                     }
                     items = 0;
                 }
-                items += job.0.len();
+                items += job.items.len();
                 group.push(job);
             }
             if !group.is_empty() {

@@ -53,6 +53,8 @@ pub struct AuditRow {
     pub who: String,
     pub token: Option<Id>,
     pub source: String,
+    /// The program that was used, by its own word.
+    pub agent: Option<String>,
     pub action: String,
     pub subject: String,
     pub before: Option<String>,
@@ -134,12 +136,13 @@ pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
             .text(&line.action)
             .text(&line.subject)
             .optional_text(line.before.as_deref())
-            .optional_text(line.after.as_deref());
+            .optional_text(line.after.as_deref())
+            .optional_text(line.agent.as_deref());
     }
     batch.add(
         insert!(
-            "audit (id, at, who, token, source, action, subject, before, after)",
-            [int 0, int 1, text 2, int 3, text 4, text 5, text 6, text 7, text 8]
+            "audit (id, at, who, token, source, action, subject, before, after, agent)",
+            [int 0, int 1, text 2, int 3, text 4, text 5, text 6, text 7, text 8, text 9]
         ),
         rows,
     );
@@ -180,6 +183,12 @@ impl Store {
         on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(session).collect())
     }
 
+    /// One line of the audit trail.
+    pub async fn audit_line(&self, id: Id) -> Result<Option<AuditRow>, StoreError> {
+        let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit WHERE id = $1";
+        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(line).transpose())
+    }
+
     /// Lines of the audit trail, newest first, those before `before`.
     pub async fn audit(
         &self,
@@ -187,7 +196,7 @@ impl Store {
         before: Option<Id>,
         limit: u32,
     ) -> Result<Vec<AuditRow>, StoreError> {
-        let sql = "SELECT id, at, who, token, source, action, subject, before, after FROM audit
+        let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit
                    WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
                        AND ($6 IS NULL OR subject = $6)
                    ORDER BY id DESC LIMIT $7";
@@ -222,6 +231,7 @@ fn line(row: &impl Cells) -> Result<AuditRow, StoreError> {
         who: row.cell("who")?,
         token: row.cell::<Option<i64>>("token")?.map(Id),
         source: row.cell("source")?,
+        agent: row.cell("agent")?,
         action: row.cell("action")?,
         subject: row.cell("subject")?,
         before: row.cell("before")?,

@@ -27,6 +27,8 @@ pub struct BenchRow {
     pub received_at: UtcMicros,
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
+    /// As of [`super::RecordRow`].
+    pub sent_by: Option<Id>,
 }
 
 pub(super) fn insert(benches: &[BenchRow], batch: &mut Batch) {
@@ -44,19 +46,36 @@ pub(super) fn insert(benches: &[BenchRow], batch: &mut Batch) {
             .real(bench.sd[1])
             .integer(bench.received_at.0)
             .bytes(bench.body.as_bytes())
-            .bytes(&bench.body_sha256);
+            .bytes(&bench.body_sha256)
+            .optional_integer(bench.sent_by.map(|line| line.0));
     }
     batch.add(
         insert!(
             "bench_result
-             (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256)",
-            [int 0, int 1, int 2, int 3, words 4 5, real 6, real 7, real 8, real 9, int 10, words 11 12, blob 13 14]
+             (id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, received_at, body, body_sha256,
+              sent_by)",
+            [int 0, int 1, int 2, int 3, words 4 5, real 6, real 7, real 8, real 9, int 10, words 11 12, blob 13 14, int 15]
         ),
         rows,
     );
 }
 
-type Row = (i64, Whole<u32>, Whole<u32>, i64, String, f64, f64, Option<f64>, Option<f64>, bool, i64, String, Vec<u8>);
+type Row = (
+    i64,
+    Whole<u32>,
+    Whole<u32>,
+    i64,
+    String,
+    f64,
+    f64,
+    Option<f64>,
+    Option<f64>,
+    bool,
+    i64,
+    String,
+    Vec<u8>,
+    Option<i64>,
+);
 
 fn row(row: Row) -> Result<BenchRow, StoreError> {
     let (
@@ -73,6 +92,7 @@ fn row(row: Row) -> Result<BenchRow, StoreError> {
         received_at,
         body,
         hash,
+        by,
     ) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("bench result {id}: {what}"));
@@ -88,6 +108,7 @@ fn row(row: Row) -> Result<BenchRow, StoreError> {
         received_at: UtcMicros(received_at),
         body: body.into(),
         body_sha256: hash.try_into().map_err(|_| damaged("its hash has not 32 bytes"))?,
+        sent_by: by.map(Id),
     })
 }
 
@@ -95,7 +116,7 @@ impl Store {
     pub async fn bench_result(&self, id: Id) -> Result<Option<BenchRow>, StoreError> {
         let sql =
             "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
-                          body_sha256
+                          body_sha256, sent_by
                    FROM bench_result WHERE id = $1";
         let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
         found.map(row).transpose()
@@ -130,7 +151,7 @@ impl Store {
     /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
     pub async fn all_bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
         let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
-                          body_sha256
+                          body_sha256, sent_by
                    FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
         let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?);
         rows.into_iter().map(row).collect()

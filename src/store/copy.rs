@@ -48,11 +48,12 @@ const TABLES: &[Table] = tables! {
     "imu" by "id": Whole id, Text name;
     "station" by "id": Whole id, Text name;
     "gyro" by "id": Whole id, Text serial;
-    "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided, Text notes;
+    "record" by "id": Whole id kind imu station calibrated_at received_at, Text body, Bytes body_sha256 verdicts, Whole voided, Text notes,
+        Whole sent_by;
     "history" by "gyro, calibrated_at": Whole gyro calibrated_at record, Bytes figures;
     "voided_history" by "gyro, calibrated_at, record": Whole gyro calibrated_at record, Bytes figures;
     "bench_result" by "id": Whole id gyro station measured_at, Text method, Real d_i d_s d_i_sd d_s_sd, Whole received_at,
-        Text body, Bytes body_sha256, Whole voided;
+        Text body, Bytes body_sha256, Whole voided sent_by;
     "event" by "id": Whole id gyro at, Text kind reason author, Whole received_at, Real d_i d_i_sd d_s d_s_sd, Whole until, Text test;
     "idempotency_key" by "key": Text key, Whole item, Bytes body_sha256;
     "correction" by "item, replaced_by": Whole item replaced_by at, Text author reason;
@@ -78,7 +79,7 @@ const TABLES: &[Table] = tables! {
     "diagnosis_gist" by "record": Whole record imu station measured_at, Text program gist;
     "token" by "id": Whole id, Text name role station, Bytes secret_sha256, Whole created_at expires_at revoked_at;
     "session" by "id": Whole id token, Bytes secret_sha256, Whole began_at expires_at;
-    "audit" by "id": Whole id at, Text who, Whole token, Text source action subject before after;
+    "audit" by "id": Whole id at, Text who, Whole token, Text source action subject before after agent;
 };
 
 impl Table {

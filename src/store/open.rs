@@ -60,7 +60,7 @@ pub(super) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 15] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 16] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -75,6 +75,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 15] = [
     (12, "alerts_found_late", include_str!("../../migrations/sqlite/0012_alerts_found_late.sql")),
     (13, "notes", include_str!("../../migrations/sqlite/0013_notes.sql")),
     (14, "environmental_tests", include_str!("../../migrations/sqlite/0014_environmental_tests.sql")),
+(15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
     (16, "checksums", include_str!("../../migrations/sqlite/0016_checksums.sql")),
 ];
 

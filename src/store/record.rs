@@ -49,6 +49,8 @@ pub struct RecordRow {
     pub voided: bool,
     /// What was noted about it, as versioned JSON.
     pub notes: Option<Arc<str>>,
+    /// The line of the audit trail that says who sent it; none of what an earlier version stored.
+    pub sent_by: Option<Id>,
 }
 
 /// Which record it is, without what it says.
@@ -84,12 +86,13 @@ pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
             .bytes(&record.body_sha256)
             .written(|out| record.verdicts.pack(record.id, out))
             .integer(if record.voided { record.id.0 } else { 0 })
-            .optional(record.notes.as_deref());
+            .optional(record.notes.as_deref())
+            .optional_integer(record.sent_by.map(|line| line.0));
     }
     batch.add(
         insert!(
-            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes)",
-            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14]
+            "record (id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts, voided, notes, sent_by)",
+            [int 0, int 1, int 2, int 3, int 4, int 5, words 6 7, blob 8 9, blob 10 11, int 12, words 13 14, int 15]
         ),
         rows,
     );
@@ -111,11 +114,23 @@ pub(super) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) 
     );
 }
 
-type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, String, Vec<u8>, Vec<u8>, bool, Option<String>);
+type Row = (i64, i64, Whole<u32>, Whole<u32>, i64, i64, String, Vec<u8>, Vec<u8>, bool, Option<String>, Option<i64>);
 
 fn row(row: Row) -> Result<RecordRow, StoreError> {
-    let (id, kind, Whole(imu), Whole(station), calibrated_at, received_at, body, body_sha256, verdicts, voided, notes) =
-        row;
+    let (
+        id,
+        kind,
+        Whole(imu),
+        Whole(station),
+        calibrated_at,
+        received_at,
+        body,
+        body_sha256,
+        verdicts,
+        voided,
+        notes,
+        by,
+    ) = row;
     let id = Id(id);
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
     Ok(RecordRow {
@@ -130,13 +145,14 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
         verdicts: VerdictSheet::unpack(id, &verdicts)?,
         voided,
         notes: notes.map(Into::into),
+        sent_by: by.map(Id),
     })
 }
 
 impl Store {
     pub async fn record(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
         let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
-                          voided <> 0, notes
+                          voided <> 0, notes, sent_by
                    FROM record WHERE id = $1";
         let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
         let found = found.map(row).transpose()?;

@@ -51,6 +51,7 @@ pub(super) fn record(id: Id, at: i64, note: &str) -> RecordRow {
         verdicts: VerdictSheet(vec![(1, vec![verdict])]),
         voided: false,
         notes: None,
+        sent_by: None,
     }
 }
 
@@ -104,6 +105,7 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
         received_at: UtcMicros(9),
         body: "{\"é\": \"\\u0000\"}".into(),
         body_sha256: [9; 32],
+        sent_by: Some(Id(77)),
     };
     let event = EventRow {
         id: writer.next_id(UtcMicros(0)),

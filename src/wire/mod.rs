@@ -30,6 +30,7 @@ pub mod note;
 pub mod numbers;
 pub mod problem;
 pub mod record;
+pub mod sender;
 pub mod silence;
 pub mod split;
 pub mod text;

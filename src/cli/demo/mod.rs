@@ -40,6 +40,7 @@ impl Demo {
         let keys = [
             ("GYROWATCH_SERVER__LISTEN".to_owned(), self.listen.to_string()),
             ("GYROWATCH_DATABASE__URL".to_owned(), format!("sqlite://{}", self.database.display())),
+            ("GYROWATCH_ACCESS__OPEN".to_owned(), "true".to_owned()),
             ("GYROWATCH_LOG__FILTER".to_owned(), "warn".to_owned()),
             ("GYROWATCH_JUDGING__INTERVAL_DAYS".to_owned(), "90".to_owned()),
             ("GYROWATCH_JUDGING__REQUIREMENTS".to_owned(), "true".to_owned()),

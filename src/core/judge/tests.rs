@@ -801,6 +801,16 @@ fn events_reset_what_they_should() {
 }
 
 #[test]
+fn every_coefficient_of_a_history_has_its_column() {
+    let columns = Coefficient::ALL.map(Coefficient::column);
+    assert_eq!(columns.iter().flatten().collect::<Vec<_>>(), [&0, &1, &2]);
+    assert_eq!(
+        [Coefficient::DI, Coefficient::DS, Coefficient::DO].map(Coefficient::column),
+        [Some(0), Some(1), Some(2)]
+    );
+}
+
+#[test]
 fn every_name_is_read_back() {
     assert!(Rule::ALL.into_iter().all(|x| Rule::from_name(x.name()) == Some(x)));
     assert!(Coefficient::ALL.into_iter().all(|x| Coefficient::from_name(x.name()) == Some(x)));

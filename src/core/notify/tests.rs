@@ -294,6 +294,13 @@ fn what_was_told_long_ago_is_told_its_end_whenever_that_is_found_and_a_late_rise
 }
 
 #[test]
+fn what_was_told_already_is_not_kept_back_when_it_is_found_once_more() {
+    let told = heard(None, &exceeded(), 399.0, 400.0, Late::Quiet).alert.unwrap();
+    let again = heard(Some(&told), &exceeded(), 14.0, 400.0, Late::Quiet).alert.unwrap();
+    assert_eq!((again.severity, again.hushed), (told.severity, None), "as severe as its hooks believe");
+}
+
+#[test]
 fn a_hook_hears_the_end_of_what_it_heard_fire_and_nothing_of_what_it_did_not() {
     let fires = heard(None, &exceeded(), 0.0, 0.0, Late::Told).alert.unwrap();
     let critical = Alert { severity: Severity::Critical, ..fires };

@@ -17,6 +17,13 @@ fn assert_near(what: &str, got: f64, want: f64) {
 }
 
 #[test]
+fn an_axis_across_its_nominal_one_is_no_axis_that_points_away() {
+    let of = |e: Vector3<f64>| separate(&Geometry::Orthogonal, Slot::G1, &e, &Vector3::new(1.0, 2.0, 3.0), None);
+    assert!(of(Vector3::new(0.0, 0.0, 1.0)).is_ok(), "at a right angle");
+    assert!(matches!(of(Vector3::new(-1e-9, 0.0, 1.0)), Err(Unseparable::PointsAway(_))));
+}
+
+#[test]
 fn the_closure_of_the_published_method_is_the_rms_of_what_it_leaves_over() {
     for slot in Slot::ALL {
         let (e, g) = TABLES_3_4[slot.index()];

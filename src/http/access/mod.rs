@@ -6,15 +6,18 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::Duration;
 
 use axum::extract::{ConnectInfo, MatchedPath, Request};
-use axum::http::header::{ACCEPT, AUTHORIZATION, COOKIE, HOST, LOCATION, ORIGIN, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::header::{
+    ACCEPT, AUTHORIZATION, CACHE_CONTROL, COOKIE, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
+};
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::App;
+use super::edge::{Forwarded, NO_STORE};
 use crate::core::access::Role;
-use crate::pipeline::{By, Denied, SESSION_COOKIE};
+use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
 use rules::Least;
 
@@ -28,10 +31,15 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
     let source = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|ConnectInfo(peer)| peer.ip());
     // Without an address (a request that came over no connection) it is nobody's, and certainly not this machine's.
     let source = source.unwrap_or(IpAddr::V4(Ipv4Addr::UNSPECIFIED));
+    if request.extensions().get::<Forwarded>().is_some() {
+        app.pipeline.guard().note_proxy();
+    }
     let headers = request.headers();
     let credentials = (bearer(headers), session(headers));
     let caller = match app.pipeline.guard().caller(credentials, source, app.clock.now()).await {
-        Ok(caller) => caller,
+        Ok(caller) => {
+            Caller { agent: headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes())), ..caller }
+        }
         Err(_) if least == Least::Anyone && origin != Origin::Foreign => return next.run(request).await,
         Err(_) if least == Least::Anyone => return foreign().into_response(),
         Err(denied) => return refuse(&denied, &request),
@@ -40,7 +48,7 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
         return misnamed().into_response();
     }
     let by_cookie = matches!(caller.by, By::Session { .. });
-    let by_token = matches!(caller.by, By::Token(_));
+    let by_token = matches!(caller.by, By::Token(_) | By::Setup);
     // A page of another site can make a browser send its cookie, or reach this machine; it cannot make it send a token.
     if (origin == Origin::Foreign && !by_token) || (origin == Origin::Unsaid && by_cookie) {
         return foreign().into_response();
@@ -56,11 +64,19 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
             let place = format!("{}&takes={}", sign_in_for(request.uri()), role.name());
             return (StatusCode::SEE_OTHER, [(LOCATION, place)]).into_response();
         }
+        if matches!(caller.by, By::Presence) {
+            return unproven(role).into_response();
+        }
         let detail = format!("this takes the role {}; the token has the role {}", role.name(), caller.role.name());
         return challenged(Problem::new(403, "Not allowed", detail), "Bearer error=\"insufficient_scope\"");
     }
     request.extensions_mut().insert(caller.clone());
-    caller.during(next.run(request)).await
+    let mut response = caller.during(next.run(request)).await;
+    if least == Least::Role(Role::Admin) {
+        // Secrets are shown there.
+        response.headers_mut().insert(CACHE_CONTROL, HeaderValue::from_static(NO_STORE));
+    }
+    response
 }
 
 /// Whether a request that changes something was sent by a page of this service.
@@ -109,6 +125,16 @@ fn misnamed() -> Problem {
     Problem::new(421, "Not this machine's name", detail)
 }
 
+/// Nobody has shown who they are, and this takes more than being on this machine: a proxy on it lets everybody in.
+fn unproven(role: Role) -> Response {
+    let detail = format!(
+        "this takes a token of the role {}, and none has been made: make the first with `gyrowatch token create NAME --role admin`, or \
+         send the setup secret that the log shows as Authorization: Bearer",
+        role.name()
+    );
+    challenged(Problem::new(401, "Token needed", detail), "Bearer realm=\"gyrowatch\"")
+}
+
 /// The token of `Authorization: Bearer`.
 fn bearer(headers: &HeaderMap) -> Option<&str> {
     let (scheme, token) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
@@ -152,7 +178,7 @@ fn denied_response(denied: &Denied) -> Response {
             Problem::new(401, "Token not valid", detail),
             "Bearer realm=\"gyrowatch\", error=\"invalid_token\"",
         ),
-        Denied::NotHere => Problem::new(403, "Not allowed", detail).into_response(),
+        Denied::NotHere | Denied::Proxied => Problem::new(403, "Not allowed", detail).into_response(),
         Denied::TooManyFailures { wait } => later(Problem::new(429, "Too many wrong tokens", detail), *wait),
         Denied::TooManyRequests { wait } => later(Problem::new(429, "Too many requests", detail), *wait),
         Denied::Unreadable => Problem::new(503, "Try again", detail).into_response(),

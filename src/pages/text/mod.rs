@@ -103,6 +103,7 @@ impl Text {
 
     pub fn role(&self, role: Role) -> &'static str {
         match role {
+            Role::Viewer => self.role_viewer,
             Role::Station => self.role_station,
             Role::Engineer => self.role_engineer,
             Role::Admin => self.role_admin,

@@ -148,6 +148,7 @@ catalogue! {
     campaign: "Campaign", "标定试验";
     measured: "measured", "测试时间";
     received: "Received", "收到";
+    sent_by: "sent by", "发送者";
     identifier: "id", "编号";
     operator: "operator", "操作员";
     dwells: "dwells", "个位置段";
@@ -487,6 +488,7 @@ catalogue! {
     sign_in_note: "With a token that an administrator has made for you. It is kept until you sign out or some hours have passed.", "请使用管理员为您创建的令牌登录；退出或数小时后失效。";
     token: "Token", "令牌";
     takes_role: "The token that you have signed in with does not reach that far. Sign in with one of the role: ", "您登录所用的令牌权限不足，请使用以下角色的令牌登录：";
+    role_viewer: "viewer", "只读";
     role_station: "station", "测试站";
     role_engineer: "engineer", "工程师";
     role_admin: "administrator", "管理员";

@@ -17,11 +17,16 @@ tokio::task_local! {
     static CALLER: Caller;
 }
 
+/// The name of whoever has shown the setup secret.
+pub(super) const SETUP: &str = "setup";
+
 /// By what somebody is known.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum By {
     /// There is no token yet, and they are on this machine.
     Presence,
+    /// There is no token yet, and they have shown the setup secret.
+    Setup,
     /// A token sent along.
     Token(Id),
     /// A cookie, after signing in with a token.
@@ -37,12 +42,24 @@ pub struct Caller {
     pub station: Option<String>,
     pub by: By,
     pub source: IpAddr,
+    /// The program that they ask with, by its own word.
+    pub agent: Option<String>,
 }
 
+/// Characters of the name of a program that are kept.
+const LONGEST_AGENT: usize = 200;
+
 impl Caller {
+    /// The program that somebody asks with, of its own word as it was sent.
+    pub fn agent(sent: &[u8]) -> Option<String> {
+        let text = String::from_utf8_lossy(sent);
+        let agent: String = text.chars().filter(|c| !c.is_control()).take(LONGEST_AGENT).collect();
+        Some(agent).filter(|agent| !agent.is_empty())
+    }
+
     pub fn token(&self) -> Option<Id> {
         match self.by {
-            By::Presence => None,
+            By::Presence | By::Setup => None,
             By::Token(token) | By::Session { token, .. } => Some(token),
         }
     }
@@ -77,6 +94,7 @@ pub struct Actor {
     who: String,
     token: Option<Id>,
     source: String,
+    agent: Option<String>,
 }
 
 impl Actor {
@@ -86,15 +104,24 @@ impl Actor {
     }
 
     pub fn by(caller: &Caller) -> Self {
-        Self { who: caller.name.clone(), token: caller.token(), source: caller.source.to_string() }
+        let (who, source) = (caller.name.clone(), caller.source.to_string());
+        Self { who, token: caller.token(), source, agent: caller.agent.clone() }
     }
 
     pub fn by_command_line() -> Self {
-        Self { who: "command line".to_owned(), token: None, source: String::new() }
+        Self::nobody("command line")
     }
 
     fn by_service() -> Self {
-        Self { who: "service".to_owned(), token: None, source: String::new() }
+        Self::nobody("service")
+    }
+
+    fn nobody(who: &str) -> Self {
+        Self { who: who.to_owned(), token: None, source: String::new(), agent: None }
+    }
+
+    pub(super) fn is_setup(&self) -> bool {
+        self.token.is_none() && self.who == SETUP
     }
 
     pub fn name(&self) -> &str {
@@ -115,6 +142,7 @@ impl Actor {
             who: self.who.clone(),
             token: self.token,
             source: self.source.clone(),
+            agent: self.agent.clone(),
             action: action.to_owned(),
             subject,
             before: before.map(text),

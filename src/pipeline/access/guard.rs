@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 use std::net::IpAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
 use std::time::{Duration, Instant};
 
 use super::REREAD;
-use super::audit::{By, Caller};
+use super::audit::{By, Caller, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::Access;
@@ -21,6 +22,11 @@ pub enum Denied {
     NoToken,
     #[error("no token was ever made, and until then the service answers this machine alone")]
     NotHere,
+    #[error(
+        "a reverse proxy is in front and no token was ever made, so anybody could be asking: make one with \
+         `gyrowatch token create NAME --role admin`"
+    )]
+    Proxied,
     #[error("the token is none of this service")]
     Wrong,
     #[error("the token was revoked")]
@@ -54,20 +60,28 @@ struct Inner {
     book: RwLock<Book>,
     failures: Mutex<Failures>,
     allowances: Mutex<HashMap<Id, Allowance>>,
+    /// Makes the first token; in memory alone, and of no use once there is one.
+    setup: Option<Secret>,
+    /// A proxy has been seen, or is configured: an address says nothing about who asks.
+    behind_proxy: AtomicBool,
     /// When the book was last begun to be read.
     reading: tokio::sync::Mutex<Instant>,
 }
 
 impl Guard {
     /// Reads the book, and goes on reading it as long as a clone is alive.
-    pub async fn start(store: Store, settings: Access) -> Result<Self, StoreError> {
+    pub async fn start(store: Store, settings: Access, behind_proxy: bool) -> Result<Self, StoreError> {
         let failures = Mutex::new(Failures::new(settings.failures_per_minute));
+        let setup = Secret::draw(Id(0)).map_err(|error| StoreError::Other(error.into()))?;
+        let setup = (!settings.open).then_some(setup);
         let guard = Self(Arc::new(Inner {
             store,
             settings,
             book: RwLock::default(),
             failures,
             allowances: Mutex::default(),
+            setup,
+            behind_proxy: AtomicBool::new(behind_proxy),
             reading: tokio::sync::Mutex::new(Instant::now()),
         }));
         guard.read_again().await?;
@@ -88,6 +102,19 @@ impl Guard {
         !self.book().tokens.is_empty()
     }
 
+    /// What makes the first token, where there is none.
+    pub fn setup_secret(&self) -> Option<&Secret> {
+        self.0.setup.as_ref().filter(|_| !self.asks_for_tokens())
+    }
+
+    /// A request came through a proxy: from now on nobody is let in for being on this machine.
+    pub fn note_proxy(&self) {
+        let is_known = self.0.behind_proxy.load(Ordering::Relaxed);
+        if !is_known && !self.0.behind_proxy.swap(true, Ordering::Relaxed) && !self.asks_for_tokens() {
+            tracing::warn!("a request came through a proxy: nothing is answered any more until a token is made");
+        }
+    }
+
     /// Who asks: by the token that was sent along, or else by the cookie.
     ///
     /// # Errors
@@ -100,8 +127,8 @@ impl Guard {
     ) -> Result<Caller, Denied> {
         let arrived = Instant::now();
         match (token, cookie) {
-            _ if !self.asks_for_tokens() && source.to_canonical().is_loopback() => Ok(present(source)),
-            _ if !self.asks_for_tokens() => Err(Denied::NotHere),
+            (None, _) if !self.asks_for_tokens() => self.present(source),
+            (Some(token), _) if self.is_setup(token) => Ok(nameless(SETUP, Role::Admin, By::Setup, source)),
             (Some(token), _) => {
                 let row = self.by_token(token, source, arrived).await?;
                 self.admit(row, By::Token, source, now, arrived)
@@ -145,7 +172,24 @@ impl Guard {
         let allowance = allowances.entry(row.id).or_insert_with(|| Allowance::full(per_second, arrived));
         allowance.take(per_second, arrived).map_err(|wait| Denied::TooManyRequests { wait })?;
         drop(allowances);
-        Ok(Caller { name: row.name, role: row.role, station: row.station, by: by(row.id), source })
+        Ok(Caller { name: row.name, role: row.role, station: row.station, by: by(row.id), source, agent: None })
+    }
+
+    /// Somebody without a token, before there are any.
+    fn present(&self, source: IpAddr) -> Result<Caller, Denied> {
+        if self.0.behind_proxy.load(Ordering::Relaxed) {
+            return Err(Denied::Proxied);
+        }
+        if !source.to_canonical().is_loopback() {
+            return Err(Denied::NotHere);
+        }
+        let role = if self.0.settings.open { Role::Admin } else { Role::Engineer };
+        Ok(nameless("local", role, By::Presence, source))
+    }
+
+    fn is_setup(&self, token: &str) -> bool {
+        let kept = self.setup_secret().map(Secret::sha256);
+        Secret::read(token).is_some_and(|sent| sent.is(kept.as_ref()))
     }
 
     /// A right token is let in whatever wrong ones came from its address: a guess has one chance in 2^256, and stations
@@ -219,9 +263,9 @@ async fn keep_reading(guard: Weak<Inner>) {
     }
 }
 
-/// Somebody on this machine, before there are tokens.
-fn present(source: IpAddr) -> Caller {
-    Caller { name: "local".to_owned(), role: Role::Admin, station: None, by: By::Presence, source }
+/// Somebody before there are tokens.
+fn nameless(name: &str, role: Role, by: By, source: IpAddr) -> Caller {
+    Caller { name: name.to_owned(), role, station: None, by, source, agent: None }
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

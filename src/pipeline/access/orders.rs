@@ -89,6 +89,8 @@ impl Registrar<'_> {
         let line = self.writer.next_id(now);
         let mut drawn = None;
         match order {
+            // Of two that came at once, the second.
+            AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(Refused::SetupOver),
             AccessOrder::Create(new) => {
                 let secret = draw(self.writer.next_id(now))?;
                 let row = token_row(new, &secret, now);
@@ -209,9 +211,14 @@ impl Pipeline {
     ///
     /// # Errors
     /// [`Denied`] where the token is not right, else why it cannot be written down.
-    pub async fn sign_in(&self, token: &str, source: IpAddr) -> Result<Result<SignedIn, Denied>, Refused> {
+    pub async fn sign_in(
+        &self,
+        token: &str,
+        source: IpAddr,
+        agent: Option<String>,
+    ) -> Result<Result<SignedIn, Denied>, Refused> {
         let caller = match self.guard.sign_in(token, source, self.clock.now()).await {
-            Ok(caller) => caller,
+            Ok(caller) => Caller { agent, ..caller },
             Err(denied) => return Ok(Err(denied)),
         };
         let Some(token) = caller.token() else { return Ok(Err(Denied::Wrong)) };

@@ -39,6 +39,7 @@ impl Desk<'_> {
         let id = self.ids.next(self.now);
         let gyro = self.take_number(Table::Gyros, result.serial.as_str(), group);
         let station = self.take_number(Table::Stations, result.station.as_str(), group);
+        let sent_by = Some(self.sent("bench-results", id, group));
         group.benches.insert((gyro, at, method), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);
         group.changes.benches.push(BenchRow {
@@ -53,6 +54,7 @@ impl Desk<'_> {
             received_at: self.now,
             body: Arc::clone(&sent.body),
             body_sha256: sent.body_sha256,
+            sent_by,
         });
         Ok(Accepted::stored(id))
     }

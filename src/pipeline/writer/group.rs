@@ -10,7 +10,7 @@ use crate::pipeline::admit::{Ahead, Desk, Group};
 use crate::pipeline::alerting::Causes;
 use crate::pipeline::judging::{self, Verdicts};
 use crate::pipeline::read::{Calibration, Submission};
-use crate::pipeline::{Accepted, CalibratedGyro, Judged, Refused, Reply};
+use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply};
 use crate::store::{Changes, Id, Kind, Span, StoreError};
 use crate::telemetry;
 
@@ -28,7 +28,7 @@ impl Task {
     pub(super) async fn prepare(&mut self, items: &[Item<'_>]) -> Result<Prepared, StoreError> {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
-        let now = self.clock.now();
+        let (now, service) = (self.clock.now(), Actor::by_caller());
         let ahead = Ahead::read(&self.store, &self.newest, items.iter().map(|item| item.sent)).await?;
         self.read_histories(items).await?;
         let mut desk = Desk {
@@ -40,11 +40,14 @@ impl Task {
             judging: &self.config.judging,
             epochs: &self.config.plausibility.clock_epochs,
             now,
+            by: &service,
         };
         for item in items {
+            desk.by = item.by;
             replies.push(desk.admit(item.sent, &mut group).await);
         }
         let judging = Instant::now();
+        group.audit_sendings(now);
         let mut changes = group.changes;
         let found = self.judge.judge(&mut changes).await?;
         let agreements = self.agreements(&changes).await?;
@@ -121,7 +124,7 @@ pub(super) enum Told {
 
 /// Tells those who make words of their answers, with verdicts, what these will be.
 pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
-    for (items, with_verdicts, _, teller) in jobs {
+    for StoreJob { items, with_verdicts, teller, .. } in jobs {
         let (own, others) = replies.split_at(items.len());
         if *with_verdicts {
             teller.foretell(own.to_vec());
@@ -134,7 +137,7 @@ pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
 pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>, told: Told) {
     count(jobs.iter().flat_map(items_of), &replies);
     let mut replies = replies.into_iter();
-    for (items, with_verdicts, _, teller) in jobs {
+    for StoreJob { items, with_verdicts, teller, .. } in jobs {
         let own = replies.by_ref().take(items.len()).collect();
         if with_verdicts && told == Told::Ahead {
             teller.hold();

@@ -30,17 +30,19 @@ use super::db::Readers;
 use super::error::StoreError;
 use super::names::{Names, Tables};
 use super::open::{Options, Place, Store};
+use super::secrets::Secrets;
 use super::unplaced::Unplaced;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 7] = [
+const MIGRATIONS: [(i64, &str, &str); 8] = [
     (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
     (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
     (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
     (4, "alerts_found_late", include_str!("../../../migrations/postgres/0004_alerts_found_late.sql")),
     (5, "notes", include_str!("../../../migrations/postgres/0005_notes.sql")),
     (6, "environmental_tests", include_str!("../../../migrations/postgres/0006_environmental_tests.sql")),
-    (9, "commit_stamps", include_str!("../../../migrations/postgres/0009_commit_stamps.sql")),
+    (7, "senders", include_str!("../../../migrations/postgres/0007_senders.sql")),
+    (8, "commit_stamps", include_str!("../../../migrations/postgres/0008_commit_stamps.sql")),
 ];
 
 /// How long a database that does not answer yet is waited for at the start.

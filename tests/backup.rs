@@ -2,6 +2,7 @@
 
 mod support;
 
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use sqlx::ConnectOptions;
@@ -95,4 +96,43 @@ async fn a_backup_that_is_cut_off_or_of_no_database_leaves_nothing_behind() {
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("gyrowatch.db"), "{said}");
     assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0);
+}
+
+/// Files beside the log of the test, and who may read and write them.
+fn modes(dir: &Path) -> Vec<(String, u32)> {
+    let entries = std::fs::read_dir(dir).unwrap().map(Result::unwrap);
+    let name = |entry: &std::fs::DirEntry| entry.file_name().into_string().unwrap();
+    let mode = |entry: &std::fs::DirEntry| entry.metadata().unwrap().permissions().mode() & 0o7777;
+    let mut modes: Vec<_> = entries.map(|entry| (name(&entry), mode(&entry))).filter(|(n, _)| n != "log").collect();
+    modes.sort();
+    modes
+}
+
+const OPEN_UMASK: [&str; 3] = ["sh", "-c", "umask 0; exec \"$0\" \"$@\""];
+
+#[tokio::test]
+async fn the_database_and_its_copies_are_their_owners_alone_whatever_the_umask() {
+    let mut server = Server::start_under(&OPEN_UMASK, tempfile::tempdir().unwrap(), &[]);
+    assert_eq!(server.post("/v1/records", "application/json", data("paper.json")).await.status, 201);
+    let under = |arguments: &[&str], dir: &Path, database: &str| {
+        let mut command = support::gyrowatch_under(&OPEN_UMASK);
+        let url = format!("sqlite://{}", dir.join(database).display());
+        let output = command.args(arguments).current_dir(dir).env("GYROWATCH_DATABASE_URL", url).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let dir = server.dir().to_owned();
+    under(&["backup", "copy.db"], &dir, "gyrowatch.db");
+    let files = ["copy.db", "gyrowatch.db", "gyrowatch.db-shm", "gyrowatch.db-wal", "gyrowatch.db.lock"];
+    assert_eq!(modes(&dir), files.map(|name| (name.to_owned(), 0o600)));
+    // A copy that somebody has opened to others is not restored so.
+    std::fs::set_permissions(dir.join("copy.db"), std::fs::Permissions::from_mode(0o644)).unwrap();
+    under(&["restore", "copy.db"], &dir, "restored.db");
+    under(&["token", "create", "a", "--role", "admin"], &dir, "fresh.db");
+    let open = modes(&dir).into_iter().filter(|(name, mode)| name != "copy.db" && *mode != 0o600).collect::<Vec<_>>();
+    assert_eq!(open, []);
+    assert!(!server.log().contains("may read the database"), "{}", server.log());
+    server.kill();
+    std::fs::set_permissions(dir.join("gyrowatch.db"), std::fs::Permissions::from_mode(0o640)).unwrap();
+    server.restart();
+    assert!(server.log().contains("others on this machine may read the database"), "{}", server.log());
 }

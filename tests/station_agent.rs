@@ -4,19 +4,24 @@
 mod support;
 
 use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use support::{Server, data, gyrowatch};
 
 struct Agent(Child);
 
+fn agent(dir: &Path, server: &Server) -> Command {
+    let mut command = gyrowatch();
+    command.args(["import", "--settle", "0", "--url", server.address(), "--watch"]).arg(dir);
+    command
+}
+
 impl Agent {
     fn watches(dir: &Path, server: &Server) -> Self {
-        let mut command = gyrowatch();
-        command.args(["import", "--settle", "0", "--url", server.address(), "--watch"]).arg(dir);
-        Self(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
+        Self(agent(dir, server).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
     }
 }
 
@@ -64,4 +69,49 @@ async fn a_campaign_dropped_while_the_service_is_down_arrives_once_and_a_bad_one
     assert!(!file("second.json").exists() && !file("bad.json").exists());
     let trend = server.get("/v1/gyros/LFG-9000-1/trend?coefficient=D_I").await.json();
     assert_eq!(trend["points"].as_array().unwrap().len(), 2, "sent twice, stored once: {trend}");
+}
+
+/// Whoever may write to the folder cannot make the agent read, send or overwrite what lies elsewhere.
+#[tokio::test]
+async fn links_pipes_and_linked_directories_lead_nowhere() {
+    let server = Server::start().await;
+    let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let file = |name: &str| folder.path().join(name);
+    let secret = elsewhere.path().join("passwords");
+    fs::write(&secret, "root:secret\n").unwrap();
+    fs::create_dir(file("sent")).unwrap();
+    symlink(elsewhere.path(), file("refused")).unwrap();
+    let mut agent = agent(folder.path(), &server);
+    let output = agent.output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && said.contains("refused must be a directory"), "{said}");
+
+    fs::remove_file(file("refused")).unwrap();
+    symlink(&secret, file("a.json")).unwrap();
+    symlink("/dev/zero", file("b.json")).unwrap();
+    assert!(Command::new("mkfifo").arg(file("c.json")).status().unwrap().success());
+    // A directory of many files, beneath the one that is watched.
+    symlink(elsewhere.path(), file("d")).unwrap();
+    fs::write(file("good.json"), data("practice/campaign-00.json")).unwrap();
+    fs::write(file("z.json"), "{\"neither\": 1}").unwrap();
+    let _agent = Agent::watches(folder.path(), &server);
+    for name in ["sent/good.json", "refused/z.json"] {
+        appears(&file(name)).await;
+    }
+    for name in ["a.json", "b.json", "c.json", "d"] {
+        assert!(fs::symlink_metadata(file(name)).is_ok(), "{name} stays where it is");
+    }
+    assert_eq!(fs::read_dir(file("refused")).unwrap().count(), 2, "one file and its reason");
+    assert_eq!(fs::read_dir(file("sent")).unwrap().count(), 1);
+    let mode = fs::metadata(file("refused/z.json.reason.txt")).unwrap().permissions().mode();
+    assert_eq!(mode & 0o7777, 0o600, "the reason quotes the file");
+
+    // The directory is swapped for a link while the agent runs.
+    fs::remove_dir_all(file("refused")).unwrap();
+    symlink(elsewhere.path(), file("refused")).unwrap();
+    fs::write(file("y.json"), "{\"neither\": 1}").unwrap();
+    fs::write(file("again.json"), data("practice/campaign-00.json")).unwrap();
+    appears(&file("sent/again.json")).await;
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    assert!(file("y.json").exists() && fs::read_dir(elsewhere.path()).unwrap().count() == 1);
 }

@@ -82,7 +82,12 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future
         .await
         .with_context(|| format!("cannot listen on {} (server.listen)", config.server.listen))?;
     let database = || format!("cannot use the database {} (database.url)", config.database.options().shown());
-    let (store, writer) = store::open(&config.database.options()).await.with_context(database)?;
+    let (store, mut writer) = store::open(&config.database.options()).await.with_context(database)?;
+    let store = store.with(config.secrets.clone());
+    let hidden = store.hide_stored(&mut writer).await.with_context(database)?;
+    if hidden > 0 {
+        tracing::info!(hooks = hidden, "the secrets of hooks are encrypted now");
+    }
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
     let served = serve_with(pipeline, config, listener, tls, stop, ready).await;

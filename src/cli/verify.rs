@@ -26,13 +26,17 @@ const MOST_SHOWN: usize = 100;
 impl Verify {
     pub fn run(self) -> anyhow::Result<()> {
         let config = Config::load(&self.config, std::env::vars())?;
-        let url = config.database.options().shown();
+        let options = config.database.options();
+        let url = options.shown();
         let work = async {
             // First what is read from the database at all: structure, hashes, checksums. The records follow one by one.
-            store::check_all_but_records(&config.database.options()).await?;
-            let store = store::open_to_read(&config.database.options()).await?;
+            store::check_all_but_records(&options).await?;
+            let store = store::open_to_read(&options).await?;
             let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
-            Ok(reading.verify().await?)
+            let mut verified = reading.verify().await?;
+            // Last, so that what has a name of its own is named by it.
+            verified.faults.extend(store::check_checksums(&options)?);
+            Ok(verified)
         };
         report(&block_on(work).with_context(|| format!("the database {url}"))?)
     }

@@ -20,7 +20,7 @@ use serde_json::Value;
 use crate::alert::target::TargetPolicy;
 use crate::core::record::Plausibility;
 use crate::core::time::UtcMicros;
-use crate::store::Options;
+use crate::store::{Options, Secrets};
 
 pub use access::Access;
 pub use alerts::Alerts;
@@ -45,7 +45,12 @@ pub struct Config {
     pub hooks: Hooks,
     pub plausibility: PlausibilityKeys,
     pub log: Log,
+    /// The key that the secrets of hooks are encrypted with: of the environment alone, in no file.
+    #[serde(skip)]
+    pub secrets: Secrets,
 }
+
+const SECRETS_KEY: &str = "GYROWATCH_SECRETS_KEY";
 
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -202,7 +207,9 @@ impl Config {
     }
 
     fn of(files: &[PathBuf], environment: impl IntoIterator<Item = (String, String)>) -> Result<Self, ConfigError> {
-        Self::read(merged(files, environment)?)
+        let environment: Vec<_> = environment.into_iter().collect();
+        let secrets = secrets(&environment)?;
+        Ok(Self { secrets, ..Self::read(merged(files, environment)?)? })
     }
 
     /// What [`Config::load`] takes its values from, as one file (TOML), once it has been checked. A password within an address is left out.
@@ -210,6 +217,8 @@ impl Config {
         files: &[PathBuf],
         environment: impl IntoIterator<Item = (String, String)>,
     ) -> Result<String, ConfigError> {
+        let environment: Vec<_> = environment.into_iter().collect();
+        let _checked = secrets(&environment)?;
         let mut merged = merged(&files_or_found(files), environment)?;
         Self::read(merged.clone())?;
         for key in ["/hooks/external_url", "/database/url"] {
@@ -279,6 +288,13 @@ impl Config {
     pub fn target_policy(&self) -> TargetPolicy {
         TargetPolicy { allow: self.hooks.allow.clone(), loopback: self.server.listen.ip().is_loopback() }
     }
+}
+
+fn secrets(environment: &[(String, String)]) -> Result<Secrets, ConfigError> {
+    let text = environment.iter().find(|(name, _)| name == SECRETS_KEY).map_or("", |(_, text)| text.as_str());
+    // It is secret, so that it is not repeated.
+    let detail = "must be 32 bytes in hexadecimal (64 digits) or base64, or empty for no key";
+    Secrets::with_key(text).ok_or_else(|| ConfigError::Key { key: SECRETS_KEY.into(), detail: detail.into() })
 }
 
 /// GYROWATCH_LISTEN and GYROWATCH_DATABASE_URL in their sections; other programs' variables left out.

@@ -3,6 +3,7 @@
 use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::batch::{Batch, Rows};
+use super::checksum::{Summing, settle};
 use super::commit::{Changes, Writer, batch_of, waiting_for_disk};
 use super::db::{Cells, Whole, among, cell, insert, on};
 use super::error::StoreError;
@@ -10,6 +11,7 @@ use super::id::{Id, IdSource};
 use super::lock;
 use super::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
 use super::postgres;
+use super::private;
 use crate::core::access::Role;
 use crate::core::time::UtcMicros;
 
@@ -243,7 +245,7 @@ pub struct Beside(Aside);
 
 #[derive(Debug)]
 enum Aside {
-    File { reading: Box<SqliteConnection>, writing: Box<rusqlite::Connection>, ids: IdSource },
+    File { reading: Box<SqliteConnection>, writing: Box<Summing>, ids: IdSource },
     Server { store: Store, writer: Box<Writer> },
 }
 
@@ -264,12 +266,17 @@ impl Beside {
             Err(StoreError::InUse(_)) => None,
             taken => Some(taken?),
         };
+        private::make(&file);
         let mut reading = connect.connect().await?;
         if lock.is_some() {
             migrate(&mut reading).await?;
         }
         let ids = IdSource::after(last_id(&mut reading).await?);
         let writing = open_to_write(&file, options)?;
+        if lock.is_some() {
+            settle(&writing)?;
+        }
+        let writing = Summing::over(writing)?;
         Ok(Self(Aside::File { reading: Box::new(reading), writing: Box::new(writing), ids }))
     }
 

@@ -1,11 +1,13 @@
 //! Copies of the database: made while it is served, and checked before they count.
 
 use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 
+use super::checksum;
 use super::db::Readers;
 use super::error::StoreError;
 use super::history::Span;
@@ -14,8 +16,10 @@ use super::lock::beside;
 use super::names::Names;
 use super::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
 use super::postgres;
+use super::private;
+use super::secrets::Secrets;
 use super::unplaced::Unplaced;
-use crate::system::sha256;
+use crate::system::{fill_random, sha256};
 
 impl Options {
     /// The file that the address names.
@@ -65,21 +69,27 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreE
 pub async fn restore(file: &Path, options: &Options) -> Result<Holdings, StoreError> {
     let target = options.file()?;
     placed(&target, async |part: &Path| {
-        fs::copy(file, part).map_err(|error| failed(file, &error))?;
-        Ok(())
+        copy(file, part).map_err(|error| failed(file, &error))
     })
     .await
 }
 
-/// Lets `write` make a file beside `target`, checks it, and gives it its name once it is on disk.
+/// Copies the bytes alone, and not who may read them.
+fn copy(file: &Path, to: &Path) -> io::Result<()> {
+    io::copy(&mut File::open(file)?, &mut File::options().write(true).open(to)?)?;
+    Ok(())
+}
+
+/// Lets `write` fill an empty file beside `target`, checks it, and gives it its name once it is on disk.
 async fn placed(
     target: &Path,
     write: impl AsyncFnOnce(&Path) -> Result<(), StoreError>,
 ) -> Result<Holdings, StoreError> {
     // Takes the name, so that nothing that comes up meanwhile is overwritten.
-    File::create_new(target).map_err(|error| failed(target, &error))?;
+    private::create(target).map_err(|error| failed(target, &error))?;
     let part = beside(target, ".part");
     let finished = async {
+        private::create(&part).map_err(|error| failed(&part, &error))?;
         write(&part).await?;
         let holdings = check(&part).await?;
         File::open(&part).and_then(|file| file.sync_all()).map_err(|error| failed(&part, &error))?;
@@ -98,13 +108,25 @@ async fn placed(
 }
 
 /// Reads everything: SQLite's structure and references, each IMU's calendar, every record's and bench result's hash, every stored figure's and verdict's
-/// checksum.
+/// checksum, the checksum of every table.
 ///
 /// # Errors
 /// [`StoreError::Damaged`] naming the first thing that is not as it was written; [`StoreError::File`] where it is no
 /// database of this program.
 pub async fn check(file: &Path) -> Result<Holdings, StoreError> {
-    read_through(file, true).await
+    let holdings = read_through(file, true).await?;
+    match checksum::check(file)? {
+        faults if faults.is_empty() => Ok(holdings),
+        faults => Err(StoreError::Damaged(faults.join("; "))),
+    }
+}
+
+/// Reads every table and says of which the rows are not those that were written. On a server nothing: see [`checksum`].
+///
+/// # Errors
+/// [`StoreError`] where something cannot be read at all.
+pub fn check_checksums(options: &Options) -> Result<Vec<String>, StoreError> {
+    if options.is_server() { Ok(Vec::new()) } else { checksum::check(&options.file()?) }
 }
 
 /// As [`check`], without the records: for those who read each of them anyway.
@@ -137,16 +159,18 @@ async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError
         return read_tables(file, records).await;
     }
     // As it will be once a service is started on it.
-    let copy = std::env::temp_dir().join(format!("gyrowatch-check-{}.db", std::process::id()));
+    let mut drawn = [0; 8];
+    fill_random(&mut drawn).map_err(|error| StoreError::Other(error.into()))?;
+    let migrated = std::env::temp_dir().join(format!("gyrowatch-check-{}.db", hex::encode(drawn)));
     let checked = async {
-        fs::copy(file, &copy).map_err(|error| failed(&copy, &error))?;
-        let mut connection = SqliteConnectOptions::new().filename(&copy).disable_statement_logging().connect().await?;
+        private::create(&migrated).and_then(|_| copy(file, &migrated)).map_err(|error| failed(&migrated, &error))?;
+        let mut connection = SqliteConnectOptions::new().filename(&migrated).disable_statement_logging().connect().await?;
         migrate(&mut connection).await?;
         connection.close().await?;
-        read_tables(&copy, records).await
+        read_tables(&migrated, records).await
     }
     .await;
-    let _may_not_be_there = fs::remove_file(&copy);
+    let _may_not_be_there = fs::remove_file(&migrated);
     checked
 }
 
@@ -186,7 +210,7 @@ async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError>
     let names = Names::new(load_names(&mut connection).await?);
     let unplaced = Unplaced::load(&mut connection).await?;
     drop(connection);
-    Ok(Store { readers: Readers::Sqlite(readers), names, unplaced, place: Place::File(file.to_owned()) })
+    Ok(Store { readers: Readers::Sqlite(readers), names, unplaced, place: Place::File(file.to_owned()), secrets: Secrets::default() })
 }
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.

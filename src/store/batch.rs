@@ -8,9 +8,10 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use rusqlite::types::{ToSqlOutput, ValueRef};
-use rusqlite::{CachedStatement, Connection};
+use rusqlite::CachedStatement;
 use sqlx::PgConnection;
 
+use super::checksum::Summing;
 use super::db::Sql;
 use super::error::StoreError;
 
@@ -36,7 +37,7 @@ impl Batch {
     }
 
     /// Runs everything and commits; after an error nothing of it remains. Waits for the disk.
-    pub fn commit(&self, connection: &Connection) -> Result<(), StoreError> {
+    pub fn commit(&self, connection: &Summing) -> Result<(), StoreError> {
         let committed = self.run_and_commit(connection);
         if committed.is_err() {
             // Some errors have rolled back by themselves; then this one has nothing to do and says so.
@@ -45,11 +46,13 @@ impl Batch {
         Ok(committed?)
     }
 
-    fn run_and_commit(&self, connection: &Connection) -> rusqlite::Result<()> {
+    fn run_and_commit(&self, connection: &Summing) -> rusqlite::Result<()> {
+        connection.begin();
         connection.prepare_cached("BEGIN IMMEDIATE")?.execute(())?;
         for (sql, rows) in &self.0 {
             rows.run(&mut connection.prepare_cached(sql.sqlite)?)?;
         }
+        connection.write()?;
         connection.prepare_cached("COMMIT")?.execute(())?;
         Ok(())
     }

@@ -35,6 +35,9 @@ pub enum StoreError {
     /// A rule of the schema was broken: what was to be written contradicts what is stored.
     #[error("refused by the database: {0}")]
     Refused(String),
+    /// What is encrypted cannot be read.
+    #[error("{0}")]
+    Key(&'static str),
     #[error("database: {0}")]
     Other(#[source] Box<dyn std::error::Error + Send + Sync>),
 }

@@ -3,9 +3,8 @@
 //! Whoever calls waits for the disk. The connection is SQLite's own and not a driver's with a thread of its own: handing a group over to
 //! that thread and back would take as long as a commit's flush.
 
-use rusqlite::Connection;
-
 use super::checkpoint::{self, Checkpoints};
+use super::checksum::Summing;
 use super::commit::{Changes, batch_of};
 use super::diagnosis;
 use super::error::StoreError;
@@ -16,7 +15,7 @@ use super::unplaced::Unplaced;
 
 #[derive(Debug)]
 pub(super) struct FileWriter {
-    connection: Connection,
+    connection: Summing,
     names: Names,
     unplaced: Unplaced,
     checkpoints: Checkpoints,
@@ -28,7 +27,7 @@ pub(super) struct FileWriter {
 
 impl FileWriter {
     pub fn new(
-        connection: Connection,
+        connection: Summing,
         names: Names,
         unplaced: Unplaced,
         checkpoints: Checkpoints,
@@ -102,7 +101,7 @@ impl FileWriter {
             std::mem::forget(self.connection);
             return copied;
         }
-        self.connection.close().map_err(|(_, error)| error)?;
+        self.connection.into_inner().close().map_err(|(_, error)| error)?;
         copied
     }
 }

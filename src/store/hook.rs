@@ -1,10 +1,12 @@
 //! Hooks: whom to tell.
 
 use super::batch::{Batch, Rows};
+use super::commit::{Changes, Writer};
 use super::db::{Cells, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
+use super::secrets::Secrets;
 use crate::core::time::UtcMicros;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
@@ -102,16 +104,57 @@ fn hook(row: &impl Cells) -> Result<HookRow, StoreError> {
 }
 
 impl Store {
+    /// With the key of the hooks' secrets.
+    #[must_use]
+    pub fn with(self, secrets: Secrets) -> Self {
+        Self { secrets, ..self }
+    }
+
+    /// Encrypts the secrets of hooks that are to be written, where there is a key.
+    pub fn hide(&self, hooks: &mut [HookRow]) -> Result<(), StoreError> {
+        hooks.iter_mut().try_for_each(|hook| self.secrets.hide(hook).map(|_| ()))
+    }
+
+    /// Encrypts what was stored before there was a key; says of how many hooks.
+    ///
+    /// # Errors
+    /// [`StoreError::Key`] where something is encrypted, and not with this key.
+    pub async fn hide_stored(&self, writer: &mut Writer) -> Result<usize, StoreError> {
+        writer.take_turn().await?;
+        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
+        let stored: Result<Vec<HookRow>, StoreError> =
+            on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect());
+        let mut hooks = Vec::new();
+        for mut hook in stored? {
+            self.secrets.show(&mut hook.clone())?;
+            if self.secrets.hide(&mut hook)? {
+                hooks.push(hook);
+            }
+        }
+        let count = hooks.len();
+        if count > 0 {
+            writer.commit(&Changes { hooks, ..Changes::default() }).await?;
+        }
+        writer.give_back().await;
+        Ok(count)
+    }
+
+    fn shown(&self, row: &impl Cells) -> Result<HookRow, StoreError> {
+        let mut hook = hook(row)?;
+        self.secrets.show(&mut hook)?;
+        Ok(hook)
+    }
+
     /// Every hook that was not deleted, oldest first.
     pub async fn hooks(&self) -> Result<Vec<HookRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE deleted_at IS NULL ORDER BY id"));
-        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect())
+        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| self.shown(row)).collect())
     }
 
     /// A hook, unless it was deleted.
     pub async fn hook(&self, id: Id) -> Result<Option<HookRow>, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1 AND deleted_at IS NULL"));
-        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(hook).transpose())
+        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| self.shown(row)).transpose())
     }
 
     /// What hooks have heard last of alerts that fire: hook, alert, severity.

@@ -7,6 +7,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use super::error::StoreError;
+use super::private;
 
 /// Held as long as it lives; none for a database in memory.
 pub(super) type Lock = Option<File>;
@@ -21,7 +22,7 @@ pub(super) fn take(file: &Path) -> Result<Lock, StoreError> {
     }
     let path = beside(file, ".lock");
     let failed = |error: std::io::Error| StoreError::ReadOnly(format!("{}: {error}", path.display()));
-    let lock = File::options().create(true).truncate(false).write(true).open(&path).map_err(failed)?;
+    let lock = private::open(&path).map_err(failed)?;
     match lock.try_lock() {
         Ok(()) => Ok(Some(lock)),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(file.display().to_string())),

@@ -10,6 +10,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
 use super::checkpoint::Checkpoints;
+use super::checksum::{Summing, settle};
 use super::commit::{Writer, waiting_for_disk};
 use super::db::{Readers, on};
 use super::error::StoreError;
@@ -19,6 +20,8 @@ use super::id::IdSource;
 use super::lock;
 use super::names::{Names, Table, Tables};
 use super::postgres::{self, Neighbours};
+use super::private;
+use super::secrets::Secrets;
 use super::unplaced::Unplaced;
 
 /// Where the database is, and how it is held open.
@@ -45,6 +48,7 @@ pub struct Store {
     pub(super) names: Names,
     pub(super) unplaced: Unplaced,
     pub(super) place: Place,
+    pub(super) secrets: Secrets,
 }
 
 /// Where the database lies.
@@ -56,7 +60,7 @@ pub(super) enum Place {
 }
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-pub(super) const MIGRATIONS: [(i64, &str, &str); 15] = [
+pub(super) const MIGRATIONS: [(i64, &str, &str); 16] = [
     (1, "history", include_str!("../../migrations/sqlite/0001_history.sql")),
     (2, "alerts", include_str!("../../migrations/sqlite/0002_alerts.sql")),
     (3, "models", include_str!("../../migrations/sqlite/0003_models.sql")),
@@ -71,7 +75,8 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 15] = [
     (12, "alerts_found_late", include_str!("../../migrations/sqlite/0012_alerts_found_late.sql")),
     (13, "notes", include_str!("../../migrations/sqlite/0013_notes.sql")),
     (14, "environmental_tests", include_str!("../../migrations/sqlite/0014_environmental_tests.sql")),
-    (15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
+(15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
+    (16, "checksums", include_str!("../../migrations/sqlite/0016_checksums.sql")),
 ];
 
 /// Opens the database, creates it if there is none, and brings its schema up to date.
@@ -86,12 +91,15 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
     let connect = connect_options(options)?;
     let file = connect.get_filename().to_owned();
     let lock = lock::take(&file)?;
+    private::make(&file);
     let mut connection = connect.clone().connect().await?;
     migrate(&mut connection).await?;
     let names = Names::new(load_names(&mut connection).await?);
     let unplaced = Unplaced::load(&mut connection).await?;
     let last_id = last_id(&mut connection).await?;
     let (writing, checkpointing) = (open_to_write(&file, options)?, open_to_write(&file, options)?);
+    settle(&writing)?;
+    let writing = Summing::over(writing)?;
     // Not sooner: where the last connection is closed, SQLite copies the log by itself.
     connection.close().await?;
     // Never idle-closed: a reader's warm page cache is what makes reading fast.
@@ -103,7 +111,7 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
     let place = Place::File(file);
-    let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), unplaced: unplaced.clone(), place };
+    let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), unplaced: unplaced.clone(), place, secrets: Secrets::default() };
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
     match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {

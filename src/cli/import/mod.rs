@@ -1,5 +1,6 @@
 //! `import`: sends files to a running service. Sending again does no harm, so that is how to resume.
 
+mod folder;
 mod gist;
 mod send;
 mod source;

@@ -50,7 +50,12 @@ pub fn open(path: &Path) -> anyhow::Result<Result<Content, Unreadable>> {
         let why = format!("{} is a directory; name its files, or watch it with --watch", path.display());
         return Err(Usage(why).into());
     }
-    read(BufReader::with_capacity(1 << 20, file)).with_context(|| path.display().to_string())
+    read_file(file).with_context(|| path.display().to_string())
+}
+
+/// As [`open`], of a file that is open.
+pub fn read_file(file: std::fs::File) -> anyhow::Result<Result<Content, Unreadable>> {
+    read(BufReader::with_capacity(1 << 20, file))
 }
 
 /// Reads the first line; when that alone is a JSON document and more follows, the rest is lines of such.

@@ -2,15 +2,18 @@
 //!
 //! The folder is the whole state: a file that lies there has not been acknowledged, so that a restart after any
 //! kind of death goes on where it was. What was stored but not yet moved is sent again, which does no harm.
+//!
+//! Whoever may write to the folder must not make the agent read or write anything else: see [`folder`](super::folder).
 
-use std::collections::HashMap;
-use std::fs;
+use std::collections::{HashMap, HashSet};
+use std::ffi::{OsStr, OsString};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 
+use super::folder::{Dir, Stamp};
 use super::gist::Gist;
 use super::send::{Courier, Event, Refusal, Tally};
 use super::source;
@@ -24,6 +27,9 @@ const POLL: Duration = Duration::from_millis(200);
 const CUT_SHORT_GRACE: Duration = Duration::from_secs(60);
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+/// Where files go whose fate is known.
+const SENT: &str = "sent";
+const REFUSED: &str = "refused";
 /// What programs call a file that they have not finished.
 const UNFINISHED: [&str; 6] = [".tmp", ".part", ".partial", ".crdownload", ".swp", "~"];
 
@@ -39,16 +45,15 @@ pub async fn watch(dir: &Path, settle: Duration, service: &Service, digest: bool
     }
 }
 
-/// Size and time of change: while they stand still, so does the file.
-type Stamp = (u64, Option<SystemTime>);
-
 struct Folder {
-    dir: PathBuf,
-    sent: PathBuf,
-    refused: PathBuf,
+    path: PathBuf,
+    /// As it was opened for this pass.
+    dir: Dir,
     settle: Duration,
     digest: bool,
-    waiting: HashMap<PathBuf, Waiting>,
+    waiting: HashMap<OsString, Waiting>,
+    /// Symbolic links that somebody has heard of.
+    links: HashSet<OsString>,
     /// Trouble that concerns every file: the folder cannot be read, or no service answers.
     trouble: Trials,
 }
@@ -68,13 +73,14 @@ enum Fate {
 }
 
 impl Folder {
-    fn open(dir: &Path, settle: Duration) -> anyhow::Result<Self> {
-        let (sent, refused) = (dir.join("sent"), dir.join("refused"));
-        for dir in [&sent, &refused] {
-            fs::create_dir_all(dir).with_context(|| format!("cannot create {}", dir.display()))?;
+    fn open(path: &Path, settle: Duration) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(path).with_context(|| format!("cannot create {}", path.display()))?;
+        let dir = Dir::open(path).with_context(|| path.display().to_string())?;
+        for within in [SENT, REFUSED] {
+            dir.within(within).with_context(|| path.join(within).display().to_string())?;
         }
-        let (waiting, trouble) = (HashMap::new(), Trials::default());
-        Ok(Self { dir: dir.to_owned(), sent, refused, settle, digest: false, waiting, trouble })
+        let (waiting, links, trouble) = (HashMap::new(), HashSet::new(), Trials::default());
+        Ok(Self { path: path.to_owned(), dir, settle, digest: false, waiting, links, trouble })
     }
 
     /// Looks once, and tries every file whose time has come, in the order of their names.
@@ -83,46 +89,59 @@ impl Folder {
             return;
         }
         if let Err(error) = self.look() {
-            return self.trouble.again(&format!("cannot read {}: {error}", self.dir.display()), None);
+            return self.trouble.again(&format!("cannot read {}: {error}", self.path.display()), None);
         }
         let due = |w: &Waiting| w.since.elapsed() >= self.settle && w.trouble.due();
-        let mut files: Vec<_> = self.waiting.iter().filter(|(_, w)| due(w)).map(|(path, _)| path.clone()).collect();
+        let mut files: Vec<_> = self.waiting.iter().filter(|(_, w)| due(w)).map(|(name, _)| name.clone()).collect();
         files.sort();
-        for path in files {
-            let outcome = self.deliver(&path, service).await.and_then(|fate| self.conclude(&path, fate));
+        for name in files {
+            let outcome = self.deliver(&name, service).await.and_then(|fate| self.conclude(&name, fate));
             let Err(error) = outcome else {
                 self.trouble.over();
                 continue;
             };
             match error.downcast_ref::<Trouble>() {
                 Some(Trouble::Away(why)) => return self.trouble.again(why, None),
-                Some(Trouble::Again { after, .. }) => self.again(&path, &error, *after),
-                Some(Trouble::Stop(_)) | None => self.again(&path, &error, None),
+                Some(Trouble::Again { after, .. }) => self.again(&name, &error, *after),
+                Some(Trouble::Stop(_)) | None => self.again(&name, &error, None),
             }
         }
     }
 
     /// Notes new and changed files, forgets those that are gone.
     fn look(&mut self) -> std::io::Result<()> {
+        self.dir = Dir::open(&self.path)?;
         let mut before = std::mem::take(&mut self.waiting);
-        for entry in fs::read_dir(&self.dir)? {
-            let path = entry?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if name.starts_with('.') || UNFINISHED.iter().any(|ending| name.ends_with(ending)) {
+        let mut links = HashSet::new();
+        for name in self.dir.names()? {
+            let text = name.to_string_lossy();
+            if text.starts_with('.') || UNFINISHED.iter().any(|ending| text.ends_with(ending)) {
                 continue;
             }
-            let Some(stamp) = stamp(&path) else { continue };
+            let Some(stamp) = self.dir.stamp(&name) else {
+                if self.dir.is_link(&name) {
+                    if !self.links.contains(&name) {
+                        say(&format!("{text}: is a symbolic link, which is not followed"));
+                    }
+                    links.insert(name);
+                }
+                continue;
+            };
             let new = || Waiting { stamp, since: Instant::now(), trouble: Trials::default() };
-            let waiting = before.remove(&path).filter(|w| w.stamp == stamp).unwrap_or_else(new);
-            self.waiting.insert(path, waiting);
+            let waiting = before.remove(&name).filter(|w| w.stamp == stamp).unwrap_or_else(new);
+            self.waiting.insert(name, waiting);
         }
+        self.links = links;
         Ok(())
     }
 
-    async fn deliver(&self, path: &Path, service: &Service) -> anyhow::Result<Fate> {
-        let content = match source::open(path)? {
+    async fn deliver(&self, name: &OsStr, service: &Service) -> anyhow::Result<Fate> {
+        let path = self.path.join(name);
+        // What is no plain file any more is left out from the next look on.
+        let Some(file) = self.dir.file(name)? else { return Ok(Fate::Unfinished) };
+        let content = match source::read_file(file)? {
             Ok(content) => content,
-            Err(unreadable) if unreadable.cut_short && self.age(path) < CUT_SHORT_GRACE => return Ok(Fate::Unfinished),
+            Err(unreadable) if unreadable.cut_short && self.age(name) < CUT_SHORT_GRACE => return Ok(Fate::Unfinished),
             Err(unreadable) => return Ok(Fate::Refused(vec![Refusal { line: None, why: unreadable.why }])),
         };
         let (mut refusals, mut gist) = (Vec::new(), String::new());
@@ -143,37 +162,48 @@ impl Folder {
     }
 
     /// Moves a file whose fate is known; one that changed meanwhile stays, to be sent as it is now.
-    fn conclude(&mut self, path: &Path, fate: Fate) -> anyhow::Result<()> {
-        let sent_as = self.waiting.get(path).map(|w| w.stamp);
-        if matches!(fate, Fate::Unfinished) || stamp(path) != sent_as {
+    fn conclude(&mut self, name: &OsStr, fate: Fate) -> anyhow::Result<()> {
+        let sent_as = self.waiting.get(name).map(|w| w.stamp);
+        if matches!(fate, Fate::Unfinished) || self.dir.stamp(name) != sent_as {
             return Ok(());
         }
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let shown = name.to_string_lossy();
         match fate {
             Fate::Stored(tally) => {
-                move_to(path, &free_name(&self.sent, &name))?;
-                say(&format!("{name}: {tally}"));
+                let sent = self.within(SENT)?;
+                self.move_to(name, &sent, &free_name(&sent, name))?;
+                say(&format!("{shown}: {tally}"));
             }
             Fate::Refused(refusals) => {
-                let target = free_name(&self.refused, &name);
+                let refused = self.within(REFUSED)?;
+                let target = free_name(&refused, name);
                 let reasons = reasons(&refusals);
-                let note = target.with_file_name(format!("{}.reason.txt", file_name(&target)));
-                fs::write(&note, &reasons).with_context(|| format!("cannot write {}", note.display()))?;
-                move_to(path, &target)?;
-                say(&format!("{name}: refused\n{}", reasons.trim_end()));
+                let note = with(&target, ".reason.txt");
+                refused.write(&note, reasons.as_bytes()).with_context(|| format!("cannot write {}", note.display()))?;
+                self.move_to(name, &refused, &target)?;
+                say(&format!("{shown}: refused\n{}", reasons.trim_end()));
             }
             Fate::Unfinished => {}
         }
-        self.waiting.remove(path);
+        self.waiting.remove(name);
         Ok(())
     }
 
-    fn age(&self, path: &Path) -> Duration {
-        self.waiting.get(path).map_or(Duration::ZERO, |w| w.since.elapsed())
+    fn within(&self, name: &str) -> anyhow::Result<Dir> {
+        self.dir.within(name).with_context(|| self.path.join(name).display().to_string())
     }
 
-    fn again(&mut self, path: &Path, error: &anyhow::Error, after: Option<Duration>) {
-        if let Some(waiting) = self.waiting.get_mut(path) {
+    fn move_to(&self, name: &OsStr, to: &Dir, target: &OsStr) -> anyhow::Result<()> {
+        self.dir.move_to(name, to, target).with_context(|| format!("cannot move it to {}", target.display()))
+    }
+
+    fn age(&self, name: &OsStr) -> Duration {
+        self.waiting.get(name).map_or(Duration::ZERO, |w| w.since.elapsed())
+    }
+
+    fn again(&mut self, name: &OsStr, error: &anyhow::Error, after: Option<Duration>) {
+        if let Some(waiting) = self.waiting.get_mut(name) {
+            let path = self.path.join(name);
             waiting.trouble.again(&format!("{}: {error:#}; it stays and is tried again", path.display()), after);
         }
     }
@@ -212,29 +242,21 @@ impl Trials {
     }
 }
 
-/// None for what is not a plain file, or is gone.
-fn stamp(path: &Path) -> Option<Stamp> {
-    let metadata = fs::metadata(path).ok().filter(|m| m.is_file())?;
-    Some((metadata.len(), metadata.modified().ok()))
-}
-
 fn reasons(refusals: &[Refusal]) -> String {
     refusals.iter().map(|refusal| format!("{refusal}\n")).collect()
 }
 
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+fn with(name: &OsStr, ending: &str) -> OsString {
+    let mut name = name.to_owned();
+    name.push(ending);
+    name
 }
 
 /// `name`, or `name.2`, `name.3`, … where earlier files of that name have gone before.
-fn free_name(dir: &Path, name: &str) -> PathBuf {
-    let numbered = (2..).map(|n| dir.join(format!("{name}.{n}")));
-    let mut names = std::iter::once(dir.join(name)).chain(numbered);
-    names.find(|path| !path.exists()).expect("some number is free, or the directory would be infinite")
-}
-
-fn move_to(path: &Path, target: &Path) -> anyhow::Result<()> {
-    fs::rename(path, target).with_context(|| format!("cannot move it to {}", target.display()))
+fn free_name(dir: &Dir, name: &OsStr) -> OsString {
+    let numbered = (2..).map(|n| with(name, &format!(".{n}")));
+    let mut names = std::iter::once(name.to_owned()).chain(numbered);
+    names.find(|name| !dir.has(name)).expect("some number is free, or the directory would be infinite")
 }
 
 /// One event a line, with its time: what an operator, or the journal, reads.
@@ -251,15 +273,33 @@ mod tests {
 
     #[test]
     fn names_that_are_taken_are_numbered() {
-        let dir = tempfile::tempdir().unwrap();
-        let names: Vec<String> = (0..3)
+        let at = tempfile::tempdir().unwrap();
+        let dir = Dir::open(at.path()).unwrap();
+        let names: Vec<OsString> = (0..3)
             .map(|_| {
-                let path = free_name(dir.path(), "run.json");
-                fs::write(&path, "").unwrap();
-                file_name(&path)
+                let name = free_name(&dir, OsStr::new("run.json"));
+                std::fs::write(at.path().join(&name), "").unwrap();
+                name
             })
             .collect();
         assert_eq!(names, ["run.json", "run.json.2", "run.json.3"]);
+    }
+
+    #[tokio::test]
+    async fn a_file_that_is_swapped_for_a_link_after_it_was_seen_is_not_read() {
+        crate::system::install_crypto();
+        let (at, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::NamedTempFile::new().unwrap());
+        std::fs::write(elsewhere.path(), "secret").unwrap();
+        let file = at.path().join("run.json");
+        std::fs::write(&file, "secret").unwrap();
+        let mut folder = Folder::open(at.path(), Duration::ZERO).unwrap();
+        folder.look().unwrap();
+        assert!(folder.waiting.contains_key(OsStr::new("run.json")));
+        std::fs::remove_file(&file).unwrap();
+        std::os::unix::fs::symlink(elsewhere.path(), &file).unwrap();
+        let nobody = Service::at("127.0.0.1:1", None).unwrap();
+        let fate = folder.deliver(OsStr::new("run.json"), &nobody).await.unwrap();
+        assert!(matches!(fate, Fate::Unfinished));
     }
 
     #[test]

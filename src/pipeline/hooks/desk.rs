@@ -125,6 +125,7 @@ impl HookDesk<'_> {
         };
         let line = self.audited(order, by, about, &changes).await?;
         changes.access.audit.push(line);
+        self.store.hide(&mut changes.hooks)?;
         self.writer.commit(&changes).await?;
         Ok(about)
     }
@@ -155,6 +156,7 @@ impl HookDesk<'_> {
                 Found::Back(hook) => changes.outbox.hastened.push((*hook, self.now)),
             }
         }
+        self.store.hide(&mut changes.hooks)?;
         Ok(self.writer.commit(&changes).await?)
     }
 

@@ -30,6 +30,7 @@ use super::db::Readers;
 use super::error::StoreError;
 use super::names::{Names, Tables};
 use super::open::{Options, Place, Store};
+use super::secrets::Secrets;
 use super::unplaced::Unplaced;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
@@ -83,7 +84,7 @@ pub(super) async fn open_beside(options: &Options) -> Result<(Store, Writer), St
 
 fn opened(readers: PgReaders, names: Names, writer: ServerWriter, neighbours: Neighbours) -> (Store, Writer) {
     let place = Place::Server(neighbours);
-    let store = Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place };
+    let store = Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place, secrets: Secrets::default() };
     (store, Writer::of_server(writer))
 }
 
@@ -140,7 +141,7 @@ pub(super) async fn open_to_read(options: &Options) -> Result<Store, StoreError>
     }
     names::learn_new(&readers, &names).await?;
     let place = Place::Server(Neighbours::none());
-    Ok(Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place })
+    Ok(Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place, secrets: Secrets::default() })
 }
 
 /// Opens the database to be copied into: its schema as of this program, no service made ready on it.

@@ -1,0 +1,39 @@
+//! Files that their owner alone may read, whatever the umask says: the database, what SQLite puts beside it, and copies.
+
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+use std::path::Path;
+
+use super::lock;
+
+const OWNER_ALONE: u32 = 0o600;
+
+fn options() -> OpenOptions {
+    let mut options = File::options();
+    options.write(true).mode(OWNER_ALONE);
+    options
+}
+
+/// A file that is not there yet.
+pub(super) fn create(path: &Path) -> io::Result<File> {
+    options().create_new(true).open(path)
+}
+
+/// A file that may be there.
+pub(super) fn open(path: &Path) -> io::Result<File> {
+    options().create(true).truncate(false).open(path)
+}
+
+/// Makes an empty file for SQLite, which makes its log and what else belongs to it with the same permissions. One that is there stays
+/// as it is; where others may read it, the log says so.
+pub(super) fn make(database: &Path) {
+    if lock::is_in_memory(database) {
+        return;
+    }
+    // Whatever else is wrong SQLite says in its own words.
+    let there = create(database).is_err_and(|error| error.kind() == io::ErrorKind::AlreadyExists);
+    if there && fs::metadata(database).is_ok_and(|found| found.permissions().mode() & 0o077 != 0) {
+        tracing::warn!(database = %database.display(), "others on this machine may read the database: chmod 600");
+    }
+}

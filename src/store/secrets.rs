@@ -1,0 +1,151 @@
+//! What hooks are told with and must not be read in a backup: addresses (some hold a token), authorizations, signing secrets. With a key
+//! (GYROWATCH_SECRETS_KEY) they are stored encrypted, bound to their hook and column; without one as they are.
+
+use std::sync::Arc;
+
+use base64::Engine;
+use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_SAFE_NO_PAD};
+use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
+
+use super::error::StoreError;
+use super::hook::HookRow;
+use super::id::Id;
+use crate::system::fill_random;
+
+/// Before an encrypted text. The number is that of the way it is encrypted.
+const MARK: &str = "encrypted:1:";
+
+/// The key, or none.
+#[derive(Clone, Default)]
+pub struct Secrets(Option<Arc<LessSafeKey>>);
+
+impl std::fmt::Debug for Secrets {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.0.is_some() { "Secrets(a key)" } else { "Secrets(no key)" })
+    }
+}
+
+impl Secrets {
+    /// With a key of 32 bytes in hexadecimal or base64; with none where it is empty. None where it is neither.
+    pub fn with_key(text: &str) -> Option<Self> {
+        if text.trim().is_empty() {
+            return Some(Self::default());
+        }
+        let text = text.trim();
+        let bases = [STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_SAFE_NO_PAD];
+        let read = hex::decode(text).ok().or_else(|| bases.iter().find_map(|base| base.decode(text).ok()))?;
+        let key = UnboundKey::new(&CHACHA20_POLY1305, &read).ok()?;
+        Some(Self(Some(Arc::new(LessSafeKey::new(key)))))
+    }
+
+    /// Encrypts what is not encrypted yet; says whether there was any.
+    pub fn hide(&self, hook: &mut HookRow) -> Result<bool, StoreError> {
+        let Some(key) = &self.0 else { return Ok(false) };
+        let mut any = false;
+        for (column, text) in secret_texts(hook).filter(|(_, text)| !text.starts_with(MARK)) {
+            let mut nonce = [0; NONCE_LEN];
+            fill_random(&mut nonce).map_err(|error| StoreError::Other(error.into()))?;
+            let mut bytes = text.as_bytes().to_vec();
+            key.seal_in_place_append_tag(Nonce::assume_unique_for_key(nonce), column, &mut bytes)
+                .map_err(|_| StoreError::Other("a secret cannot be encrypted".into()))?;
+            *text = format!("{MARK}{}", STANDARD.encode([&nonce[..], &bytes].concat()));
+            any = true;
+        }
+        Ok(any)
+    }
+
+    /// # Errors
+    /// [`StoreError::Key`] where something is encrypted, and not with this key.
+    pub fn show(&self, hook: &mut HookRow) -> Result<(), StoreError> {
+        for (column, text) in secret_texts(hook) {
+            let Some(hidden) = text.strip_prefix(MARK) else { continue };
+            let Some(key) = &self.0 else {
+                return Err(StoreError::Key("GYROWATCH_SECRETS_KEY is missing: the secrets of hooks are encrypted"));
+            };
+            let other = "GYROWATCH_SECRETS_KEY is another key than the secrets of hooks were encrypted with";
+            *text = shown(key, column, hidden).ok_or(StoreError::Key(other))?;
+        }
+        Ok(())
+    }
+}
+
+fn shown(key: &LessSafeKey, column: Aad<String>, hidden: &str) -> Option<String> {
+    let bytes = STANDARD.decode(hidden).ok()?;
+    let (nonce, hidden) = bytes.split_first_chunk()?;
+    let mut hidden = hidden.to_vec();
+    let shown = key.open_in_place(Nonce::assume_unique_for_key(*nonce), column, &mut hidden).ok()?;
+    String::from_utf8(shown.to_vec()).ok()
+}
+
+/// What is secret of a hook, each with where it stands: what strays to another place cannot be decrypted there.
+fn secret_texts(hook: &mut HookRow) -> impl Iterator<Item = (Aad<String>, &mut String)> {
+    let HookRow { id, url, authorization, secret, old_secret, .. } = hook;
+    let id: Id = *id;
+    let old_secret = old_secret.as_mut().map(|(secret, _)| secret);
+    // What replaces a secret makes it the old one as it is.
+    let texts =
+        [("url", Some(url)), ("authorization", authorization.as_mut()), ("secret", secret.as_mut()), ("secret", old_secret)];
+    texts.into_iter().filter_map(move |(column, text)| Some((Aad::from(format!("hook {id} {column}")), text?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::time::UtcMicros;
+
+    fn hook() -> HookRow {
+        HookRow {
+            id: Id(7),
+            name: "pager".into(),
+            kind: "standard-webhooks".into(),
+            url: "https://example.org/token".into(),
+            authorization: Some("Bearer abc".into()),
+            secret: Some("whsec_new".into()),
+            old_secret: Some(("whsec_old".into(), UtcMicros(9))),
+            filter: "{}".into(),
+            batch: true,
+            expect: None,
+            enabled: true,
+            disabled_because: None,
+            created_at: UtcMicros(1),
+            changed_at: UtcMicros(1),
+            deleted_at: None,
+        }
+    }
+
+    #[test]
+    fn what_is_secret_is_hidden_and_comes_back_with_the_key_alone() {
+        let key = |byte: u8| Secrets::with_key(&hex::encode([byte; 32])).unwrap();
+        let mut hidden = hook();
+        assert!(key(1).hide(&mut hidden).unwrap());
+        let texts: Vec<String> = secret_texts(&mut hidden).map(|(_, text)| text.clone()).collect();
+        assert!(texts.len() == 4 && texts.iter().all(|text| text.starts_with(MARK)), "{texts:?}");
+        assert!(!key(1).hide(&mut hidden).unwrap(), "once is enough");
+        for other in [key(2), Secrets::default()] {
+            assert!(matches!(other.show(&mut hidden.clone()), Err(StoreError::Key(_))));
+        }
+        let mut elsewhere = HookRow { id: Id(8), ..hidden.clone() };
+        assert!(key(1).show(&mut elsewhere).is_err(), "of another hook");
+        key(1).show(&mut hidden).unwrap();
+        assert!(hidden == hook());
+    }
+
+    #[test]
+    fn without_a_key_everything_stays_as_it_is() {
+        let mut plain = hook();
+        assert!(!Secrets::default().hide(&mut plain).unwrap());
+        Secrets::default().show(&mut plain).unwrap();
+        assert!(plain == hook());
+    }
+
+    #[test]
+    fn a_key_is_32_bytes_in_hexadecimal_or_base64() {
+        let key = [0xfb; 32];
+        for text in [hex::encode(key), STANDARD.encode(key), URL_SAFE_NO_PAD.encode(key), String::new()] {
+            assert!(Secrets::with_key(&text).is_some(), "{text}");
+        }
+        for text in ["short", &hex::encode([1; 31]), &STANDARD.encode([1; 33])] {
+            assert!(Secrets::with_key(text).is_none(), "{text}");
+        }
+    }
+}

@@ -81,9 +81,11 @@ impl From<&StoreError> for Problem {
                 "the service's disk failed; nothing is accepted until it is looked after",
             ),
             StoreError::Damaged(what) => Self::new(500, "Damaged database", format!("the database is damaged: {what}")),
-            StoreError::Refused(_) | StoreError::InUse(_) | StoreError::File(_) | StoreError::Key(_) | StoreError::Other(_) => {
-                Self::new(500, "Internal error", "the service failed; its log says why")
-            }
+            StoreError::Refused(_)
+            | StoreError::InUse(_)
+            | StoreError::File(_)
+            | StoreError::Key(_)
+            | StoreError::Other(_) => Self::new(500, "Internal error", "the service failed; its log says why"),
         }
     }
 }

@@ -68,10 +68,7 @@ pub async fn backup(options: &Options, target: &Path) -> Result<Holdings, StoreE
 /// As [`backup`]: a database that is there is never overwritten.
 pub async fn restore(file: &Path, options: &Options) -> Result<Holdings, StoreError> {
     let target = options.file()?;
-    placed(&target, async |part: &Path| {
-        copy(file, part).map_err(|error| failed(file, &error))
-    })
-    .await
+    placed(&target, async |part: &Path| copy(file, part).map_err(|error| failed(file, &error))).await
 }
 
 /// Copies the bytes alone, and not who may read them.
@@ -164,7 +161,8 @@ async fn read_through(file: &Path, records: bool) -> Result<Holdings, StoreError
     let migrated = std::env::temp_dir().join(format!("gyrowatch-check-{}.db", hex::encode(drawn)));
     let checked = async {
         private::create(&migrated).and_then(|_| copy(file, &migrated)).map_err(|error| failed(&migrated, &error))?;
-        let mut connection = SqliteConnectOptions::new().filename(&migrated).disable_statement_logging().connect().await?;
+        let mut connection =
+            SqliteConnectOptions::new().filename(&migrated).disable_statement_logging().connect().await?;
         migrate(&mut connection).await?;
         connection.close().await?;
         read_tables(&migrated, records).await
@@ -210,7 +208,13 @@ async fn store_of(readers: SqlitePool, file: &Path) -> Result<Store, StoreError>
     let names = Names::new(load_names(&mut connection).await?);
     let unplaced = Unplaced::load(&mut connection).await?;
     drop(connection);
-    Ok(Store { readers: Readers::Sqlite(readers), names, unplaced, place: Place::File(file.to_owned()), secrets: Secrets::default() })
+    Ok(Store {
+        readers: Readers::Sqlite(readers),
+        names,
+        unplaced,
+        place: Place::File(file.to_owned()),
+        secrets: Secrets::default(),
+    })
 }
 
 /// Every record that is said to have been entered stands where its IMU has it, and nothing else does.

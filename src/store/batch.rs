@@ -7,8 +7,8 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::CachedStatement;
+use rusqlite::types::{ToSqlOutput, ValueRef};
 use sqlx::PgConnection;
 
 use super::checksum::Summing;

@@ -140,7 +140,8 @@ impl Calendar {
         // Where nothing waits any more.
         let first = first.or_else(|| at_once.last().map(|record| record.id.0 + 1));
         if let (Some(first), false) = (first, entering.imus.is_empty()) {
-            let sql = "INSERT INTO calendar_begun (id, record) VALUES (1, $C0) ON CONFLICT (id) DO UPDATE SET record = $C0";
+            let sql =
+                "INSERT INTO calendar_begun (id, record) VALUES (1, $C0) ON CONFLICT (id) DO UPDATE SET record = $C0";
             batch.add(Sql::of_sqlite(sql), Rows::of([first]));
         }
     }

@@ -75,7 +75,7 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 16] = [
     (12, "alerts_found_late", include_str!("../../migrations/sqlite/0012_alerts_found_late.sql")),
     (13, "notes", include_str!("../../migrations/sqlite/0013_notes.sql")),
     (14, "environmental_tests", include_str!("../../migrations/sqlite/0014_environmental_tests.sql")),
-(15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
+    (15, "senders", include_str!("../../migrations/sqlite/0015_senders.sql")),
     (16, "checksums", include_str!("../../migrations/sqlite/0016_checksums.sql")),
 ];
 
@@ -111,7 +111,13 @@ async fn open_file(options: &Options) -> Result<(Store, Writer), StoreError> {
         .connect_with(connect.read_only(true).create_if_missing(false))
         .await?;
     let place = Place::File(file);
-    let store = Store { readers: Readers::Sqlite(readers), names: names.clone(), unplaced: unplaced.clone(), place, secrets: Secrets::default() };
+    let store = Store {
+        readers: Readers::Sqlite(readers),
+        names: names.clone(),
+        unplaced: unplaced.clone(),
+        place,
+        secrets: Secrets::default(),
+    };
     let halt = Halt::default();
     let mut checkpoints = Checkpoints::start(checkpointing, options.checkpoint_pages, halt.clone())?;
     match halt.heed(waiting_for_disk(|| checkpoints.begin(&writing))) {

@@ -83,8 +83,12 @@ fn secret_texts(hook: &mut HookRow) -> impl Iterator<Item = (Aad<String>, &mut S
     let id: Id = *id;
     let old_secret = old_secret.as_mut().map(|(secret, _)| secret);
     // What replaces a secret makes it the old one as it is.
-    let texts =
-        [("url", Some(url)), ("authorization", authorization.as_mut()), ("secret", secret.as_mut()), ("secret", old_secret)];
+    let texts = [
+        ("url", Some(url)),
+        ("authorization", authorization.as_mut()),
+        ("secret", secret.as_mut()),
+        ("secret", old_secret),
+    ];
     texts.into_iter().filter_map(move |(column, text)| Some((Aad::from(format!("hook {id} {column}")), text?)))
 }
 

@@ -45,9 +45,8 @@ impl Dir {
 
     pub fn names(&self) -> io::Result<Vec<OsString>> {
         let entries = fs::Dir::read_from(&self.0)?;
-        let name = |entry: rustix::io::Result<fs::DirEntry>| {
-            Ok(OsStr::from_bytes(entry?.file_name().to_bytes()).to_owned())
-        };
+        let name =
+            |entry: rustix::io::Result<fs::DirEntry>| Ok(OsStr::from_bytes(entry?.file_name().to_bytes()).to_owned());
         entries.map(name).filter(|name| !matches!(name, Ok(name) if name == "." || name == "..")).collect()
     }
 

@@ -84,7 +84,13 @@ pub(super) async fn open_beside(options: &Options) -> Result<(Store, Writer), St
 
 fn opened(readers: PgReaders, names: Names, writer: ServerWriter, neighbours: Neighbours) -> (Store, Writer) {
     let place = Place::Server(neighbours);
-    let store = Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place, secrets: Secrets::default() };
+    let store = Store {
+        readers: Readers::Postgres(readers),
+        names,
+        unplaced: Unplaced::default(),
+        place,
+        secrets: Secrets::default(),
+    };
     (store, Writer::of_server(writer))
 }
 
@@ -141,7 +147,13 @@ pub(super) async fn open_to_read(options: &Options) -> Result<Store, StoreError>
     }
     names::learn_new(&readers, &names).await?;
     let place = Place::Server(Neighbours::none());
-    Ok(Store { readers: Readers::Postgres(readers), names, unplaced: Unplaced::default(), place, secrets: Secrets::default() })
+    Ok(Store {
+        readers: Readers::Postgres(readers),
+        names,
+        unplaced: Unplaced::default(),
+        place,
+        secrets: Secrets::default(),
+    })
 }
 
 /// Opens the database to be copied into: its schema as of this program, no service made ready on it.

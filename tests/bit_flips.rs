@@ -253,7 +253,7 @@ async fn the_checksums_hold_while_the_service_writes_and_after_it_was_killed() {
     server.restart();
     let alerts = server.get("/v1/alerts").await.json();
     let alert = alerts["alerts"][0]["id"].as_str().unwrap();
-    let remark = json!({ "author": "Li Wei", "reason": "known" });
+    let remark = json!({ "by": "Li Wei", "reason": "known" });
     assert!(server.post_json(&format!("/v1/alerts/{alert}/acknowledge"), &remark).await.status < 300);
     let hook = server.get("/v1/hooks").await.json()["hooks"][0]["id"].as_str().unwrap().to_owned();
     let patch = json!({ "enabled": false, "name": "x" }).to_string();

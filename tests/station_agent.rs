@@ -81,10 +81,14 @@ async fn links_pipes_and_linked_directories_lead_nowhere() {
     fs::write(&secret, "root:secret\n").unwrap();
     fs::create_dir(file("sent")).unwrap();
     symlink(elsewhere.path(), file("refused")).unwrap();
-    let mut agent = agent(folder.path(), &server);
-    let output = agent.output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(!output.status.success() && said.contains("refused must be a directory"), "{said}");
+    let mut refuses = Agent(agent(folder.path(), &server).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
+    let begun = Instant::now();
+    while refuses.0.try_wait().unwrap().is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(30), "it watches");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    let said = std::io::read_to_string(refuses.0.stderr.take().unwrap()).unwrap();
+    assert!(said.contains("refused must be a directory"), "{said}");
 
     fs::remove_file(file("refused")).unwrap();
     symlink(&secret, file("a.json")).unwrap();

@@ -81,7 +81,8 @@ async fn links_pipes_and_linked_directories_lead_nowhere() {
     fs::write(&secret, "root:secret\n").unwrap();
     fs::create_dir(file("sent")).unwrap();
     symlink(elsewhere.path(), file("refused")).unwrap();
-    let mut refuses = Agent(agent(folder.path(), &server).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
+    let mut refuses =
+        Agent(agent(folder.path(), &server).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
     let begun = Instant::now();
     while refuses.0.try_wait().unwrap().is_none() {
         assert!(begun.elapsed() < Duration::from_secs(30), "it watches");

@@ -20,6 +20,8 @@ const MODULUS: i64 = 1 << 62;
 /// Tables that have a checksum: all but itself, SQLite's own, and those of other programs, which write without it (`_litestream_seq`).
 const TABLES: &str = "SELECT name FROM sqlite_schema WHERE type = 'table' AND name <> 'checksum'
     AND name NOT GLOB 'sqlite_*' AND (name NOT GLOB '_*' OR name = '_sqlx_migrations')";
+/// The migration that made the table of checksums.
+const SINCE: i64 = 16;
 /// What of the schema is a checksum's: of tables that have one, and of their own.
 const SCHEMA: &str = "sqlite_schema";
 
@@ -118,7 +120,8 @@ pub(super) fn check(file: &Path) -> Result<Vec<String>, StoreError> {
     // All as of one moment.
     connection.execute_batch("BEGIN")?;
     if !is_kept(&connection)? {
-        return Ok(Vec::new());
+        let lost = newest_migration(&connection)? >= SINCE;
+        return Ok(if lost { vec!["the table checksum is missing".to_owned()] } else { Vec::new() });
     }
     let mut statement = connection.prepare("SELECT name, version, rows, sum FROM checksum")?;
     let kept = statement.query_map((), |row| {

@@ -207,7 +207,8 @@ async fn a_host_that_falls_silent_holds_nobody_up_for_longer_than_two_leases() {
     // Nobody answers any more, whoever asks.
     between.falls_silent();
     let waits = tokio::spawn({
-        let post = reqwest::Client::new().post(server.url("/v1/records")).json(&record("never", 0.0, 2));
+        let client = gyrowatch::system::http_client(LEASE, 2 * LEASE).build().unwrap();
+        let post = client.post(server.url("/v1/records")).json(&record("never", 0.0, 2));
         async move { post.send().await.map(|answer| answer.status().as_u16()) }
     });
     tokio::time::sleep(Duration::from_millis(500)).await;

@@ -37,7 +37,7 @@ pub enum StoreError {
     Refused(String),
     /// What is encrypted cannot be read.
     #[error("{0}")]
-    Key(&'static str),
+    Key(String),
     #[error("database: {0}")]
     Other(#[source] Box<dyn std::error::Error + Send + Sync>),
 }

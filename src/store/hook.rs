@@ -121,6 +121,12 @@ impl Store {
     /// [`StoreError::Key`] where something is encrypted, and not with this key.
     pub async fn hide_stored(&self, writer: &mut Writer) -> Result<usize, StoreError> {
         writer.take_turn().await?;
+        let hidden = self.hide_in_turn(writer).await;
+        writer.give_back().await;
+        hidden
+    }
+
+    async fn hide_in_turn(&self, writer: &mut Writer) -> Result<usize, StoreError> {
         let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
         let stored: Result<Vec<HookRow>, StoreError> =
             on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect());
@@ -135,7 +141,6 @@ impl Store {
         if count > 0 {
             writer.commit(&Changes { hooks, ..Changes::default() }).await?;
         }
-        writer.give_back().await;
         Ok(count)
     }
 

@@ -12,8 +12,8 @@ use super::hook::HookRow;
 use super::id::Id;
 use crate::system::fill_random;
 
-/// Before an encrypted text. The number is that of the way it is encrypted.
-const MARK: &str = "encrypted:1:";
+/// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it is encrypted.
+const MARK: &str = "\u{1}encrypted:1:";
 
 /// The key, or none.
 #[derive(Clone, Default)]
@@ -57,13 +57,20 @@ impl Secrets {
     /// # Errors
     /// [`StoreError::Key`] where something is encrypted, and not with this key.
     pub fn show(&self, hook: &mut HookRow) -> Result<(), StoreError> {
+        let named = format!("hook {} ({})", hook.id, hook.name);
         for (column, text) in secret_texts(hook) {
             let Some(hidden) = text.strip_prefix(MARK) else { continue };
             let Some(key) = &self.0 else {
-                return Err(StoreError::Key("GYROWATCH_SECRETS_KEY is missing: the secrets of hooks are encrypted"));
+                return Err(StoreError::Key(format!(
+                    "GYROWATCH_SECRETS_KEY is missing: the secrets of {named} are encrypted; start with the key that they were stored with"
+                )));
             };
-            let other = "GYROWATCH_SECRETS_KEY is another key than the secrets of hooks were encrypted with";
-            *text = shown(key, column, hidden).ok_or(StoreError::Key(other))?;
+            let other = || {
+                StoreError::Key(format!(
+                    "GYROWATCH_SECRETS_KEY is another key than the secrets of {named} were encrypted with"
+                ))
+            };
+            *text = shown(key, column, hidden).ok_or_else(other)?;
         }
         Ok(())
     }

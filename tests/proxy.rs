@@ -217,15 +217,7 @@ fn led_to(page: &str, attribute: &str) -> Vec<String> {
 
 /// A fleet with an alert, a campaign, a bench result, a hook with deliveries, a silence: every page has something to show.
 async fn furnish(server: &Server) {
-    let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
-    for month in 1..=6 {
-        record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
-        record["gyros"][0]["g_pulse_per_s_g0"][0] = (2.4210 + if month > 4 { 0.05 } else { 0.0 }).into();
-        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
-    }
-    let bench = json!({ "serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-03-02T08:00:00Z",
-        "method": "torque_feedback", "d_i_deg_per_h_g0": 1.0, "d_s_deg_per_h_g0": 2.0 });
-    assert_eq!(server.post_json("/v1/bench-results", &bench).await.status, 201);
+    server.stores_half_a_year().await;
     assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);
     let hook = server.post_json("/v1/hooks", &json!({ "kind": "cloudevents", "url": "http://127.0.0.1:9/" })).await;
     let test = format!("/v1/hooks/{}/test", hook.json()["id"].as_str().unwrap());

@@ -68,6 +68,15 @@ async fn answered(server: &Server, path: &str) -> Value {
     }
 }
 
+/// What is known is known again, and what is new is stored.
+async fn goes_on(upgraded: &Server, version: i64) {
+    let known = upgraded.post("/v1/records", "application/json", data("paper.json")).await;
+    assert!(matches!(known.status, 200 | 201), "version {version}: {}", known.text());
+    let mut new: Value = serde_json::from_str(&data("paper.json")).unwrap();
+    new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
+    assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
+}
+
 async fn names(connection: &mut SqliteConnection, sql: String) -> Vec<String> {
     sqlx::query_scalar(AssertSqlSafe(sql)).fetch_all(connection).await.unwrap()
 }
@@ -143,11 +152,7 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
             }
             assert_eq!(answered(&upgraded, path).await, before, "version {version}: {path}");
         }
-        let known = upgraded.post("/v1/records", "application/json", data("paper.json")).await;
-        assert!(matches!(known.status, 200 | 201), "version {version}: {}", known.text());
-        let mut new: Value = serde_json::from_str(&data("paper.json")).unwrap();
-        new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
-        assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
+        goes_on(&upgraded, version).await;
         assert!(upgraded.terminate().0.success());
         let url = format!("sqlite://{}", upgraded.dir().join("gyrowatch.db").display());
         let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
@@ -206,11 +211,7 @@ async fn a_database_of_a_server_of_every_earlier_version_is_brought_up_to_date_w
             }
             assert_eq!(answered(&upgraded, path).await, before, "version {version}: {path}");
         }
-        let known = upgraded.post("/v1/records", "application/json", data("paper.json")).await;
-        assert!(matches!(known.status, 200 | 201), "version {version}: {}", known.text());
-        let mut new: Value = serde_json::from_str(&data("paper.json")).unwrap();
-        new["calibrated_at"] = "2026-04-12T08:00:00Z".into();
-        assert_eq!(upgraded.post_json("/v1/records", &new).await.status, 201, "version {version}");
+        goes_on(&upgraded, version).await;
         let verified = gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", &url).output().unwrap();
         assert!(verified.status.success(), "version {version}: {verified:?}");
     }

@@ -231,6 +231,19 @@ impl Server {
         self.post(path, "application/json", body.to_string()).await
     }
 
+    /// Six records of the paper's IMU, the last two off by enough for an alert, and a bench result.
+    pub async fn stores_half_a_year(&self) {
+        let mut record: Value = serde_json::from_str(&data("paper.json")).unwrap();
+        for month in 1..=6 {
+            record["calibrated_at"] = format!("2026-0{month}-01T08:00:00Z").into();
+            record["gyros"][0]["g_pulse_per_s_g0"][0] = (2.4210 + if month > 4 { 0.05 } else { 0.0 }).into();
+            assert_eq!(self.post_json("/v1/records", &record).await.status, 201);
+        }
+        let bench = serde_json::json!({ "serial": "LFG-0101", "station": "BENCH-1", "measured_at": "2026-03-02T08:00:00Z",
+            "method": "torque_feedback", "d_i_deg_per_h_g0": 1.0, "d_s_deg_per_h_g0": 2.0 });
+        assert_eq!(self.post_json("/v1/bench-results", &bench).await.status, 201);
+    }
+
     /// An empty header value leaves the header out.
     pub async fn call(
         &self,

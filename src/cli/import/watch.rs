@@ -3,7 +3,7 @@
 //! The folder is the whole state: a file that lies there has not been acknowledged, so that a restart after any
 //! kind of death goes on where it was. What was stored but not yet moved is sent again, which does no harm.
 //!
-//! Whoever may write to the folder must not make the agent read or write anything else: see [`folder`](super::folder).
+//! Who may write to the folder must not make the agent read or write anything else: see [`folder`](super::folder).
 
 use std::collections::{HashMap, HashSet};
 use std::ffi::{OsStr, OsString};

@@ -17,7 +17,7 @@ tokio::task_local! {
     static CALLER: Caller;
 }
 
-/// The name of whoever has shown the setup secret.
+/// The name of a caller who has shown the setup secret.
 pub(super) const SETUP: &str = "setup";
 
 /// By what somebody is known.

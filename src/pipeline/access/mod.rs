@@ -2,7 +2,7 @@
 //!
 //! The book of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be read
 //! anew, so that what the command line wrote into the database counts at once; what it revoked counts within
-//! [`REREAD`]. As long as no token was ever made, whoever comes from this machine may do what an engineer may, unless a proxy was seen: behind
+//! [`REREAD`]. As long as no token was ever made, a caller from this machine may do what an engineer may, unless a proxy was seen: behind
 //! one everybody comes from this machine. Administrators then show the setup secret of the start.
 
 mod audit;

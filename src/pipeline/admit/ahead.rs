@@ -2,10 +2,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Memory, Newest};
+use super::Newest;
 use crate::core::time::UtcMicros;
 use crate::pipeline::read::{Calibration, Submission};
-use crate::store::{Id, RecordAt, Span, Store, StoreError};
+use crate::store::{Figures, Id, RecordAt, Span, Store, StoreError};
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
 #[derive(Debug, Default)]
@@ -48,7 +48,7 @@ impl Ahead {
         let at_gyros: Vec<(u32, UtcMicros)> = at_gyros.into_iter().collect();
         let spans: Vec<_> = at_gyros.iter().map(|(gyro, at)| (*gyro, Span { from: *at, to: *at })).collect();
         let rows = store.histories(&spans, 1).await?;
-        let held = |rows: Vec<crate::store::Figures>| rows.first().map(|figures| figures.record);
+        let held = |rows: Vec<Figures>| rows.first().map(|figures| figures.record);
         ahead.rows = at_gyros.into_iter().zip(rows.into_iter().map(held)).collect();
         Ok(ahead)
     }
@@ -78,18 +78,5 @@ impl Ahead {
                 Ok(rows.first().map(|figures| figures.record))
             }
         }
-    }
-}
-
-impl Memory {
-    /// Takes in what is stored of gyros that are not remembered yet: the newest rows of each, and whether there are no others.
-    pub fn take_in<'a>(&mut self, read: impl Iterator<Item = (u32, &'a [crate::store::Figures], bool)>) {
-        for (gyro, rows, whole) in read {
-            self.gyros.entry(gyro).or_insert_with(|| super::memory::Ring::of(rows, whole));
-        }
-    }
-
-    pub fn knows(&self, gyro: u32) -> bool {
-        self.gyros.contains_key(&gyro)
     }
 }

@@ -19,12 +19,12 @@ const MOST_GYROS: usize = 20_000;
 /// The newest records of the gyros that have been seen, those included that are not stored yet.
 #[derive(Debug, Default)]
 pub(in crate::pipeline) struct Memory {
-    pub(super) gyros: HashMap<u32, Ring>,
+    gyros: HashMap<u32, Ring>,
 }
 
 /// One gyro's newest records, oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Ring {
+struct Ring {
     rows: Vec<Remembered>,
     /// Whether there are none before them.
     whole: bool,
@@ -32,7 +32,7 @@ pub(super) struct Ring {
 
 impl Ring {
     /// Of stored rows, oldest first, before which there are none where they are the `whole` of them.
-    pub fn of(stored: &[Figures], whole: bool) -> Self {
+    fn of(stored: &[Figures], whole: bool) -> Self {
         let newest = &stored[stored.len().saturating_sub(REMEMBERED)..];
         Self { rows: newest.iter().map(Remembered::from).collect(), whole: whole && newest.len() == stored.len() }
     }
@@ -81,6 +81,17 @@ impl Memory {
 
     pub fn forget_of(&mut self, gyros: impl IntoIterator<Item = u32>) {
         gyros.into_iter().for_each(|gyro| drop(self.gyros.remove(&gyro)));
+    }
+
+    /// Takes in what is stored of gyros that are not remembered yet: the newest rows of each, and whether there are no others.
+    pub fn take_in<'a>(&mut self, read: impl Iterator<Item = (u32, &'a [Figures], bool)>) {
+        for (gyro, rows, whole) in read {
+            self.gyros.entry(gyro).or_insert_with(|| Ring::of(rows, whole));
+        }
+    }
+
+    pub fn knows(&self, gyro: u32) -> bool {
+        self.gyros.contains_key(&gyro)
     }
 
     pub fn is_full(&self) -> bool {

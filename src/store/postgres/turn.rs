@@ -203,7 +203,7 @@ impl ServerWriter {
 }
 
 /// Begins a transaction and waits for the turn. A server that vanishes within its own loses it after its lease: nobody has to wait for
-/// longer, and whoever has not heard by then never will.
+/// longer, and a server that has not heard by then never will.
 async fn lock(connection: &mut PgConnection, seen: Commit, lease: Duration) -> Result<Found, StoreError> {
     let ms = lease.as_millis();
     let take = format!(

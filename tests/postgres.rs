@@ -546,13 +546,22 @@ async fn servers_share_the_diagnoses_and_make_those_of_one_that_is_killed() {
     assert_eq!(answer.text().matches("\"status\":201").count(), CAMPAIGNS);
     until("all are diagnosed", Duration::from_secs(180), async || count(&url, DIAGNOSED).await == CAMPAIGNS as i64)
         .await;
-    let made = [made_by(&servers[0]).await, made_by(&servers[1]).await];
-    assert!(made.iter().all(|made| *made > 0) && made.iter().sum::<usize>() == CAMPAIGNS, "{made:?}");
+    let order = json!({"again": true});
+    let waiting = "SELECT count(*) FROM diagnosis_task WHERE state = 'waiting'";
+    // Once more where one was so fast that it had made all of them before the other had looked.
+    for round in 1.. {
+        until("none waits", Duration::from_secs(180), async || count(&url, waiting).await == 0).await;
+        let made = [made_by(&servers[0]).await, made_by(&servers[1]).await];
+        assert_eq!(made.iter().sum::<usize>(), CAMPAIGNS * round, "{made:?}");
+        if made.iter().all(|made| *made > 0) {
+            break;
+        }
+        assert!(round < 20, "one makes them all, {round} times: {made:?}");
+        assert_eq!(servers[1].post_json("/v1/diagnoses", &order).await.status, 202);
+    }
 
     let [mut first, second] = servers;
-    let order = json!({"again": true});
     let claimed = "SELECT count(DISTINCT holder) FROM diagnosis_claim WHERE until > now()";
-    let waiting = "SELECT count(*) FROM diagnosis_task WHERE state = 'waiting'";
     let patience = Instant::now() + Duration::from_secs(120);
     // Once more where the machine was so fast that everything was done before the kill, which proves nothing.
     loop {

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
+use gyrowatch::core::alert_decision::{Action, Alert, Policy, follow};
 use gyrowatch::core::judge::{
     Coefficient, FleetNoise, History, Limits, Measured, Rule, Sample, Seat, Series, State, Verdict, fit_fleet, judge,
 };
-use gyrowatch::core::notify::{Action, Alert, Policy, follow};
 use gyrowatch::core::time::UtcMicros;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,6 +1,6 @@
 //! What is told, and in whose dialect.
 
-use crate::core::notify::Action;
+use crate::core::alert_decision::Action;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::DigestBody;

@@ -4,6 +4,7 @@
 //! needs is passed in, what it found is returned, evidence included. `tests/architecture.rs` keeps it so.
 
 pub mod access;
+pub mod alert_decision;
 pub mod augmented;
 pub mod bench;
 pub mod calibrate;
@@ -15,16 +16,15 @@ pub mod fit;
 pub mod frames;
 pub mod history;
 pub mod history_note;
+pub mod hook_filter;
 pub mod judge;
 pub mod model;
 pub mod mounting;
 pub mod name;
 pub mod note;
-pub mod notify;
 pub mod own_history;
 pub mod period;
 pub mod record;
-pub mod route;
 pub mod separate;
 pub mod tails;
 pub mod time;

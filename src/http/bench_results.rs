@@ -15,7 +15,7 @@ use super::App;
 use super::corrections::{StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use super::telling::Telling;
-use crate::core::notify::Late;
+use crate::core::alert_decision::Late;
 use crate::pipeline::{Accepted, Caller, Id, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;

@@ -21,7 +21,7 @@ use super::document::{Document, check_media_type, idempotency_key};
 use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
-use crate::core::notify::Late;
+use crate::core::alert_decision::Late;
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
 };

@@ -17,7 +17,7 @@ use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, idempotency_key};
 use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use super::telling::Telling;
-use crate::core::notify::Late;
+use crate::core::alert_decision::Late;
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;

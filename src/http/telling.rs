@@ -6,7 +6,7 @@ use url::form_urlencoded;
 
 use super::App;
 use super::query::bad;
-use crate::core::notify::Late;
+use crate::core::alert_decision::Late;
 use crate::wire::problem::Problem;
 
 /// What a request that brings measurements says of telling.

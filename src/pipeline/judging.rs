@@ -8,9 +8,9 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::alerting::Naming;
 use super::line::{Line, Source, read_ahead, sample_of};
 use crate::config::Judging;
+use crate::core::alert_decision::Policy;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
-use crate::core::notify::Policy;
 use crate::core::time::UtcMicros;
 use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
 

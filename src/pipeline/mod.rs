@@ -50,9 +50,9 @@ use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
 use crate::config::Config;
+use crate::core::alert_decision::Late;
 use crate::core::judge::Verdict;
 use crate::core::note::Note;
-use crate::core::notify::Late;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;

@@ -23,7 +23,7 @@ use super::read::Submission;
 use super::reply::Teller;
 use super::{Accepted, Job, Refused, Reply};
 use crate::config::Config;
-use crate::core::notify::Late;
+use crate::core::alert_decision::Late;
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;

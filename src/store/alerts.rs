@@ -5,8 +5,8 @@ use super::db::{Cells, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
+use crate::core::alert_decision::{Alert, Hushed, Standing, Status, Told};
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::notify::{Alert, Hushed, Standing, Status, Told};
 use crate::core::time::UtcMicros;
 
 /// Who said so, why and when.

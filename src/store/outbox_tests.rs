@@ -2,8 +2,8 @@ use tempfile::TempDir;
 
 use super::tests::{first_names, opened};
 use super::*;
+use crate::core::alert_decision::{Alert, Hushed, Status, Told};
 use crate::core::judge::{Coefficient, Rule, Severity};
-use crate::core::notify::{Alert, Hushed, Status, Told};
 use crate::core::time::UtcMicros;
 
 const HORIZON: UtcMicros = UtcMicros(1_000_000);

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::{Context, MOST_LISTED, Payload, page, summary, to_json};
 use crate::alert::message::{Change, Event, Message};
+use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;
-use crate::core::notify::Action;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::time;

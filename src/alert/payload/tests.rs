@@ -3,7 +3,7 @@ use serde_json::Value;
 
 use super::*;
 use crate::alert::message::{Change, Event};
-use crate::core::notify::Action;
+use crate::core::alert_decision::Action;
 use crate::wire::alert::FindingBody;
 
 fn alert() -> AlertBody {

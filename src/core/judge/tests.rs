@@ -120,7 +120,7 @@ fn uncertainty_alone_exceeds_no_limit() {
 
 #[test]
 fn one_bad_record_fires_and_the_return_resolves_and_confirms_nothing() {
-    use crate::core::notify::{Action, Alert, Policy, follow};
+    use crate::core::alert_decision::{Action, Alert, Policy, follow};
     for sd in [None, Some(3e-4)] {
         // A week apart, a fortnight, a month and a quarter, with one to forty good records before.
         for (days, before) in [(7.0, 4), (14.0, 4), (31.0, 4), (91.0, 12), (14.0, 40), (1.0, 20)] {
@@ -139,7 +139,7 @@ fn one_bad_record_fires_and_the_return_resolves_and_confirms_nothing() {
                     assert!(v.severity().is_none() || k == before, "{days} {k}: {v}");
                 }
                 let firing =
-                    alerts.values().filter(|alert| alert.status == crate::core::notify::Status::Firing).count();
+                    alerts.values().filter(|alert| alert.status == crate::core::alert_decision::Status::Firing).count();
                 assert_eq!(firing > 0, k == before, "{days} {k}: {firing} fire");
             }
         }
@@ -815,7 +815,7 @@ fn every_name_is_read_back() {
     assert!(Rule::ALL.into_iter().all(|x| Rule::from_name(x.name()) == Some(x)));
     assert!(Coefficient::ALL.into_iter().all(|x| Coefficient::from_name(x.name()) == Some(x)));
     assert!(State::ALL.into_iter().all(|x| State::from_name(x.name()) == Some(x)));
-    use crate::core::notify::{Action, Standing};
+    use crate::core::alert_decision::{Action, Standing};
     assert!(Standing::ALL.into_iter().all(|x| Standing::from_name(x.name()) == Some(x)));
     assert!(Action::ALL.into_iter().all(|x| Action::from_name(x.name()) == Some(x)));
     assert!(Status::ALL.into_iter().all(|x| Status::from_name(x.name()) == Some(x)));

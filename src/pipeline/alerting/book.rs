@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::body::{Naming, Origin, text};
 use super::silences::Silences;
+use crate::core::alert_decision;
+use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::judge::{Rule, Verdict};
-use crate::core::notify::{self, Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::time::UtcMicros;
 use crate::pipeline::judging::Undone;
 use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
@@ -43,7 +44,7 @@ pub(in crate::pipeline) struct Pen<'a> {
 pub(in crate::pipeline) struct News {
     pub id: Id,
     /// As it then was.
-    pub alert: notify::Alert,
+    pub alert: alert_decision::Alert,
     pub action: Action,
     /// The step that says so, if there is one.
     pub step: Option<Id>,
@@ -127,7 +128,7 @@ impl AlertBook {
         let muting = self.silences.of(gyro, verdict, origin, &naming, pen.now);
         let (muted, muted_until) = muting.map(|(muted, until)| (Some(muted), Some(until))).unwrap_or_default();
         let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until };
-        let decision = notify::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
+        let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
         let finding = || text(&naming.finding(verdict, origin));
         let (place, began) = match (place, earlier) {
@@ -167,7 +168,7 @@ impl AlertBook {
         for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
             let row = &self.alerts[&gyro][place];
             if row.alert.status == Status::Firing && ends(row) {
-                let decision = notify::reset(&row.alert, pen.now);
+                let decision = alert_decision::reset(&row.alert, pen.now);
                 self.enter((gyro, place), decision, false, (None, None), pen);
             }
         }
@@ -178,7 +179,7 @@ impl AlertBook {
         for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
             let row = &self.alerts[&gyro][place];
             if row.alert.status == Status::Firing && ends(row) {
-                let decision = notify::reset(&row.alert, pen.now);
+                let decision = alert_decision::reset(&row.alert, pen.now);
                 let said = (Some(undone.author.clone()), Some(undone.reason.clone()));
                 self.enter((gyro, place), decision, false, said, pen);
             }
@@ -190,7 +191,7 @@ impl AlertBook {
         self.silences.pass(pen.now);
         for at in self.places() {
             let before = self.alerts[&at.0][at.1].alert;
-            let decision = notify::tick(&before, pen.now, &self.policy);
+            let decision = alert_decision::tick(&before, pen.now, &self.policy);
             let Some(after) = decision.alert.filter(|after| *after != before) else { continue };
             self.enter(at, decision, false, (None, None), pen);
             let silence_ended =
@@ -208,7 +209,7 @@ impl AlertBook {
     pub fn tell_digest(&mut self, pen: &mut Pen<'_>) -> bool {
         let mut any = false;
         for at in self.places() {
-            let Some(decision) = notify::digest(&self.alerts[&at.0][at.1].alert, pen.now) else { continue };
+            let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, pen.now) else { continue };
             any = true;
             self.enter(at, decision, false, (None, None), pen);
             if decision.action != Action::Silent
@@ -314,7 +315,7 @@ impl AlertBook {
 }
 
 /// What has become of an alert of which nobody is told.
-fn untold(earlier: Option<notify::Alert>, alert: notify::Alert) -> Option<Action> {
+fn untold(earlier: Option<alert_decision::Alert>, alert: alert_decision::Alert) -> Option<Action> {
     let was_firing = earlier.is_some_and(|earlier| earlier.status == Status::Firing);
     match (was_firing, alert.status) {
         (false, Status::Firing) => Some(Action::Fire),

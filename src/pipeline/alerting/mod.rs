@@ -2,7 +2,7 @@
 //! transaction of the records that caused it.
 //!
 //! The book holds every alert in memory (there are as many as troubled gyros, not as records), so that a record whose
-//! verdicts are all within costs one look into a map. Deciding is the core's ([`crate::core::notify`]); this keeps the
+//! verdicts are all within costs one look into a map. Deciding is the core's ([`crate::core::alert_decision`]); this keeps the
 //! states, finds what each verdict is about, and writes down what became of it.
 
 mod body;

@@ -1,6 +1,6 @@
 //! What people say of alerts, and what is answered about them.
 
-use crate::core::notify;
+use crate::core::alert_decision;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Job, Pipeline, Refused};
 use crate::store::{AlertFilter, AlertRow, Id, Remark, StoreError};
@@ -118,28 +118,28 @@ impl AlertBook {
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: pen.now };
         let changed = match order.change {
-            AlertChange::Acknowledge if row.alert.status == notify::Status::Resolved => {
+            AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
                 return Err(Refused::AlertResolved { id: order.alert });
             }
             // There is nothing to take back.
             AlertChange::Unacknowledge if !row.alert.acknowledged => Some(row.clone()),
             AlertChange::Unacknowledge => {
                 let change = |row: &mut AlertRow| {
-                    row.alert = notify::unacknowledge(&row.alert);
+                    row.alert = alert_decision::unacknowledge(&row.alert);
                     row.acknowledged = None;
                 };
                 self.say(order.alert, order.change.name(), &remark, change, pen)
             }
             AlertChange::Acknowledge => {
                 let change = |row: &mut AlertRow| {
-                    row.alert = notify::acknowledge(&row.alert);
+                    row.alert = alert_decision::acknowledge(&row.alert);
                     row.acknowledged = Some(remark.clone());
                 };
                 self.say(order.alert, order.change.name(), &remark, change, pen)
             }
             AlertChange::Silence { until } => {
                 let change = |row: &mut AlertRow| {
-                    row.alert = notify::silence(&row.alert, Some(until));
+                    row.alert = alert_decision::silence(&row.alert, Some(until));
                     row.silenced = Some(remark.clone());
                 };
                 self.say(order.alert, order.change.name(), &remark, change, pen)

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::body::Origin;
 use super::book::{AlertBook, Pen};
+use crate::core::alert_decision::Late;
 use crate::core::judge::{Rule, State, Verdict, overdue};
-use crate::core::notify::Late;
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::Agreement;
 use crate::pipeline::judging::{Judge, Judged, Newest};

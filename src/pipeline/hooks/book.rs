@@ -4,8 +4,9 @@ use std::cmp::Reverse;
 use std::collections::HashMap;
 
 use super::show;
+use crate::core::alert_decision;
+use crate::core::alert_decision::{Action, Alert};
 use crate::core::judge::Severity;
-use crate::core::notify::{self, Action, Alert};
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerting::News;
 use crate::store::{HookRow, Id, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
@@ -137,7 +138,7 @@ impl HookBook {
     /// What a hook is told of one piece of news; it has heard that then.
     fn hear(&mut self, ear: &Ear, news: &News, body: &AlertBody, scribe: &mut Scribe<'_>) -> Option<Action> {
         let heard = self.heard.get(&(ear.hook, news.id)).copied();
-        let action = notify::for_hook(&news.alert, heard, news.action, scribe.now)?;
+        let action = alert_decision::for_hook(&news.alert, heard, news.action, scribe.now)?;
         // Whoever was told that it fires is told that it ends, whatever the filter has become.
         if action != Action::Resolve && !ear.filter.wants(body) {
             return None;
@@ -171,7 +172,7 @@ pub(in crate::pipeline) fn introduce(
     for Standing { id, alert, body } in alerts {
         // It hears what others were spared because it was found late.
         let alert = Alert { hushed: None, ..*alert };
-        let Some(action) = notify::for_hook(&alert, heard.get(id).copied(), Action::Silent, scribe.now) else {
+        let Some(action) = alert_decision::for_hook(&alert, heard.get(id).copied(), Action::Silent, scribe.now) else {
             continue;
         };
         let ends = action == Action::Resolve;

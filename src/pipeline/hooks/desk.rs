@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::book::{Ear, Scribe, Standing, introduce};
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
+use crate::core::alert_decision::Status;
 use crate::core::judge::Severity;
-use crate::core::notify::Status;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Refused};
 use crate::store::{

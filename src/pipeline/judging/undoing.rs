@@ -3,8 +3,9 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{Judge, Judged, Undone};
+use crate::core::alert_decision;
+use crate::core::alert_decision::{Alert, Status};
 use crate::core::judge::{Coefficient, Rule};
-use crate::core::notify::{self, Alert, Status};
 use crate::core::time::UtcMicros;
 use crate::store::{Changes, CorrectionRow, Figures, HistoryRow, Id, Span, StoreError, VerdictSheet};
 
@@ -58,7 +59,7 @@ impl Judge {
             let sheet = sheets.get(&id).and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
             for verdict in sheet.into_iter().flat_map(|(_, verdicts)| verdicts) {
                 let key = (verdict.coefficient, verdict.rule);
-                let decision = notify::follow(alerts.get(&key), &verdict.without_words(), at, at, &self.policy);
+                let decision = alert_decision::follow(alerts.get(&key), &verdict.without_words(), at, at, &self.policy);
                 alerts.extend(decision.alert.map(|alert| (key, alert)));
             }
         }

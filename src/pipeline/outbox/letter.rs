@@ -8,7 +8,7 @@ use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
 use crate::alert::sign::{self, Secret};
 use crate::alert::{Change, Event, HookKind, Message};
-use crate::core::notify::Action;
+use crate::core::alert_decision::Action;
 use crate::core::time::UtcMicros;
 use crate::pipeline::hooks::{Attempted, webhook_id};
 use crate::store::{DeliveryState, DueDelivery, HookRow, Progress, Subject};

@@ -6,8 +6,8 @@ use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::Task;
+use crate::core::alert_decision::Late;
 use crate::core::judge::Rule;
-use crate::core::notify::Late;
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::{Agreement, agreement_after};
 use crate::pipeline::alerting::{AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};

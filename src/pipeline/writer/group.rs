@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::time::Instant;
 
 use super::{Item, StoreJob, Task, items_of};
+use crate::core::alert_decision::Late;
 use crate::core::judge::{Rule, State, Status, Verdict};
-use crate::core::notify::Late;
 use crate::pipeline::admit::{Ahead, Desk, Group};
 use crate::pipeline::alerting::Causes;
 use crate::pipeline::judging::{self, Verdicts};

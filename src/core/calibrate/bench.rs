@@ -19,9 +19,9 @@ use super::repeats::{PureError, repeats};
 use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::campaign::{Campaign, TestKind};
-use crate::core::fit::{Factor, Fit};
 use crate::core::model::Term;
 use crate::core::mounting::Triad;
+use crate::core::numerics::least_squares::{Factor, Fit};
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
 pub const GAUGE: &str = "D_II + D_SS = 0";

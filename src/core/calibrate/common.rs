@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::further::{Regressor, adding, told_apart};
 use crate::core::effects::Effect;
-use crate::core::fit::Factor;
+use crate::core::numerics::least_squares::Factor;
 
 /// One shared coefficient: its regressor in each gyro, pulse/s per unit; none where the gyro is not one of those that have it.
 pub(super) type Shared = Vec<Option<Regressor>>;

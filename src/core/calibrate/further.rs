@@ -7,7 +7,7 @@ use super::design::Design;
 use crate::core::campaign::{Campaign, CampaignNote, LeftOut};
 use crate::core::diagnose::{self, Adopted};
 use crate::core::effects::{Coefficient, Effect, Scope};
-use crate::core::fit::Factor;
+use crate::core::numerics::least_squares::Factor;
 
 /// Share of a regressor's whitened power that the columns before it must leave over for it to be fitted: below that,
 /// the effect and model (6) are one to this campaign, and both would be lost.

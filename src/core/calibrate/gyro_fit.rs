@@ -13,8 +13,8 @@ use super::{
 };
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell};
 use crate::core::effects::Effect;
-use crate::core::fit::{Factor, Fit};
 use crate::core::model::{Term, Terms};
+use crate::core::numerics::least_squares::{Factor, Fit};
 
 /// Residuals over their own standard deviations, sigma sqrt(1 - leverage); zero where a dwell is fitted exactly because
 /// nothing else speaks of it.

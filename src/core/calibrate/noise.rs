@@ -24,7 +24,8 @@
 //! exists and none is reported.
 
 use super::repeats::PureError;
-use crate::core::tails::{self, chi2_tail};
+use crate::core::numerics::tails;
+use crate::core::numerics::tails::chi2_tail;
 
 /// Weight of the stated standard errors against repeats: as much as four repeats. A station's standard errors are
 /// right to some 35 % (1/sqrt(2 x 4)) before any repeat is seen.

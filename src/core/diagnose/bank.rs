@@ -8,11 +8,11 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVectorView};
 
 use super::Adopted;
-use super::basis::{axpy, dot, scale};
 use super::frame::Frame;
 use super::small;
 use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
 use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
+use crate::core::numerics::basis::{axpy, dot, scale};
 
 /// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
 pub(super) const INVISIBLE: f64 = 1e-6;

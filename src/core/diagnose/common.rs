@@ -4,9 +4,9 @@
 
 use super::bank::Hypothesis;
 use super::evidence::MAX_GYROS;
-use super::logsum::LogSum;
 use super::products::Seen;
 use super::small;
+use crate::core::numerics::log_sum::LogSum;
 
 /// A hypothesis whose coefficients all gyros share.
 pub(super) struct Common<'a> {

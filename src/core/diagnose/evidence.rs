@@ -15,14 +15,14 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::bank::{Bank, Block, Hypothesis, Kind};
-use super::basis::{Basis, dot};
 use super::common::Common;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
-use super::logsum::LogSum;
 use super::products::{Products, Seen};
 use super::scatter::{Scatter, pool};
 use super::small;
+use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::log_sum::LogSum;
 
 /// Residuals of one gyro under the model and what has been adopted so far.
 #[derive(Debug, Clone)]

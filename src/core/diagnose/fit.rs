@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::basis::dot;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
 use crate::core::effects::{Coefficient, Effect, Scope, Shape};
+use crate::core::numerics::basis::dot;
 
 /// An effect with its shape and its gyros fixed.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,7 +109,7 @@ pub(super) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
         let part = &parts[unknown.part];
         let value = solution[u] / lengths[u];
         for j in (0..gyros).filter(|j| unknown.gyro.is_none_or(|g| g == *j) && part.members[*j]) {
-            super::basis::axpy(value, &columns[unknown.part][j][unknown.number], &mut drift[j]);
+            crate::core::numerics::basis::axpy(value, &columns[unknown.part][j][unknown.number], &mut drift[j]);
         }
         fitted.push(Fitted {
             part: unknown.part,

@@ -1,8 +1,8 @@
 //! The noise floor: stated standard errors, repeated dwells and residuals, weighed together.
 
 use super::answer::{GyroFloor, NoiseFloor};
-use super::basis::dot;
 use super::frame::{Frame, GyroFrame};
+use crate::core::numerics::basis::dot;
 
 /// Prior weight, in degrees of freedom, of the statement that the stated standard errors are right. Standard errors
 /// are met that are wrong by tens of per cent: a factor with a scatter of 22 % is worth 1/(2 x 0.22^2) = 10.

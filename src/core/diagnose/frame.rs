@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::basis::{Basis, axpy, dot};
 use super::fit::{self, Part};
 use super::noise::{self, Noise};
 use super::{Adopted, Options, Refusal};
@@ -10,6 +9,7 @@ use crate::core::campaign::{Campaign, CampaignGyro, CampaignNote, TestKind, temp
 use crate::core::effects::{GyroAxes, Scope, Setting};
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
+use crate::core::numerics::basis::{Basis, axpy, dot};
 
 /// One gyro: everything whitened, that is divided by `sd`.
 #[derive(Debug, Clone)]

@@ -7,11 +7,11 @@
 //! blocks of time.
 
 use super::answer::HeldOut;
-use super::basis::{Basis, axpy, dot};
 use super::fit::Part;
 use super::frame::Frame;
-use super::lower::Lower;
 use crate::core::effects::Effect;
+use crate::core::numerics::basis::{Basis, axpy, dot};
+use crate::core::numerics::cholesky::Lower;
 
 /// Folds, where there are enough groups.
 const FOLDS: usize = 8;

@@ -2,11 +2,11 @@
 
 use super::answer::NotIdentifiable;
 use super::bank::{Bank, Kind};
-use super::basis::{Basis, dot};
 use super::fit::Part;
 use super::frame::Frame;
 use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
 use crate::core::model::Term;
+use crate::core::numerics::basis::{Basis, dot};
 
 /// Visible share of power below which an entry is listed: less than three per cent of its amplitude shows.
 const LITTLE: f64 = 1e-3;

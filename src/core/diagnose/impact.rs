@@ -6,8 +6,8 @@ use super::answer::{BUDGET_DEG_PER_H_G0, Impact};
 use super::fit::{Fit, Part};
 use super::frame::Frame;
 use crate::core::effects::Effect;
-use crate::core::fit::Factor;
 use crate::core::model::Term;
+use crate::core::numerics::least_squares::Factor;
 
 /// Shift of D_I and D_S of every gyro; empty where neither model holds G.
 pub(super) fn impact(frame: &Frame, parts: &[Part], fit: &Fit) -> Vec<Impact> {

@@ -3,8 +3,8 @@
 //! `v_k = sigma_j^2 (1 + c^2 (w_I/top)^2) duration^-p`, with `c` shared by the gyros and unknown. A large `c` and an
 //! effect of rate can pass for one another, so evidence is averaged over `c` before an effect is believed.
 
-use super::basis::{axpy, dot, scale};
 use crate::core::effects::Setting;
+use crate::core::numerics::basis::{axpy, dot, scale};
 
 /// Values of `c` that are weighed, equally likely beforehand.
 pub(super) const GROWTHS: [f64; 9] = [0.0, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];

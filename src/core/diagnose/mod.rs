@@ -6,7 +6,6 @@
 
 mod answer;
 mod bank;
-mod basis;
 mod class;
 mod closure;
 mod common;
@@ -19,8 +18,6 @@ mod identify;
 mod impact;
 mod law;
 mod located;
-mod logsum;
-mod lower;
 mod next;
 mod noise;
 mod null;

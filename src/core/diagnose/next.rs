@@ -194,7 +194,7 @@ fn signal(setting: &Setting, part: &Part, p: usize, fit: &Fit, j: usize) -> Vec<
     let values = fit.fitted.iter().filter(|f| f.part == p && f.gyro.is_none_or(|g| g == j)).map(|f| f.value);
     let mut sum = vec![0.0; setting.dwells()];
     for (value, column) in values.zip(&columns) {
-        super::basis::axpy(value, column, &mut sum);
+        crate::core::numerics::basis::axpy(value, column, &mut sum);
     }
     sum
 }
@@ -239,7 +239,7 @@ fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
     let raw = (mimic.effect.entry().columns)(setting, mimic.gyro, mimic.shape);
     let mut signal = vec![0.0; setting.dwells()];
     for column in raw {
-        super::basis::axpy(1.0, &whitened(column, &sd, 1.0), &mut signal);
+        crate::core::numerics::basis::axpy(1.0, &whitened(column, &sd, 1.0), &mut signal);
     }
     let old = &signal[..frame.dwells()];
     let mut beside = frame.gyros[mimic.gyro].basis.clone();
@@ -248,9 +248,9 @@ fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
     }
     let mut seen = old.to_vec();
     beside.project_out(&mut seen);
-    let seen = super::basis::dot(&seen, &seen).sqrt();
+    let seen = crate::core::numerics::basis::dot(&seen, &seen).sqrt();
     let size = if seen > 0.0 { JUST_MISSED / seen } else { 0.0 };
-    super::basis::scale(size, &mut signal);
+    crate::core::numerics::basis::scale(size, &mut signal);
     Question { effects: vec![mimic.effect, Effect::GLinear], signal, columns }
 }
 

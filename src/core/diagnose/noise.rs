@@ -3,10 +3,10 @@
 //! Stated standard errors are themselves estimates: where they scatter about a smooth law in rate and duration, half
 //! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
 
-use super::basis::{Basis, dot};
 use super::law::{GROWTHS, shape};
 use crate::core::campaign::Campaign;
 use crate::core::effects::Setting;
+use crate::core::numerics::basis::{Basis, dot};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Noise {

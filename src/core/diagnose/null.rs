@@ -19,10 +19,10 @@ use super::bank::{Bank, Kind, basis_matrix};
 use super::evidence::together;
 use super::floor::STATED_DOF;
 use super::frame::Frame;
-use super::logsum::LogSum;
 use super::products::Seen;
 use super::scatter::{Scatter, pool};
 use super::tabled::Tabled;
+use crate::core::numerics::log_sum::LogSum;
 
 const DRAWS: usize = 160;
 

@@ -13,15 +13,15 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::answer::Residual;
-use super::basis::{Basis, dot};
 use super::frame::Frame;
 use super::{Options, Refusal};
 use crate::core::calibrate::{GyroCalibration, calibrate_augmented};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
+use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::tails::f_tail;
 use crate::core::record::{GyroParameters, Name, Record};
-use crate::core::tails::f_tail;
 use crate::core::time::UtcMicros;
 
 /// What a campaign is held against.
@@ -274,7 +274,7 @@ impl Sums {
         for (c, column) in frame.designs[j].iter().enumerate() {
             match terms.get(c).and_then(|(term, part)| then.place(*term, *part)) {
                 Some(place) => {
-                    super::basis::axpy(-then.values[place] / scale, column, &mut error);
+                    crate::core::numerics::basis::axpy(-then.values[place] / scale, column, &mut error);
                     told.push((place, whiten(column)));
                 }
                 None => {

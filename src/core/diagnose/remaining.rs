@@ -7,17 +7,17 @@
 mod likeness;
 
 use nalgebra::DMatrix;
-use statrs::function::erf::erfc;
 
 use super::answer::Sign;
 use super::bank::basis_matrix;
-use super::basis::{Basis, dot};
 use super::floor::pure_error;
 use super::frame::Frame;
 use crate::core::campaign::Phase;
 use crate::core::effects::Setting;
 use crate::core::mounting::Slot;
-use crate::core::tails::f_tail;
+use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::normal::normal_cdf;
+use crate::core::numerics::tails::f_tail;
 use likeness::{Score, Weights};
 
 /// What one test says of one gyro, or of all together where `gyro` is none.
@@ -109,7 +109,7 @@ impl Left<'_> {
         }
         let tested = |gyro: Option<usize>, sum: f64, dof: f64| {
             let uncertainty = ((2.0 * STATED_FACTOR).powi(2) + 2.0 / dof).sqrt();
-            Tested { kind: SPREAD, gyro, p_value: upper_tail((sum / dof).max(1e-300).ln() / uncertainty) }
+            Tested { kind: SPREAD, gyro, p_value: normal_cdf(-(sum / dof).max(1e-300).ln() / uncertainty) }
         };
         let mut tests = Vec::new();
         let (mut sum, mut dof) = (0.0, 0.0);
@@ -253,8 +253,4 @@ fn strangers(s: &Setting) -> Vec<(&'static str, Weights)> {
         kinds.push(("similar_temperatures", pairs(&|a, b| (-((t[a] - t[b]) / width).powi(2)).exp())));
     }
     kinds
-}
-
-fn upper_tail(z: f64) -> f64 {
-    0.5 * erfc(z / std::f64::consts::SQRT_2)
 }

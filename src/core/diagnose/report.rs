@@ -2,7 +2,6 @@
 
 use super::answer::*;
 use super::bank::Kind;
-use super::basis::{Basis, dot};
 use super::class;
 use super::evidence::Score;
 use super::fit::{self, Fit, Part};
@@ -23,6 +22,7 @@ use super::why_not::WhyNot;
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
+use crate::core::numerics::basis::{Basis, dot};
 
 /// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests that know no
 /// catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never contradict one another.

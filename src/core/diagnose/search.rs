@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::bank::{Bank, Kind};
-use super::basis::Basis;
 use super::evidence::{Score, State, scores, state, together};
 use super::fit::Part;
 use super::frame::Frame;
 use super::null::Null;
 use crate::core::effects::suspects::{SUSPECTS, WANDERING};
+use crate::core::numerics::basis::Basis;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
 pub(super) const MOST: usize = 4;

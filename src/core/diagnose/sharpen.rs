@@ -4,11 +4,11 @@
 //! hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for an effect of its own.
 
 use super::bank::Kind;
-use super::basis::dot;
 use super::fit::{self, Part};
 use super::frame::Frame;
 use super::search::{Choice, Search};
 use crate::core::effects::{Effect, Shape};
+use crate::core::numerics::basis::dot;
 
 /// ln of evidence from which on the grid is too coarse.
 const STRONG: f64 = 60.0;

@@ -4,7 +4,7 @@ use super::fit::Fit;
 use super::floor;
 use super::frame::Frame;
 use crate::core::calibrate::noise;
-use crate::core::tails::chi2_tail;
+use crate::core::numerics::tails::chi2_tail;
 
 /// What is to be known of standard errors that are stated too large.
 pub(super) fn too_large(frame: &Frame) -> Option<String> {

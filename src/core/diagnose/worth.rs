@@ -2,9 +2,9 @@
 
 use super::bank::Kind;
 use super::evidence::{each_by_itself, log_bayes_in};
-use super::logsum::LogSum;
 use super::products::Products;
 use super::search::{Choice, PER_CAUSE, SUSPECT_ODDS, Search, without};
+use crate::core::numerics::log_sum::LogSum;
 
 impl Search<'_> {
     /// Drops names that the others, chosen anew without them, make superfluous, the least missed first: a cause that two entries

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::core::fit::Factor;
+use crate::core::numerics::least_squares::Factor;
 
 use super::GyroHistory;
 

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::core::fit::{Factor, Fit};
 use crate::core::judge::Coefficient;
-use crate::core::tails::f_tail;
+use crate::core::numerics::least_squares::{Factor, Fit};
+use crate::core::numerics::tails::f_tail;
 
 use super::candidates::{self, Candidate};
 use super::peers::{self, StationOffset};

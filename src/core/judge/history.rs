@@ -308,7 +308,7 @@ mod tests {
         // 0.448671 for equal ones is tabled (order statistics of three); the others by integrating x^2 over the density of the median,
         // sum f_i [F_j (1 - F_k) + F_k (1 - F_j)], with 4,000 steps.
         let density = |x: f64, sd: f64| (-0.5 * x * x / (sd * sd)).exp() / (sd * (2.0 * std::f64::consts::PI).sqrt());
-        let below = |x: f64, sd: f64| super::super::decide::normal_cdf(x / sd);
+        let below = |x: f64, sd: f64| crate::core::numerics::normal::normal_cdf(x / sd);
         let integrated = |sds: [f64; 3]| {
             let end = 9.0 * sds.iter().copied().fold(0.0, f64::max);
             let step = end / 2000.0;

@@ -624,7 +624,7 @@ fn successive_differences_share_the_noise_of_the_record_between_them() {
     let v = verdict(&samples(Some(s), &series(11, |_| 3.0)), &[], 10, Rule::RmsSuccessive, &Limits::default());
     let variance = 2.0 * s.powi(4) * (36.0 + 16.0) / 81.0;
     let z = -(2.0 * s * s + (0.005_f64 / 1.2).powi(2)) / variance.sqrt();
-    assert!((v.probability.unwrap() - super::decide::normal_cdf(z)).abs() < 1e-12, "{v}");
+    assert!((v.probability.unwrap() - crate::core::numerics::normal::normal_cdf(z)).abs() < 1e-12, "{v}");
     assert!((v.sd.unwrap() - 1.2 * 2.0_f64.sqrt() * s).abs() < 1e-12);
 
     // Records that do move, each with a standard deviation of its own, by the full matrix V = D S D^T (D takes differences, S is diagonal):
@@ -651,7 +651,7 @@ fn successive_differences_share_the_noise_of_the_record_between_them() {
     let variance = (2.0 * square + 4.0 * (d_v_d - square)) / 81.0;
     assert!(d_v_d > 2.0 * square && (v.value.unwrap() - 1.2 * m.sqrt()).abs() < 1e-12);
     let z = (m - trace / 9.0 - (0.005_f64 / 1.2).powi(2)) / variance.sqrt();
-    assert!((v.probability.unwrap() - super::decide::normal_cdf(z)).abs() < 1e-9, "{v}");
+    assert!((v.probability.unwrap() - crate::core::numerics::normal::normal_cdf(z)).abs() < 1e-9, "{v}");
     assert!((v.sd.unwrap() - 1.2 * variance.sqrt() / (2.0 * m.sqrt())).abs() < 1e-12);
 }
 

@@ -7,8 +7,8 @@ use crate::core::calibrate::{calibrate, fit_common, noise, repeats};
 use crate::core::campaign::{CampaignNote, LeftOut, Phase, TestKind};
 use crate::core::effects::Coefficient;
 use crate::core::mounting::{Geometry, Slot};
+use crate::core::numerics::tails::f_tail;
 use crate::core::record::Name;
-use crate::core::tails::f_tail;
 use crate::core::time::UtcMicros;
 
 /// A fixed sequence without any pattern that the columns have.

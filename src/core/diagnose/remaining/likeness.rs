@@ -17,8 +17,8 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
 
-use super::upper_tail;
-use crate::core::diagnose::basis::dot;
+use crate::core::numerics::basis::dot;
+use crate::core::numerics::normal::normal_cdf;
 
 /// Skewness below which the gamma distribution is the normal one for all purposes.
 const STRAIGHT: f64 = 1e-3;
@@ -127,7 +127,7 @@ impl Score {
     pub fn p_value(self) -> f64 {
         let Self { z, skewness } = self;
         if skewness.abs() < STRAIGHT {
-            return upper_tail(z);
+            return normal_cdf(-z);
         }
         let shape = 4.0 / (skewness * skewness);
         let at = shape + z * skewness.signum() * shape.sqrt();

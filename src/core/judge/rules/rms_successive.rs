@@ -1,10 +1,11 @@
 //! `rms_successive`: root mean square of successive differences, the criterion that Apollo's gyros were watched by.
 
 use super::Case;
-use crate::core::judge::decide::{Outcome, by_probability, normal_cdf, plain};
+use crate::core::judge::decide::{Outcome, by_probability, plain};
 use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Finding, Rule, Verdict};
+use crate::core::numerics::normal::normal_cdf;
 
 /// Records that the rule looks at.
 pub const RMS_RECORDS: usize = 11;

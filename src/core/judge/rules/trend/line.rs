@@ -3,10 +3,10 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::core::judge::cells::{CELLS, DAYS_A_YEAR, Points};
-use crate::core::judge::decide::normal_quantile;
 use crate::core::judge::history::{BASELINE_RECORDS, Measured};
 use crate::core::judge::noise::{Noise, Prior};
 use crate::core::judge::rules::baseline::Level;
+use crate::core::numerics::normal::normal_quantile;
 use crate::core::time::UtcMicros;
 
 /// Cells that may be left out,

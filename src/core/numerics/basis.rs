@@ -7,7 +7,7 @@
 const DEPENDENT: f64 = 1e-14;
 
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Basis {
+pub(crate) struct Basis {
     vectors: Vec<Vec<f64>>,
 }
 
@@ -62,7 +62,7 @@ impl Basis {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four running sums let the compiler use vector instructions without changing the order of operations.
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -76,13 +76,13 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// y += a x.
-pub(super) fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+pub(crate) fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += a * x;
     }
 }
 
-pub(super) fn scale(a: f64, x: &mut [f64]) {
+pub(crate) fn scale(a: f64, x: &mut [f64]) {
     x.iter_mut().for_each(|x| *x *= a);
 }
 

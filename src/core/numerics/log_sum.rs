@@ -1,7 +1,7 @@
 //! Sums of what is only known by its logarithm.
 
 /// ln of a sum of exponentials, kept in units of its largest term: one exponential a term, one logarithm in the end.
-pub(super) struct LogSum {
+pub(crate) struct LogSum {
     pub top: f64,
     pub sum: f64,
 }

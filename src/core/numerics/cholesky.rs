@@ -2,7 +2,7 @@
 
 use super::basis::dot;
 
-pub(super) struct Lower {
+pub(crate) struct Lower {
     size: usize,
     /// Row by row; what lies above the diagonal is not looked at.
     rows: Vec<f64>,

@@ -14,6 +14,7 @@ mod columns;
 pub mod commanded;
 mod earth_rate;
 mod note;
+pub mod repeats;
 mod temperatures;
 
 pub use check::{Limits, check_dwells};

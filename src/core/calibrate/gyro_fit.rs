@@ -2,15 +2,16 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::common::{CommonFit, Own};
 use super::design::{self, Design};
-use super::further::{self, Regressor};
 use super::growth;
 use super::noise::{Evidence, Noise};
-use super::repeats::PureError;
 use super::{
     EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, SLOW_ARCSEC_S, ScaleSource, weights_sd,
 };
+use crate::core::calibrate::effect_columns;
+use crate::core::calibrate::effect_columns::Regressor;
+use crate::core::calibrate::shared_coefficients::{CommonFit, Own};
+use crate::core::campaign::repeats::PureError;
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell};
 use crate::core::effects::Effect;
 use crate::core::model::{Term, Terms};
@@ -93,10 +94,10 @@ pub(super) fn fit_gyro(
     );
     let sd = weights_sd(c, j);
     let plain = shared.index(&c.dwells, fitted, &sd);
-    let (regressors, hidden) = further::visible(&shared.0[plain].2, regressors);
+    let (regressors, hidden) = effect_columns::visible(&shared.0[plain].2, regressors);
     let factor = match regressors.as_slice() {
         [] => plain,
-        some => shared.add(further::extended(&shared.0[plain].0, some), &sd),
+        some => shared.add(effect_columns::extended(&shared.0[plain].0, some), &sd),
     };
     let fit = shared.0[factor].2.fit(&y);
     let further = fit.estimate.len() - regressors.len();

@@ -7,15 +7,14 @@
 
 pub mod bench;
 mod bench_form;
-mod common;
 pub mod design;
 pub mod drift;
-pub mod further;
+pub mod effect_columns;
 pub mod growth;
 mod gyro_fit;
 pub mod noise;
 pub mod outcome;
-pub mod repeats;
+mod shared_coefficients;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -25,11 +24,11 @@ use super::effects::{Coefficient, Effect};
 use super::model::{Term, Terms};
 use super::mounting::Slot;
 use super::record::Name;
-use common::{Own, Shared};
-use further::Regressors;
+use crate::core::calibrate::effect_columns::Regressors;
+use crate::core::calibrate::shared_coefficients::{Own, Shared};
+use crate::core::campaign::repeats::PureError;
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
 use noise::{Evidence, Noise};
-use repeats::PureError;
 
 /// Where a gyro's E comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,10 +140,10 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {
-    let Regressors { own, shared: of_all, mut notes } = further::regressors(campaign, adopted);
+    let Regressors { own, shared: of_all, mut notes } = effect_columns::regressors(campaign, adopted);
     let dwells = &campaign.dwells;
     let has_sem = campaign.states_errors();
-    let repeats = repeats::repeats(dwells);
+    let repeats = crate::core::campaign::repeats::repeats(dwells);
     let mut shared = SharedFactors::default();
     let mut fits: Vec<GyroFit> =
         own.into_iter().enumerate().map(|(j, r)| fit_gyro(campaign, j, terms, r, &repeats, &mut shared)).collect();
@@ -179,7 +178,7 @@ fn fit_common(
     shared: &SharedFactors,
 ) -> Vec<CampaignNote> {
     let own: Vec<Own> = fits.iter().map(|fit| fit.own(has_sem, shared)).collect();
-    let common = common::fit(of_all, &own);
+    let common = shared_coefficients::fit(of_all, &own);
     let mut taken = 0.0;
     for (j, fit) in fits.iter_mut().enumerate() {
         let before = f64::round(taken);

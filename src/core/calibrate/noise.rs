@@ -23,7 +23,7 @@
 //! a factor sqrt(dof/(dof - 2)), so that rms(error/sd) is 1 whatever the dof. Below three dof no such deviation
 //! exists and none is reported.
 
-use super::repeats::PureError;
+use crate::core::campaign::repeats::PureError;
 use crate::core::numerics::tails;
 use crate::core::numerics::tails::chi2_tail;
 

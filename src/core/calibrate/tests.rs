@@ -197,7 +197,7 @@ fn equal_positions_are_found_as_repeats_and_near_ones_are_not() {
         .enumerate()
         .map(|(k, face)| (FACES[face], [0.0, 0.0, if k == 5 { 1.0 } else { 0.0 }], 0.0, None))
         .collect();
-    assert_eq!(repeats::repeats(&campaign(&rows, None).dwells), [vec![0, 2], vec![1, 4]]);
+    assert_eq!(crate::core::campaign::repeats::repeats(&campaign(&rows, None).dwells), [vec![0, 2], vec![1, 4]]);
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Three gyros against one least squares of all of them together, made of full matrices.
 
 use super::*;
-use crate::core::calibrate::common::Shared;
 use crate::core::calibrate::noise::Source;
-use crate::core::calibrate::{calibrate, fit_common, noise, repeats};
+use crate::core::calibrate::shared_coefficients::Shared;
+use crate::core::calibrate::{calibrate, fit_common, noise};
+use crate::core::campaign::repeats;
 use crate::core::campaign::{CampaignNote, LeftOut, Phase, TestKind};
 use crate::core::effects::Coefficient;
 use crate::core::mounting::{Geometry, Slot};

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::common::Shared;
 use super::design::Design;
+use crate::core::calibrate::shared_coefficients::Shared;
 use crate::core::campaign::{Campaign, CampaignNote, LeftOut};
 use crate::core::diagnose::{self, Adopted};
 use crate::core::effects::{Coefficient, Effect, Scope};

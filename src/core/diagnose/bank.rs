@@ -8,8 +8,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVectorView};
 
 use super::Adopted;
-use super::frame::Frame;
 use super::small;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
 use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
 use crate::core::numerics::basis::{axpy, dot, scale};

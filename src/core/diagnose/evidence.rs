@@ -16,11 +16,11 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::bank::{Bank, Block, Hypothesis, Kind};
 use super::common::Common;
-use super::floor::STATED_DOF;
-use super::frame::Frame;
 use super::products::{Products, Seen};
-use super::scatter::{Scatter, pool};
 use super::small;
+use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
+use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
 

@@ -7,8 +7,8 @@
 //! blocks of time.
 
 use super::answer::HeldOut;
-use super::fit::Part;
-use super::frame::Frame;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Effect;
 use crate::core::numerics::basis::{Basis, axpy, dot};
 use crate::core::numerics::cholesky::Lower;

@@ -2,8 +2,8 @@
 
 use super::answer::NotIdentifiable;
 use super::bank::{Bank, Kind};
-use super::fit::Part;
-use super::frame::Frame;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{Basis, dot};

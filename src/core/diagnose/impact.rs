@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::answer::{BUDGET_DEG_PER_H_G0, Impact};
-use super::fit::{Fit, Part};
-use super::frame::Frame;
+use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Effect;
 use crate::core::model::Term;
 use crate::core::numerics::least_squares::Factor;

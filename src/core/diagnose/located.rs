@@ -1,8 +1,8 @@
 //! Where the gap lies: which gyro, which phase, which dwell.
 
 use super::answer::{DwellShare, Located, Residual};
-use super::frame::Frame;
 use crate::core::campaign::Phase;
+use crate::core::diagnose::residuals::whitened::Frame;
 
 /// Number of dwells that are named one by one.
 const NAMED_DWELLS: usize = 10;

@@ -17,11 +17,11 @@ use nalgebra::DMatrix;
 
 use super::bank::{Bank, Kind, basis_matrix};
 use super::evidence::together;
-use super::floor::STATED_DOF;
-use super::frame::Frame;
 use super::products::Seen;
-use super::scatter::{Scatter, pool};
 use super::tabled::Tabled;
+use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
+use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::numerics::log_sum::LogSum;
 
 const DRAWS: usize = 160;

@@ -3,11 +3,12 @@
 
 use super::bank::Kind;
 use super::evidence::Score;
-use super::fit::{self, Part};
-use super::floor;
-use super::frame::Frame;
 use super::heldout;
 use super::search::{Choice, Search};
+use crate::core::diagnose::residuals::augmented_fit;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::noise_floor;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::suspects::SUSPECTS;
 
 /// ln of evidence from which on an effect is asked whether its size is plausible.
@@ -60,7 +61,7 @@ impl Search<'_> {
         let most = part.effect.entry().plausible;
         let mut parts: Vec<Part> = choices.iter().filter_map(|choice| self.part(choice)).collect();
         parts.push(part);
-        let fit = fit::fit(self.frame, &parts);
+        let fit = augmented_fit::fit(self.frame, &parts);
         let own = fit.fitted.iter().filter(|f| f.part == parts.len() - 1);
         own.into_iter().any(|f| f.value.abs() - 2.0 * f.sd > most)
     }
@@ -76,8 +77,8 @@ fn of_temperature(kind: Kind) -> bool {
 /// Which parts, in their order, shrink the gap on dwells that were held out; `unseen` is the power that tests would miss. One dwell set
 /// aside is not asked: it says nothing of others.
 pub(super) fn closing(frame: &Frame, parts: Vec<Part>, unseen: f64) -> Vec<bool> {
-    let variances = fit::fit(frame, &parts).variances;
-    let floor = floor::report(frame, &variances, true).deg_per_h;
+    let variances = augmented_fit::fit(frame, &parts).variances;
+    let floor = noise_floor::report(frame, &variances, true).deg_per_h;
     let closes = |p: usize| {
         let earlier: Vec<&Part> = parts[..p].iter().collect();
         let held_out = heldout::errors(frame, &earlier, &[&parts[p]], &variances).held_out(floor, 1.0, unseen);

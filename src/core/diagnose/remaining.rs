@@ -10,9 +10,9 @@ use nalgebra::DMatrix;
 
 use super::answer::Sign;
 use super::bank::basis_matrix;
-use super::floor::pure_error;
-use super::frame::Frame;
 use crate::core::campaign::Phase;
+use crate::core::diagnose::residuals::noise_floor::pure_error;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Setting;
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::{Basis, dot};

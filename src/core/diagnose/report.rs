@@ -4,9 +4,6 @@ use super::answer::*;
 use super::bank::Kind;
 use super::class;
 use super::evidence::Score;
-use super::fit::{self, Fit, Part};
-use super::floor;
-use super::frame::Frame;
 use super::heldout;
 use super::identify;
 use super::impact;
@@ -19,6 +16,10 @@ use super::settle::{FALSE_ALARM, Settled};
 use super::sharpen::shape_sd;
 use super::stated;
 use super::why_not::WhyNot;
+use crate::core::diagnose::residuals::augmented_fit;
+use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
+use crate::core::diagnose::residuals::noise_floor;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
@@ -71,11 +72,11 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
     let mut closes = odds::closing(frame, named.iter().map(|n| n.part.clone()).collect(), UNSEEN).into_iter();
     named.retain(|_| closes.next().unwrap_or(true));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
-    let fit = fit::fit(frame, &parts);
+    let fit = augmented_fit::fit(frame, &parts);
     let signs = signs(settled, &search, &named, &fit, &crowded);
     let remains = signs.p_value < level(&named);
     let variances = floor_variances(frame, &fit, remains);
-    let noise_floor = floor::report(frame, &variances, !remains);
+    let noise_floor = noise_floor::report(frame, &variances, !remains);
     let gap = gap(settled, &search, &variances, &signs, named.is_empty());
     let effects = effects(settled, &named, &parts, &fit, &variances, &noise_floor);
     let all: Vec<&Part> = parts.iter().collect();
@@ -102,7 +103,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
         noise_floor,
         effects,
         remaining: Remaining {
-            rms_deg_per_h: floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
+            rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
             reduced_chi2: reduced_chi2(&fit, &variances),
             p_value: signs.p_value,
             signs: signs.list,
@@ -207,7 +208,7 @@ fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
     }
     (frame.gyros.iter().zip(&fit.residuals).zip(&fit.variances))
         .map(|((gyro, residual), left)| {
-            floor::variance(frame.noise.stated, floor::pure_error(frame, gyro, residual))
+            noise_floor::variance(frame.noise.stated, noise_floor::pure_error(frame, gyro, residual))
                 .map_or(*left, |v| v.min(*left))
         })
         .collect()
@@ -288,8 +289,11 @@ fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, not
     let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
     let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
     Gap {
-        rms_deg_per_h: floor::rms(&settled.frame, settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice())),
-        noise_alone_deg_per_h: floor::expected_rms(&settled.frame, variances),
+        rms_deg_per_h: noise_floor::rms(
+            &settled.frame,
+            settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice()),
+        ),
+        noise_alone_deg_per_h: noise_floor::expected_rms(&settled.frame, variances),
         reduced_chi2: chi2 / dof as f64,
         p_value: (from_search / SHARE_OF_SEARCH).min(from_tests).min(1.0),
     }
@@ -324,7 +328,7 @@ fn effects(
                 estimates: estimates(frame, parts, p, fit),
                 held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
                 p_value_adjusted: settled.null.p_value(named[p].evidence),
-                detectability: (rss(&fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
+                detectability: (rss(&augmented_fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
             }
         })
         .collect()

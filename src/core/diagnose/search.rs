@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use super::bank::{Bank, Kind};
 use super::evidence::{Score, State, scores, state, together};
-use super::fit::Part;
-use super::frame::Frame;
 use super::null::Null;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::suspects::{SUSPECTS, WANDERING};
 use crate::core::numerics::basis::Basis;
 

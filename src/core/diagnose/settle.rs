@@ -6,11 +6,11 @@
 
 use super::Refusal;
 use super::bank::{Bank, Kind};
-use super::frame::Frame;
-use super::law::{GROWTHS, log_mean, profile};
 use super::null::Null;
 use super::search::{Choice, Known, Search, Threshold};
 use super::sharpen::sharpened;
+use crate::core::diagnose::residuals::noise_growth::{GROWTHS, log_mean, profile};
+use crate::core::diagnose::residuals::whitened::Frame;
 
 /// Probability with which noise alone may get anything named.
 pub const FALSE_ALARM: f64 = 0.008;

@@ -4,9 +4,10 @@
 //! hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for an effect of its own.
 
 use super::bank::Kind;
-use super::fit::{self, Part};
-use super::frame::Frame;
 use super::search::{Choice, Search};
+use crate::core::diagnose::residuals::augmented_fit;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
 
@@ -54,7 +55,7 @@ pub(super) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
 fn chi2(frame: &Frame, parts: &[Part], i: usize, x: f64, variances: &[f64]) -> f64 {
     let mut parts = parts.to_vec();
     parts[i].shape = with_value(parts[i].shape, x);
-    fit::fit(frame, &parts).residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum()
+    augmented_fit::fit(frame, &parts).residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum()
 }
 
 /// Where a function with one minimum between `low` and `high` has it.

@@ -1,9 +1,9 @@
 //! What is to be said of the standard errors that a station states.
 
-use super::fit::Fit;
-use super::floor;
-use super::frame::Frame;
 use crate::core::calibrate::noise;
+use crate::core::diagnose::residuals::augmented_fit::Fit;
+use crate::core::diagnose::residuals::noise_floor;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::numerics::tails::chi2_tail;
 
 /// What is to be known of standard errors that are stated too large.
@@ -17,7 +17,7 @@ pub(super) fn too_large(frame: &Frame) -> Option<String> {
 /// What is to be known of standard errors that the repeats of all gyros show to be too small.
 pub(super) fn too_small(frame: &Frame, fit: &Fit) -> Option<String> {
     let of_gyros = frame.gyros.iter().zip(&fit.residuals).filter(|_| frame.noise.stated);
-    let repeats = of_gyros.map(|(gyro, residual)| floor::pure_error(frame, gyro, residual));
+    let repeats = of_gyros.map(|(gyro, residual)| noise_floor::pure_error(frame, gyro, residual));
     let (sum, dof) = repeats.fold((0.0, 0), |(sum, dof), pure| (sum + pure.sum, dof + pure.dof));
     let beyond_chance = chi2_tail(sum, dof).is_some_and(|p| p < 1e-3);
     beyond_chance.then(|| {

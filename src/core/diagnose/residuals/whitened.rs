@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::fit::{self, Part};
 use super::noise::{self, Noise};
-use super::{Adopted, Options, Refusal};
 use crate::core::campaign::{Campaign, CampaignGyro, CampaignNote, TestKind, temperature_outliers};
+use crate::core::diagnose::residuals::augmented_fit;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::{Adopted, Options, Refusal};
 use crate::core::effects::{GyroAxes, Scope, Setting};
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
@@ -13,7 +14,7 @@ use crate::core::numerics::basis::{Basis, axpy, dot};
 
 /// One gyro: everything whitened, that is divided by `sd`.
 #[derive(Debug, Clone)]
-pub(super) struct GyroFrame {
+pub(crate) struct GyroFrame {
     /// Standard uncertainty of each dwell, deg/h, up to a common factor that the search estimates.
     pub sd: Vec<f64>,
     /// Columns of the model in use.
@@ -22,7 +23,7 @@ pub(super) struct GyroFrame {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     pub setting: Setting,
     pub terms: Terms,
     /// Effects in the model in use.
@@ -88,7 +89,7 @@ impl Frame {
             members: self.setting.gyros.iter().map(|gyro| adopted.slots.contains(&gyro.slot)).collect(),
         };
         let parts: Vec<Part> = seen.copied().map(|adopted| part(&adopted)).collect();
-        let drift = fit::fit(&self, &parts).drift;
+        let drift = augmented_fit::fit(&self, &parts).drift;
         for (output, drift) in self.outputs.iter_mut().zip(&drift) {
             axpy(-1.0, drift, output);
         }

@@ -1,16 +1,16 @@
 //! The noise floor: stated standard errors, repeated dwells and residuals, weighed together.
 
-use super::answer::{GyroFloor, NoiseFloor};
-use super::frame::{Frame, GyroFrame};
+use crate::core::diagnose::answer::{GyroFloor, NoiseFloor};
+use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
 use crate::core::numerics::basis::dot;
 
 /// Prior weight, in degrees of freedom, of the statement that the stated standard errors are right. Standard errors
 /// are met that are wrong by tens of per cent: a factor with a scatter of 22 % is worth 1/(2 x 0.22^2) = 10.
-pub(super) const STATED_DOF: f64 = 10.0;
+pub(crate) const STATED_DOF: f64 = 10.0;
 
 /// What one gyro's dwells say about the factor between the real noise and `sd`, independently of any effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PureError {
+pub(crate) struct PureError {
     /// Sum of squares within repeats, in units of `sd`.
     pub sum: f64,
     pub dof: usize,
@@ -19,7 +19,7 @@ pub(super) struct PureError {
 /// Scatter of whitened residuals within groups of repeated dwells: sum of (y - weighted group mean)^2 / sd^2. Within a
 /// group the model's design is constant, so its residuals differ as outputs do; what adopted effects of time,
 /// temperature or order explain is no pure error, hence residuals and not outputs.
-pub(super) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> PureError {
+pub(crate) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> PureError {
     let mut pure = PureError { sum: 0.0, dof: 0 };
     for group in &frame.noise.repeats {
         let weights: Vec<f64> = group.iter().map(|&k| gyro.sd[k].powi(-2)).collect();
@@ -33,13 +33,13 @@ pub(super) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> P
 }
 
 /// Variance factor of one gyro from stated errors and repeats alone; none where there is neither.
-pub(super) fn variance(stated: bool, pure: PureError) -> Option<f64> {
+pub(crate) fn variance(stated: bool, pure: PureError) -> Option<f64> {
     let prior = if stated { STATED_DOF } else { 0.0 };
     let dof = prior + pure.dof as f64;
     (dof > 0.0).then(|| ((prior + pure.sum) / dof).max(1e-12))
 }
 
-pub(super) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> NoiseFloor {
+pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> NoiseFloor {
     let repeats = !frame.noise.repeats.is_empty();
     let source = match (frame.noise.stated, repeats) {
         (true, true) => "repeats+sem",
@@ -71,7 +71,7 @@ pub(super) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> N
 
 /// Root mean square that noise alone leaves in the residuals of the model in use, deg/h: with `Q` an orthonormal basis of the
 /// whitened design, the residual of dwell k has the variance `v sd_k^2 (1 - (Q Q')_kk)`.
-pub(super) fn expected_rms(frame: &Frame, variances: &[f64]) -> f64 {
+pub(crate) fn expected_rms(frame: &Frame, variances: &[f64]) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (gyro, variance) in frame.gyros.iter().zip(variances) {
         for (k, sd) in gyro.sd.iter().enumerate() {
@@ -83,7 +83,7 @@ pub(super) fn expected_rms(frame: &Frame, variances: &[f64]) -> f64 {
 }
 
 /// Root mean square of whitened residuals, deg/h.
-pub(super) fn rms<'a>(frame: &Frame, residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
+pub(crate) fn rms<'a>(frame: &Frame, residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (gyro, residual) in frame.gyros.iter().zip(residuals) {
         sum += residual.iter().zip(&gyro.sd).map(|(r, sd)| (r * sd).powi(2)).sum::<f64>();

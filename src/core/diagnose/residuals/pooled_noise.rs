@@ -6,7 +6,7 @@
 
 /// Sum of squares over the stated variances, and its degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scatter {
+pub(crate) struct Scatter {
     pub rss: f64,
     pub nu: f64,
 }
@@ -16,7 +16,7 @@ const ALIKE: f64 = 3.0;
 
 /// Gives every gyro the scatter of all, where no gyro differs from it beyond chance: a gyro whose standard errors are wrong in a
 /// way of their own, or that has an effect which stands out, is judged by itself, and so are the others then. Answers which.
-pub(super) fn pool(gyros: &mut [Scatter]) -> bool {
+pub(crate) fn pool(gyros: &mut [Scatter]) -> bool {
     let all = gyros
         .iter()
         .fold(Scatter { rss: 0.0, nu: 0.0 }, |sum, own| Scatter { rss: sum.rss + own.rss, nu: sum.nu + own.nu });

@@ -7,10 +7,10 @@ use crate::core::effects::Setting;
 use crate::core::numerics::basis::{axpy, dot, scale};
 
 /// Values of `c` that are weighed, equally likely beforehand.
-pub(super) const GROWTHS: [f64; 9] = [0.0, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
+pub(crate) const GROWTHS: [f64; 9] = [0.0, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
 
 /// Standard deviation of each dwell of gyro `j` up to a factor.
-pub(super) fn shape(s: &Setting, j: usize, c: f64, p: f64) -> Vec<f64> {
+pub(crate) fn shape(s: &Setting, j: usize, c: f64, p: f64) -> Vec<f64> {
     let input = s.column(|k| s.rate[k].dot(&s.gyros[j].input).abs());
     let top = input.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(*x));
     s.column(|k| (1.0 + (c * input[k] / top).powi(2)).sqrt() * (s.duration[0] / s.duration[k]).powf(0.5 * p))
@@ -18,7 +18,7 @@ pub(super) fn shape(s: &Setting, j: usize, c: f64, p: f64) -> Vec<f64> {
 
 /// Logarithm of the probability of one gyro's output for noise of a given shape, coefficients of `design` and scale
 /// integrated out (restricted likelihood, up to a constant that `c` does not change).
-pub(super) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> f64 {
+pub(crate) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> f64 {
     let whiten = |column: &[f64]| -> Vec<f64> { column.iter().zip(shape).map(|(x, sd)| x / sd).collect() };
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut log_det = 0.0;
@@ -52,12 +52,12 @@ pub(super) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> 
 }
 
 /// Restricted likelihood of all gyros at each of [`GROWTHS`].
-pub(super) fn profile(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], p: f64) -> [f64; GROWTHS.len()] {
+pub(crate) fn profile(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], p: f64) -> [f64; GROWTHS.len()] {
     GROWTHS.map(|c| (0..outputs.len()).map(|j| restricted(&outputs[j], &designs[j], &shape(s, j, c, p))).sum())
 }
 
 /// ln of the mean of exp.
-pub(super) fn log_mean(profile: &[f64]) -> f64 {
+pub(crate) fn log_mean(profile: &[f64]) -> f64 {
     let top = profile.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     top + (profile.iter().map(|x| (x - top).exp()).sum::<f64>() / profile.len() as f64).ln()
 }

@@ -3,13 +3,13 @@
 //! Stated standard errors are themselves estimates: where they scatter about a smooth law in rate and duration, half
 //! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
 
-use super::law::{GROWTHS, shape};
 use crate::core::campaign::Campaign;
+use crate::core::diagnose::residuals::noise_growth::{GROWTHS, shape};
 use crate::core::effects::Setting;
 use crate::core::numerics::basis::{Basis, dot};
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Noise {
+pub(crate) struct Noise {
     /// Per gyro, per dwell, deg/h.
     pub sd: Vec<Vec<f64>>,
     /// Whether the station stated standard errors.
@@ -28,7 +28,7 @@ pub(super) struct Noise {
 /// Smallest noise against the largest output that is believed: f64 and ten-digit files end there.
 const ROUNDING: f64 = 1e-9;
 
-pub(super) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Noise {
+pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Noise {
     let repeats = repeated(campaign);
     let mut notes = Vec::new();
     let stated: Option<Vec<Vec<f64>>> = (0..outputs.len())

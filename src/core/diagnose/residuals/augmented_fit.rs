@@ -2,14 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::floor::STATED_DOF;
-use super::frame::Frame;
+use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Coefficient, Effect, Scope, Shape};
 use crate::core::numerics::basis::dot;
 
 /// An effect with its shape and its gyros fixed.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Part {
+pub(crate) struct Part {
     pub effect: Effect,
     pub shape: Shape,
     pub members: Vec<bool>,
@@ -36,7 +36,7 @@ impl Part {
 
 /// One fitted coefficient.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Fitted {
+pub(crate) struct Fitted {
     pub part: usize,
     /// None where all gyros share it.
     pub gyro: Option<usize>,
@@ -46,7 +46,7 @@ pub(super) struct Fitted {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Fit {
+pub(crate) struct Fit {
     pub fitted: Vec<Fitted>,
     /// Whitened residuals of each gyro.
     pub residuals: Vec<Vec<f64>>,
@@ -66,7 +66,7 @@ struct Unknown {
 }
 
 /// Weighted least squares of all parts together; gyros weigh with the noise that the fit itself leaves them.
-pub(super) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
+pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
     let gyros = frame.gyros.len();
     let columns: Vec<Vec<Vec<Vec<f64>>>> =
         parts.iter().map(|part| (0..gyros).map(|j| part.columns(frame, j)).collect()).collect();

@@ -1,9 +1,9 @@
 //! What this campaign could not show, whatever its data: from the design alone.
 
 use super::answer::NotIdentifiable;
-use super::bank::{Bank, Kind};
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::{Bank, Kind};
 use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{Basis, dot};

@@ -5,41 +5,30 @@
 //! model), `heldout` (closure), `remaining` (tests without a catalogue), `identify`, `impact`, `next`, `report` (the answer).
 
 mod answer;
-mod bank;
 mod class;
 mod closure;
-mod common;
-mod evidence;
 mod heldout;
 mod identify;
 mod impact;
 mod located;
 mod next;
-mod null;
-mod odds;
-mod products;
 mod reference;
 mod remaining;
 mod report;
 mod residuals;
 mod search;
-mod settle;
-mod sharpen;
-mod small;
 mod stated;
-mod tabled;
 mod why_not;
-mod worth;
 
 pub use answer::*;
 pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
 
+pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 pub use reference::{Moved, NoReference, Parts, Reference, Split, split};
-pub use settle::FALSE_ALARM;
 
 use crate::core::diagnose::residuals::whitened::Frame;
 pub(crate) use crate::core::diagnose::residuals::whitened::setting;
-use settle::Settled;
+use crate::core::diagnose::search::noise_rounds::Settled;
 
 use super::campaign::Campaign;
 use super::effects::{Effect, Shape};

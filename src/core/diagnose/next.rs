@@ -4,11 +4,11 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::answer::NextDwell;
-use super::bank::Bank;
 use super::identify::{JUST_MISSED, Mimic, visible};
 use crate::core::campaign::Phase;
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{CATALOGUE, Effect, Scope, Setting, Shape};
 
 /// Dwells that are proposed at most.

@@ -9,10 +9,10 @@ mod likeness;
 use nalgebra::DMatrix;
 
 use super::answer::Sign;
-use super::bank::basis_matrix;
 use crate::core::campaign::Phase;
 use crate::core::diagnose::residuals::noise_floor::pure_error;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::basis_matrix;
 use crate::core::effects::Setting;
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::{Basis, dot};

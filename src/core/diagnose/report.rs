@@ -1,25 +1,25 @@
 //! Turns what the search settled on into the answer: names with classes, closure, what remains, what was not taken.
 
 use super::answer::*;
-use super::bank::Kind;
 use super::class;
-use super::evidence::Score;
 use super::heldout;
 use super::identify;
 use super::impact;
 use super::located;
 use super::next;
-use super::odds;
 use super::remaining::{self, Left, Tested};
-use super::search::{Choice, Search};
-use super::settle::{FALSE_ALARM, Settled};
-use super::sharpen::shape_sd;
 use super::stated;
 use super::why_not::WhyNot;
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::bayes_factor::Score;
+use crate::core::diagnose::search::hypotheses::Kind;
+use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
+use crate::core::diagnose::search::odds;
+use crate::core::diagnose::search::refined_shape::shape_sd;
+use crate::core::diagnose::search::stepwise::{Choice, Search};
 use crate::core::effects::suspects::SUSPECTS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
@@ -376,7 +376,7 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
         let choice = search.choice(score);
         let part = search.part(&choice)?;
         let (effect, earned) = (part.effect, search.earned(&[], score.kind));
-        let visible = identify::visible(&settled.bank, effect) > super::bank::INVISIBLE;
+        let visible = identify::visible(&settled.bank, effect) > crate::core::diagnose::search::hypotheses::INVISIBLE;
         let held_out = visible.then(|| {
             let coefficients = part.columns(frame, 0).len() as f64;
             heldout::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)

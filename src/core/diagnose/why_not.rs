@@ -1,9 +1,9 @@
 //! Why an entry that was tried was not named, in the order in which the search decides.
 
-use super::bank::Kind;
 use super::report::Named;
-use super::search::{Choice, MOST, Search};
-use super::settle::{FALSE_ALARM, Settled};
+use crate::core::diagnose::search::hypotheses::Kind;
+use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
+use crate::core::diagnose::search::stepwise::{Choice, MOST, Search};
 use crate::core::effects::Effect;
 use crate::core::effects::suspects::SUSPECTS;
 

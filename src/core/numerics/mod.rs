@@ -5,4 +5,5 @@ pub(super) mod cholesky;
 pub mod least_squares;
 pub(super) mod log_sum;
 pub(crate) mod normal;
+pub(super) mod small_systems;
 pub mod tails;

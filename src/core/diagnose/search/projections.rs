@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-use super::bank::{Bank, Block, Hypothesis};
-use super::evidence::{GyroState, State};
-use super::small;
+use crate::core::diagnose::search::bayes_factor::{GyroState, State};
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis};
+use crate::core::numerics::small_systems;
 
 /// As many rows as make the library multiply by blocks and not column by column.
 const BLOCK: usize = 6;
@@ -26,7 +26,7 @@ impl GyroState {
 }
 
 /// Products of every column of the bank with residuals and adopted columns.
-pub(super) struct Products {
+pub(crate) struct Products {
     /// Adopted x columns, so that what belongs to one column lies together.
     with_extra: Vec<DMatrix<f64>>,
     with_residual: Vec<DVector<f64>>,
@@ -68,7 +68,7 @@ impl Products {
 }
 
 /// What the evidence of one gyro is made of.
-pub(super) struct Seen<'a> {
+pub(crate) struct Seen<'a> {
     /// Products of the gyro's columns with its residual.
     pub with_residual: &'a [f64],
     /// Products of what has been adopted with the gyro's columns, those of one column together.
@@ -86,7 +86,7 @@ impl Seen<'_> {
     }
 
     /// Gram matrix of a small block's columns, adopted columns projected out.
-    pub fn gram(&self, block: &Block) -> small::Matrix {
+    pub fn gram(&self, block: &Block) -> small_systems::Matrix {
         let mut gram = block.gram;
         for (i, j) in (0..block.len).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let taken: f64 =
@@ -98,8 +98,8 @@ impl Seen<'_> {
     }
 
     /// Products of a small block's columns with the residual.
-    pub fn side(&self, block: &Block) -> small::Vector {
-        let mut side = [0.0; small::MOST];
+    pub fn side(&self, block: &Block) -> small_systems::Vector {
+        let mut side = [0.0; small_systems::MOST];
         side[..block.len].copy_from_slice(&self.with_residual[block.start..][..block.len]);
         side
     }

@@ -1,14 +1,14 @@
 //! What is known of causes before the outputs speak: how large each may be, and that temperature is the first suspect where it moved; and what is
 //! asked of a name once they have spoken.
 
-use super::bank::Kind;
-use super::evidence::Score;
-use super::heldout;
-use super::search::{Choice, Search};
+use crate::core::diagnose::heldout;
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::bayes_factor::Score;
+use crate::core::diagnose::search::hypotheses::Kind;
+use crate::core::diagnose::search::stepwise::{Choice, Search};
 use crate::core::effects::suspects::SUSPECTS;
 
 /// ln of evidence from which on an effect is asked whether its size is plausible.
@@ -21,7 +21,7 @@ const MOST_ODDS: f64 = 25.0;
 
 impl Search<'_> {
     /// Rules out what is implausibly large, and gives temperature its odds.
-    pub(super) fn weigh(&self, choices: &[Choice], scores: &mut [Score]) {
+    pub(crate) fn weigh(&self, choices: &[Choice], scores: &mut [Score]) {
         let odds = self.odds_of_temperature();
         for score in scores {
             // Odds among causes, not against noise.
@@ -35,7 +35,7 @@ impl Search<'_> {
     }
 
     /// The choices, those of temperature before the others where it has odds.
-    pub(super) fn first_suspect_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+    pub(crate) fn first_suspect_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         if self.odds_of_temperature() > 0.0 {
             choices.sort_by_key(|choice| !of_temperature(choice.kind));
         }
@@ -43,7 +43,7 @@ impl Search<'_> {
     }
 
     /// Evidence without the odds that temperature has among causes.
-    pub(super) fn against_noise(&self, kind: Kind, evidence: f64) -> f64 {
+    pub(crate) fn against_noise(&self, kind: Kind, evidence: f64) -> f64 {
         let odds = if of_temperature(kind) { self.odds_of_temperature() } else { 0.0 };
         if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
     }
@@ -76,7 +76,7 @@ fn of_temperature(kind: Kind) -> bool {
 
 /// Which parts, in their order, shrink the gap on dwells that were held out; `unseen` is the power that tests would miss. One dwell set
 /// aside is not asked: it says nothing of others.
-pub(super) fn closing(frame: &Frame, parts: Vec<Part>, unseen: f64) -> Vec<bool> {
+pub(crate) fn closing(frame: &Frame, parts: Vec<Part>, unseen: f64) -> Vec<bool> {
     let variances = augmented_fit::fit(frame, &parts).variances;
     let floor = noise_floor::report(frame, &variances, true).deg_per_h;
     let closes = |p: usize| {

@@ -15,20 +15,20 @@ use std::cell::LazyCell;
 
 use nalgebra::DMatrix;
 
-use super::bank::{Bank, Kind, basis_matrix};
-use super::evidence::together;
-use super::products::Seen;
-use super::tabled::Tabled;
 use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::bayes_factor::together;
+use crate::core::diagnose::search::hypotheses::{Bank, Kind, basis_matrix};
+use crate::core::diagnose::search::null_tables::Tabled;
+use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
 
 const DRAWS: usize = 160;
 
 /// Tail probability of the largest evidence under noise.
 #[derive(Debug, Clone)]
-pub(super) struct Null {
+pub(crate) struct Null {
     /// Largest evidence of each draw, descending, and the probability under noise of at least that.
     tail: Vec<(f64, f64)>,
 }

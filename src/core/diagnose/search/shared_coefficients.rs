@@ -2,17 +2,17 @@
 //!
 //! Each gyro weighs with its own noise, so the gyros do not multiply; the coefficients are found from all of them at once.
 
-use super::bank::Hypothesis;
-use super::evidence::MAX_GYROS;
-use super::products::Seen;
-use super::small;
+use crate::core::diagnose::search::bayes_factor::MAX_GYROS;
+use crate::core::diagnose::search::hypotheses::Hypothesis;
+use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::small_systems;
 
 /// A hypothesis whose coefficients all gyros share.
-pub(super) struct Common<'a> {
+pub(crate) struct Common<'a> {
     pub size: usize,
     /// Gyros that show it, in front: Gram matrix and products with the residual.
-    parts: [Option<(&'a Seen<'a>, small::Matrix, small::Vector)>; MAX_GYROS],
+    parts: [Option<(&'a Seen<'a>, small_systems::Matrix, small_systems::Vector)>; MAX_GYROS],
 }
 
 impl<'a> Common<'a> {
@@ -34,7 +34,8 @@ impl<'a> Common<'a> {
         let mut left = self.parts.map(|part| part.map_or(0.0, |(seen, ..)| seen.rss));
         let (mut gain, mut penalty) = (0.0, 0.0);
         for _ in 0..2 {
-            let (mut system, mut side) = ([[0.0; small::MOST]; small::MOST], [0.0; small::MOST]);
+            let (mut system, mut side) =
+                ([[0.0; small_systems::MOST]; small_systems::MOST], [0.0; small_systems::MOST]);
             (0..size).for_each(|i| system[i][i] = 1.0 / power);
             for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&left) {
                 let weight = seen.nu / left;
@@ -43,7 +44,7 @@ impl<'a> Common<'a> {
                     (0..size).for_each(|j| system[i][j] += gram[i][j] * weight);
                 }
             }
-            let Some(factor) = small::Factor::of(size, &system) else { return (0.0, 0.0) };
+            let Some(factor) = small_systems::Factor::of(size, &system) else { return (0.0, 0.0) };
             let estimate = factor.solve(&side);
             let length: f64 = estimate.iter().map(|x| x * x).sum();
             penalty = 0.5 * (factor.log_det() + size as f64 * power.ln()) + 0.5 * length / power;

@@ -1,14 +1,14 @@
 //! Symmetric positive definite systems of at most three unknowns, on the stack: the search solves millions of them.
 
 /// Most unknowns.
-pub(super) const MOST: usize = 3;
+pub(crate) const MOST: usize = 3;
 
-pub(super) type Matrix = [[f64; MOST]; MOST];
-pub(super) type Vector = [f64; MOST];
+pub(crate) type Matrix = [[f64; MOST]; MOST];
+pub(crate) type Vector = [f64; MOST];
 
 /// Cholesky's lower factor of the leading `size` rows and columns.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Factor {
+pub(crate) struct Factor {
     size: usize,
     lower: Matrix,
 }

@@ -4,19 +4,19 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::bank::{Bank, Kind};
-use super::evidence::{Score, State, scores, state, together};
-use super::null::Null;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::bayes_factor::{Score, State, scores, state, together};
+use crate::core::diagnose::search::hypotheses::{Bank, Kind};
+use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::effects::suspects::{SUSPECTS, WANDERING};
 use crate::core::numerics::basis::Basis;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
-pub(super) const MOST: usize = 4;
+pub(crate) const MOST: usize = 4;
 
 /// ln of prior odds of a suspect against a contract entry.
-pub(super) const SUSPECT_ODDS: f64 = -2.0;
+pub(crate) const SUSPECT_ODDS: f64 = -2.0;
 
 /// ln of evidence that a replacement must win by.
 const CLEARLY: f64 = 0.3;
@@ -28,7 +28,7 @@ const TIED: f64 = 0.3;
 const CONTRACT_FIRST: f64 = 2.5;
 
 /// ln of prior odds against each further cause.
-pub(super) const PER_CAUSE: f64 = 3.0;
+pub(crate) const PER_CAUSE: f64 = 3.0;
 
 /// Pairs start from this many contract entries with at least this evidence alone; what a first look finds to fall
 /// short by more than `POLISH` is not looked at again.
@@ -38,7 +38,7 @@ const POLISH: f64 = 12.0;
 
 /// One adopted hypothesis.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Choice {
+pub(crate) struct Choice {
     pub kind: Kind,
     /// Index into the bank.
     pub hypothesis: usize,
@@ -56,9 +56,9 @@ impl Choice {
 }
 
 /// Scores that have been computed, by what had been adopted: hypotheses in their order, and their members.
-pub(super) type Known = RefCell<HashMap<Vec<(usize, Vec<bool>)>, Rc<[Score]>>>;
+pub(crate) type Known = RefCell<HashMap<Vec<(usize, Vec<bool>)>, Rc<[Score]>>>;
 
-pub(super) struct Search<'a> {
+pub(crate) struct Search<'a> {
     pub frame: &'a Frame,
     pub bank: &'a Bank,
     pub null: &'a Null,
@@ -68,7 +68,7 @@ pub(super) struct Search<'a> {
 
 /// Evidence that adoption asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Threshold {
+pub(crate) struct Threshold {
     /// Of what is named alone.
     pub alone: f64,
     /// Of what is named beside another: a name that is not quite right leaves something for a second one.
@@ -86,7 +86,7 @@ impl Search<'_> {
         state(self.frame, self.extras(choices))
     }
 
-    pub(super) fn extras(&self, choices: &[Choice]) -> Vec<Basis> {
+    pub(crate) fn extras(&self, choices: &[Choice]) -> Vec<Basis> {
         (0..self.frame.gyros.len()).map(|j| self.extra(choices, j)).collect()
     }
 
@@ -184,11 +184,11 @@ impl Search<'_> {
     }
 
     /// Replaces choices one at a time by better ones given the others, until none is better.
-    pub(super) fn polish(&self, choices: &mut [Choice]) {
+    pub(crate) fn polish(&self, choices: &mut [Choice]) {
         self.polish_among(choices, false);
     }
 
-    pub(super) fn polish_contract(&self, choices: &mut [Choice]) {
+    pub(crate) fn polish_contract(&self, choices: &mut [Choice]) {
         self.polish_among(choices, true);
     }
 
@@ -322,7 +322,7 @@ impl Search<'_> {
     }
 
     /// Drops, weakest first, what the others make superfluous.
-    pub(super) fn prune(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+    pub(crate) fn prune(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         loop {
             for i in 0..choices.len() {
                 choices[i].evidence = self.earned_beside_others(&choices, i);
@@ -340,7 +340,7 @@ impl Search<'_> {
     }
 }
 
-pub(super) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
+pub(crate) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
     let mut others = choices.to_vec();
     others.remove(i);
     others

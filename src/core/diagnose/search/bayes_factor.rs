@@ -10,23 +10,23 @@
 //! A gyro has the effect with probability one half before the data speak, so gyros multiply as (1 + B_j)/2; values of
 //! a non-linear parameter average with their weights. The penalty for flexible entries is thus no choice of ours.
 //!
-//! Coefficients that all gyros share have a form of their own ([`super::common`]).
+//! Coefficients that all gyros share have a form of their own ([`crate::core::diagnose::search::shared_coefficients`]).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::bank::{Bank, Block, Hypothesis, Kind};
-use super::common::Common;
-use super::products::{Products, Seen};
-use super::small;
 use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, Kind};
+use crate::core::diagnose::search::projections::{Products, Seen};
+use crate::core::diagnose::search::shared_coefficients::Common;
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::small_systems;
 
 /// Residuals of one gyro under the model and what has been adopted so far.
 #[derive(Debug, Clone)]
-pub(super) struct GyroState {
+pub(crate) struct GyroState {
     /// Adopted columns, orthonormal and orthogonal to the model's.
     pub extra: Basis,
     pub residual: Vec<f64>,
@@ -37,13 +37,13 @@ pub(super) struct GyroState {
 }
 
 /// An IMU's gyros.
-pub(super) const MAX_GYROS: usize = 3;
+pub(crate) const MAX_GYROS: usize = 3;
 
-pub(super) type State = Vec<GyroState>;
+pub(crate) type State = Vec<GyroState>;
 
 /// One kind's evidence given a state.
 #[derive(Debug, Clone)]
-pub(super) struct Score {
+pub(crate) struct Score {
     pub kind: Kind,
     pub log_evidence: f64,
     /// Index of the hypothesis that weighs most.
@@ -53,7 +53,7 @@ pub(super) struct Score {
 }
 
 /// The model in use with further columns adopted.
-pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
+pub(crate) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
     let mut gyros = each_by_itself(frame, extras);
     if frame.noise.stated {
         let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
@@ -64,7 +64,7 @@ pub(super) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
 }
 
 /// As [`state`], with each gyro's noise from its own residuals alone: what one gyro holds is no noise in another.
-pub(super) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
+pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
     let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
     frame
         .gyros
@@ -83,7 +83,7 @@ pub(super) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
 }
 
 /// Scores every kind of the bank.
-pub(super) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
+pub(crate) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
     let products = Products::of(bank, state);
     let seen = products.seen(state);
     bank.kinds.iter().map(|(kind, range)| score(bank, *kind, range.clone(), &seen)).collect()
@@ -94,7 +94,7 @@ const SHARED: f64 = 1.1;
 
 /// Evidence that speaks for the strongest of several entries or for one like it: of alternatives that exclude one another
 /// the Bayes factors add. A campaign may tell that one of them is there before it tells which.
-pub(super) fn together(logs: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn together(logs: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut top) = (LogSum::default(), f64::NEG_INFINITY);
     for log in logs {
         sum.add(log);
@@ -104,7 +104,7 @@ pub(super) fn together(logs: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Scores one kind of hypothesis.
-pub(super) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
+pub(crate) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
     let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
     let mut total = LogSum::default();
     for i in range {
@@ -151,7 +151,7 @@ fn log_bayes(hypothesis: &Hypothesis, seen: &[Seen]) -> (f64, [BayesFactor; MAX_
 }
 
 /// As [`log_bayes`], with the effect in exactly the gyros `members`: one of the equally likely sets.
-pub(super) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[Seen]) -> f64 {
+pub(crate) fn log_bayes_in(hypothesis: &Hypothesis, members: &[bool], seen: &[Seen]) -> f64 {
     if hypothesis.common {
         return log_bayes(hypothesis, seen).0;
     }
@@ -194,11 +194,11 @@ fn log_membership(factors: &[BayesFactor]) -> f64 {
 
 /// A block in one gyro with what has been adopted taken out of it.
 enum Projected<'a> {
-    /// Of at most [`small::MOST`] columns: Gram matrix `U'U` and `U'r`.
+    /// Of at most [`small_systems::MOST`] columns: Gram matrix `U'U` and `U'r`.
     Small {
         size: usize,
-        gram: small::Matrix,
-        side: small::Vector,
+        gram: small_systems::Matrix,
+        side: small_systems::Vector,
     },
     /// Orthogonal columns with nothing adopted: squared lengths, and `U'r`.
     Orthogonal {
@@ -215,7 +215,7 @@ impl<'a> Projected<'a> {
     fn of(block: &'a Block, seen: &'a Seen<'a>) -> Self {
         if seen.adopted == 0 {
             Self::Orthogonal { block, side: &seen.with_residual[block.start..][..block.len] }
-        } else if block.len <= small::MOST {
+        } else if block.len <= small_systems::MOST {
             Self::Small { size: block.len, gram: seen.gram(block), side: seen.side(block) }
         } else {
             Self::Large { block, seen }
@@ -237,7 +237,7 @@ impl<'a> Projected<'a> {
             Self::Small { size, gram, side } => {
                 let mut system = gram.map(|row| row.map(|x| power * x));
                 (0..*size).for_each(|i| system[i][i] += 1.0);
-                let Some(factor) = small::Factor::of(*size, &system) else { return (0.0, log_det) };
+                let Some(factor) = small_systems::Factor::of(*size, &system) else { return (0.0, log_det) };
                 let solution = factor.solve(side);
                 let product: f64 = side.iter().zip(&solution).map(|(b, x)| b * x).sum();
                 (power * product, factor.log_det())
@@ -281,7 +281,7 @@ fn explained_by_many(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
 const NO_PRIOR: f64 = 1e5;
 
 /// Gain in log-likelihood of one hypothesis in each gyro, coefficients free, and the number of coefficients.
-pub(super) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)> {
+pub(crate) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)> {
     hypothesis
         .blocks
         .iter()
@@ -295,7 +295,7 @@ pub(super) fn gains(hypothesis: &Hypothesis, seen: &[Seen]) -> Vec<(f64, usize)>
 
 /// Log-likelihood gain less number of coefficients (half of Akaike's criterion) of a kind at its best: gyros that do
 /// not pay for their coefficients stay out, an unknown shape counts as one more.
-pub(super) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen]) -> f64 {
+pub(crate) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen]) -> f64 {
     let shape = if range.len() > 1 { 1.0 } else { 0.0 };
     let best = range
         .map(|i| {
@@ -310,7 +310,7 @@ pub(super) fn criterion(bank: &Bank, range: std::ops::Range<usize>, seen: &[Seen
 }
 
 /// Evidence of a kind from gyro `j` alone, and its [`criterion`] there; none for coefficients that all gyros share.
-pub(super) fn of_gyro(bank: &Bank, range: std::ops::Range<usize>, j: usize, seen: &Seen) -> Option<(f64, f64)> {
+pub(crate) fn of_gyro(bank: &Bank, range: std::ops::Range<usize>, j: usize, seen: &Seen) -> Option<(f64, f64)> {
     let shape = if range.len() > 1 { 1.0 } else { 0.0 };
     let (mut total, mut best) = (LogSum::default(), f64::NEG_INFINITY);
     for hypothesis in bank.hypotheses[range].iter().filter(|hypothesis| !hypothesis.common) {

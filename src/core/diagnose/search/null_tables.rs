@@ -1,4 +1,4 @@
-//! Bayes factors of the contract's hypotheses from tables, for the many draws of [`super::null`].
+//! Bayes factors of the contract's hypotheses from tables, for the many draws of [`crate::core::diagnose::search::null_distribution`].
 //!
 //! With nothing adopted a flat block's Bayes factor is a function of one number, the share `u = |U'r|^2/R` of the residual that it
 //! explains: a table of it for each number of columns and of degrees of freedom replaces logarithms and exponentials by a look-up. Linear
@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
-use super::bank::{Bank, Hypothesis, Kind};
-use super::evidence::{MAX_GYROS, score};
-use super::products::Seen;
+use crate::core::diagnose::search::bayes_factor::{MAX_GYROS, score};
+use crate::core::diagnose::search::hypotheses::{Bank, Hypothesis, Kind};
+use crate::core::diagnose::search::projections::Seen;
 
 /// Cells of a table over u from 0 to 1.
 const CELLS: usize = 1024;
@@ -28,7 +28,7 @@ enum Entries {
     Common(Kind, Range<usize>),
 }
 
-pub(super) struct Tabled<'a> {
+pub(crate) struct Tabled<'a> {
     bank: &'a Bank,
     gyros: usize,
     tables: Vec<Table>,

@@ -4,13 +4,13 @@
 //! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
 //! growth averaged out, not only at its best value.
 
-use super::Refusal;
-use super::bank::{Bank, Kind};
-use super::null::Null;
-use super::search::{Choice, Known, Search, Threshold};
-use super::sharpen::sharpened;
+use crate::core::diagnose::Refusal;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, log_mean, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::{Bank, Kind};
+use crate::core::diagnose::search::null_distribution::Null;
+use crate::core::diagnose::search::refined_shape::sharpened;
+use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
 
 /// Probability with which noise alone may get anything named.
 pub const FALSE_ALARM: f64 = 0.008;
@@ -25,7 +25,7 @@ const ROUNDS: usize = 4;
 /// looks like growing noise and hides in it.
 const LOWER: usize = 2;
 
-pub(super) struct Settled {
+pub(crate) struct Settled {
     pub frame: Frame,
     pub bank: Bank,
     pub null: Null,

@@ -1,15 +1,15 @@
 //! What several choices are worth together, and how few do.
 
-use super::bank::Kind;
-use super::evidence::{each_by_itself, log_bayes_in};
-use super::products::Products;
-use super::search::{Choice, PER_CAUSE, SUSPECT_ODDS, Search, without};
+use crate::core::diagnose::search::bayes_factor::{each_by_itself, log_bayes_in};
+use crate::core::diagnose::search::hypotheses::Kind;
+use crate::core::diagnose::search::projections::Products;
+use crate::core::diagnose::search::stepwise::{Choice, PER_CAUSE, SUSPECT_ODDS, Search, without};
 use crate::core::numerics::log_sum::LogSum;
 
 impl Search<'_> {
     /// Drops names that the others, chosen anew without them, make superfluous, the least missed first: a cause that two entries
     /// explain alike may have been given to one of them in some gyros and to the other in the rest.
-    pub(super) fn fewest(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+    pub(crate) fn fewest(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         while choices.len() > 1 {
             let all = self.together(&choices);
             let fewer = (0..choices.len()).filter(|&i| !choices[i].is_suspect()).map(|i| {
@@ -29,7 +29,7 @@ impl Search<'_> {
     }
 
     /// Evidence of all choices together less what each further cause costs beforehand.
-    pub(super) fn worth(&self, choices: &[Choice]) -> f64 {
+    pub(crate) fn worth(&self, choices: &[Choice]) -> f64 {
         self.together(choices) - PER_CAUSE * choices.len() as f64
     }
 

@@ -7,15 +7,15 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVectorView};
 
-use super::Adopted;
-use super::small;
+use crate::core::diagnose::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
 use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
 use crate::core::numerics::basis::{axpy, dot, scale};
+use crate::core::numerics::small_systems;
 
 /// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
-pub(super) const INVISIBLE: f64 = 1e-6;
+pub(crate) const INVISIBLE: f64 = 1e-6;
 
 /// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column, by the
 /// number of coefficients: effects at the limit of detection, well above it and of any size, whatever the number. Without the last, a
@@ -25,14 +25,14 @@ const FLAT_POWER: [[f64; 3]; 4] = [[16.0, 100.0, 1e5], [8.0, 50.0, 5e4], [5.0, 3
 const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Effect(Effect),
     /// Index into [`SUSPECTS`].
     Suspect(usize),
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Hypothesis {
+pub(crate) struct Hypothesis {
     pub kind: Kind,
     pub shape: Shape,
     /// Logarithm of the share of the kind's prior weight.
@@ -44,13 +44,13 @@ pub(super) struct Hypothesis {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Block {
+pub(crate) struct Block {
     pub start: usize,
     pub len: usize,
     /// Squared lengths of the columns, which are orthogonal to one another; empty where all are 1.
     pub lengths: Vec<f64>,
-    /// Products of the columns with one another, where there are at most [`small::MOST`].
-    pub gram: small::Matrix,
+    /// Products of the columns with one another, where there are at most [`small_systems::MOST`].
+    pub gram: small_systems::Matrix,
     /// Sum of ln(1 + power x length) over the columns, for each of the hypothesis' powers.
     pub log_dets: Vec<f64>,
     /// Share of the raw columns' whitened power that is left.
@@ -59,7 +59,14 @@ pub(super) struct Block {
 
 impl Block {
     fn empty(start: usize, visible: f64) -> Self {
-        Self { start, len: 0, lengths: Vec::new(), gram: small::Matrix::default(), log_dets: Vec::new(), visible }
+        Self {
+            start,
+            len: 0,
+            lengths: Vec::new(),
+            gram: small_systems::Matrix::default(),
+            log_dets: Vec::new(),
+            visible,
+        }
     }
 
     /// Squared length of column `i`.
@@ -69,7 +76,7 @@ impl Block {
 }
 
 #[derive(Debug)]
-pub(super) struct Bank {
+pub(crate) struct Bank {
     /// Sorted by kind; contract entries before suspects.
     pub hypotheses: Vec<Hypothesis>,
     /// Ranges of `hypotheses` of one kind each.
@@ -218,7 +225,7 @@ fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Blo
     (matrix.resize_horizontally(kept, 0.0), blocks)
 }
 
-pub(super) fn basis_matrix(vectors: &[Vec<f64>], n: usize) -> DMatrix<f64> {
+pub(crate) fn basis_matrix(vectors: &[Vec<f64>], n: usize) -> DMatrix<f64> {
     DMatrix::from_fn(n, vectors.len(), |k, c| vectors[c][k])
 }
 
@@ -295,9 +302,9 @@ fn scale_together(hypothesis: &mut Hypothesis, columns: &mut [DMatrix<f64>]) {
         block.log_dets = (hypothesis.powers.iter())
             .map(|power| (0..block.len).map(|i| (power * block.length(i)).ln_1p()).sum())
             .collect();
-        if block.len <= small::MOST && block.lengths.is_empty() {
+        if block.len <= small_systems::MOST && block.lengths.is_empty() {
             (0..block.len).for_each(|i| block.gram[i][i] = 1.0);
-        } else if block.len <= small::MOST {
+        } else if block.len <= small_systems::MOST {
             let own = columns.columns(block.start, block.len);
             for i in 0..block.len {
                 (0..block.len).for_each(|j| block.gram[i][j] = own.column(i).dot(&own.column(j)));

@@ -3,11 +3,11 @@
 //! Time constants, periods and directions of a field are tried on a grid. What the nearest of them leaves of an effect is some
 //! hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for an effect of its own.
 
-use super::bank::Kind;
-use super::search::{Choice, Search};
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::hypotheses::Kind;
+use crate::core::diagnose::search::stepwise::{Choice, Search};
 use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
 
@@ -18,7 +18,7 @@ const STRONG: f64 = 60.0;
 const STEPS: usize = 20;
 
 /// The shapes at which strong entries explain most, each by itself and beside what was found, where they lie off the grid.
-pub(super) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape)> {
+pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape)> {
     let mut shapes = Vec::new();
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
         shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
@@ -43,7 +43,7 @@ fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
 
 /// Standard deviation of the value that the shape of part `i` hangs on, from the curvature of the sum of squares about it: `chi^2(x + h) +
 /// chi^2(x - h) - 2 chi^2(x) = 2 (h/sd)^2`. At most `grid`, what the spacing of the grid is worth.
-pub(super) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64], grid: f64) -> f64 {
+pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64], grid: f64) -> f64 {
     let Some(at) = value(parts[i].shape) else { return grid };
     let left = |x: f64| chi2(frame, parts, i, x, variances);
     let h = 0.05 * grid;

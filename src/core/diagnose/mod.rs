@@ -4,27 +4,17 @@
 //! a candidate scores), `null` (what noise alone scores), `search`, `sharpen` and `settle` (which are adopted), `fit` (the augmented
 //! model), `heldout` (closure), `remaining` (tests without a catalogue), `identify`, `impact`, `next`, `report` (the answer).
 
-mod answer;
-mod class;
-mod closure;
-mod heldout;
-mod identify;
-mod impact;
-mod located;
-mod next;
-mod reference;
-mod remaining;
+mod diagnosis;
+mod record_closure;
 mod report;
 mod residuals;
 mod search;
-mod stated;
-mod why_not;
 
-pub use answer::*;
-pub use closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
+pub use crate::core::diagnose::diagnosis::*;
+pub use crate::core::diagnose::record_closure::{CLOSURE_CLASS, ClosureDiagnosis, GyroClosure, closures};
 
+pub use crate::core::diagnose::report::against_reference::{Moved, NoReference, Parts, Reference, Split, split};
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
-pub use reference::{Moved, NoReference, Parts, Reference, Split, split};
 
 use crate::core::diagnose::residuals::whitened::Frame;
 pub(crate) use crate::core::diagnose::residuals::whitened::setting;
@@ -76,5 +66,5 @@ pub enum Refusal {
 /// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
-    Ok(report::report(&Settled::of(Frame::of(campaign, options)?)?))
+    Ok(crate::core::diagnose::report::assemble::report(&Settled::of(Frame::of(campaign, options)?)?))
 }

@@ -1,6 +1,6 @@
 //! The noise floor: stated standard errors, repeated dwells and residuals, weighed together.
 
-use crate::core::diagnose::answer::{GyroFloor, NoiseFloor};
+use crate::core::diagnose::diagnosis::{GyroFloor, NoiseFloor};
 use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
 use crate::core::numerics::basis::dot;
 

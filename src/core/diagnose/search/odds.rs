@@ -1,7 +1,7 @@
 //! What is known of causes before the outputs speak: how large each may be, and that temperature is the first suspect where it moved; and what is
 //! asked of a name once they have spoken.
 
-use crate::core::diagnose::heldout;
+use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::noise_floor;
@@ -81,7 +81,7 @@ pub(crate) fn closing(frame: &Frame, parts: Vec<Part>, unseen: f64) -> Vec<bool>
     let floor = noise_floor::report(frame, &variances, true).deg_per_h;
     let closes = |p: usize| {
         let earlier: Vec<&Part> = parts[..p].iter().collect();
-        let held_out = heldout::errors(frame, &earlier, &[&parts[p]], &variances).held_out(floor, 1.0, unseen);
+        let held_out = held_out::errors(frame, &earlier, &[&parts[p]], &variances).held_out(floor, 1.0, unseen);
         parts[p].dwell().is_some() || held_out.closure > 0.0
     };
     (0..parts.len()).map(closes).collect()

@@ -12,11 +12,11 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::answer::Residual;
-use super::{Options, Refusal};
 use crate::core::calibrate::{GyroCalibration, calibrate_augmented};
 use crate::core::campaign::{Campaign, TestKind};
+use crate::core::diagnose::diagnosis::Residual;
 use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::{Options, Refusal};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::numerics::basis::{Basis, dot};

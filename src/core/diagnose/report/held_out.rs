@@ -6,7 +6,7 @@
 //! difference of the two sizes. Folds keep repeats of one orientation together; for effects that follow time they are
 //! blocks of time.
 
-use super::answer::HeldOut;
+use crate::core::diagnose::diagnosis::HeldOut;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Effect;
@@ -21,7 +21,7 @@ const PREDICTABLE: f64 = 0.02;
 
 /// Sums of squared errors in units of the noise variance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Errors {
+pub(crate) struct Errors {
     pub without: f64,
     pub with: f64,
     /// What noise alone leaves, errors of the model's own coefficients included.
@@ -32,7 +32,7 @@ pub(super) struct Errors {
 
 /// Errors of all gyros without and with the effects in question, `kept` in the model both times. A gyro that they leave
 /// alone counts too: what other causes leave in it is part of the gap that is not closed.
-pub(super) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
+pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
     let by_time = asked.iter().any(|part| follows_time(part.effect));
     let mut errors = Errors::default();
     for (j, &variance) in variances.iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::numerics::tails::chi2_tail;
 
 /// What is to be known of standard errors that are stated too large.
-pub(super) fn too_large(frame: &Frame) -> Option<String> {
+pub(crate) fn too_large(frame: &Frame) -> Option<String> {
     let gyros = frame.gyros.iter().zip(&frame.setting.gyros).filter(|_| frame.noise.stated);
     noise::overstated_note(
         gyros.filter_map(|(gyro, setting)| Some((setting.slot.name(), noise::overstated(gyro.rss(), gyro.dof())?))),
@@ -15,7 +15,7 @@ pub(super) fn too_large(frame: &Frame) -> Option<String> {
 }
 
 /// What is to be known of standard errors that the repeats of all gyros show to be too small.
-pub(super) fn too_small(frame: &Frame, fit: &Fit) -> Option<String> {
+pub(crate) fn too_small(frame: &Frame, fit: &Fit) -> Option<String> {
     let of_gyros = frame.gyros.iter().zip(&fit.residuals).filter(|_| frame.noise.stated);
     let repeats = of_gyros.map(|(gyro, residual)| noise_floor::pure_error(frame, gyro, residual));
     let (sum, dof) = repeats.fold((0.0, 0), |(sum, dof), pure| (sum + pure.sum, dof + pure.dof));

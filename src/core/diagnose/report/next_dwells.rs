@@ -3,9 +3,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::answer::NextDwell;
-use super::identify::{JUST_MISSED, Mimic, visible};
 use crate::core::campaign::Phase;
+use crate::core::diagnose::diagnosis::NextDwell;
+use crate::core::diagnose::report::identifiability::{JUST_MISSED, Mimic, visible};
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
@@ -30,7 +30,7 @@ struct Question {
 }
 
 /// Greedy choice; `classes` are those of the adopted parts, in their order.
-pub(super) fn next_dwells(
+pub(crate) fn next_dwells(
     frame: &Frame,
     bank: &Bank,
     parts: &[Part],

@@ -1,13 +1,13 @@
 //! Why an entry that was tried was not named, in the order in which the search decides.
 
-use super::report::Named;
+use crate::core::diagnose::report::assemble::Named;
 use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::stepwise::{Choice, MOST, Search};
 use crate::core::effects::Effect;
 use crate::core::effects::suspects::SUSPECTS;
 
-pub(super) struct WhyNot<'a> {
+pub(crate) struct WhyNot<'a> {
     pub settled: &'a Settled,
     pub search: &'a Search<'a>,
     pub named: &'a [Named],

@@ -1,14 +1,14 @@
 //! Where the gap lies: which gyro, which phase, which dwell.
 
-use super::answer::{DwellShare, Located, Residual};
 use crate::core::campaign::Phase;
+use crate::core::diagnose::diagnosis::{DwellShare, Located, Residual};
 use crate::core::diagnose::residuals::whitened::Frame;
 
 /// Number of dwells that are named one by one.
 const NAMED_DWELLS: usize = 10;
 
 /// Shares of the whitened sum of squares above what noise of `variances` would leave; never negative, summing to 1.
-pub(super) fn located(frame: &Frame, variances: &[f64]) -> Located {
+pub(crate) fn located(frame: &Frame, variances: &[f64]) -> Located {
     let cells: Vec<(usize, usize, f64)> = frame
         .gyros
         .iter()
@@ -52,7 +52,7 @@ fn shares(parts: &[f64]) -> Vec<f64> {
 }
 
 /// Residuals of every gyro in every dwell, before and `after` adoption (whitened), deg/h.
-pub(super) fn residuals(frame: &Frame, after: &[Vec<f64>], variances: &[f64]) -> Vec<Residual> {
+pub(crate) fn residuals(frame: &Frame, after: &[Vec<f64>], variances: &[f64]) -> Vec<Residual> {
     let mut list = Vec::with_capacity(frame.gyros.len() * frame.dwells());
     let dwells = 0..frame.dwells();
     for k in dwells {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::answer::{BUDGET_DEG_PER_H_G0, Impact};
+use crate::core::diagnose::diagnosis::{BUDGET_DEG_PER_H_G0, Impact};
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Effect;
@@ -10,7 +10,7 @@ use crate::core::model::Term;
 use crate::core::numerics::least_squares::Factor;
 
 /// Shift of D_I and D_S of every gyro; empty where neither model holds G.
-pub(super) fn impact(frame: &Frame, parts: &[Part], fit: &Fit) -> Vec<Impact> {
+pub(crate) fn impact(frame: &Frame, parts: &[Part], fit: &Fit) -> Vec<Impact> {
     let g_in_model = frame.terms.contains(Term::GLinear);
     let g_adopted = parts.iter().any(|part| part.effect == Effect::GLinear);
     if parts.is_empty() || !(g_in_model || g_adopted) {

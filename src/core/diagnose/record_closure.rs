@@ -7,7 +7,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::answer::{BUDGET_DEG_PER_H_G0, Verdict};
+use crate::core::diagnose::diagnosis::{BUDGET_DEG_PER_H_G0, Verdict};
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 use crate::core::separate::Separation;

@@ -1,15 +1,15 @@
 //! Turns what the search settled on into the answer: names with classes, closure, what remains, what was not taken.
 
-use super::answer::*;
-use super::class;
-use super::heldout;
-use super::identify;
 use super::impact;
-use super::located;
-use super::next;
 use super::remaining::{self, Left, Tested};
-use super::stated;
-use super::why_not::WhyNot;
+use crate::core::diagnose::diagnosis::*;
+use crate::core::diagnose::report::held_out;
+use crate::core::diagnose::report::identifiability;
+use crate::core::diagnose::report::indistinguishable;
+use crate::core::diagnose::report::next_dwells;
+use crate::core::diagnose::report::stated_errors;
+use crate::core::diagnose::report::where_in_campaign;
+use crate::core::diagnose::report::why_not_named::WhyNot;
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
@@ -45,7 +45,7 @@ const LEAD_OVER_WANDERING: f64 = 10.0;
 const MOST_NAMED: usize = 2;
 
 /// One adopted contract entry with all that belongs to it.
-pub(super) struct Named {
+pub(crate) struct Named {
     pub part: Part,
     pub class: Vec<Effect>,
     wider_in: Vec<(usize, Vec<Effect>)>,
@@ -66,7 +66,7 @@ impl Named {
     }
 }
 
-pub(super) fn report(settled: &Settled) -> Diagnosis {
+pub(crate) fn report(settled: &Settled) -> Diagnosis {
     let (frame, search) = (&settled.frame, settled.search());
     let (mut named, crowded) = named(&search, &settled.found);
     let mut closes = odds::closing(frame, named.iter().map(|n| n.part.clone()).collect(), UNSEEN).into_iter();
@@ -81,7 +81,7 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
     let effects = effects(settled, &named, &parts, &fit, &variances, &noise_floor);
     let all: Vec<&Part> = parts.iter().collect();
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
-    let mimics = identify::mimics(frame, &settled.bank, &parts);
+    let mimics = identifiability::mimics(frame, &settled.bank, &parts);
     Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
@@ -92,9 +92,9 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
             (false, true) => Verdict::PartlyExplained,
         },
         gap,
-        located: located::located(frame, &variances),
+        located: where_in_campaign::located(frame, &variances),
         closure: (!parts.is_empty()).then(|| {
-            heldout::errors(frame, &[], &all, &variances).held_out(
+            held_out::errors(frame, &[], &all, &variances).held_out(
                 noise_floor.deg_per_h,
                 fit.fitted.len() as f64,
                 UNSEEN,
@@ -109,17 +109,17 @@ pub(super) fn report(settled: &Settled) -> Diagnosis {
             signs: signs.list,
         },
         candidates: candidates(settled, &search, &named, &variances, frame),
-        not_identifiable: identify::not_identifiable(frame, &settled.bank, &mimics),
+        not_identifiable: identifiability::not_identifiable(frame, &settled.bank, &mimics),
         impact: impact::impact(frame, &parts, &fit),
-        next_dwells: next::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
-        residuals: located::residuals(frame, &fit.residuals, &variances),
+        next_dwells: next_dwells::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
+        residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
         of_campaign: frame.of_campaign.clone(),
         notes: frame
             .notes
             .iter()
             .cloned()
-            .chain(stated::too_large(frame))
-            .chain(stated::too_small(frame, &fit))
+            .chain(stated_errors::too_large(frame))
+            .chain(stated_errors::too_small(frame, &fit))
             .collect(),
     }
 }
@@ -131,7 +131,7 @@ fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
     let outliers = found.iter().filter(|c| c.kind == Kind::Effect(Effect::OutlierDwell)).count();
     for (i, choice) in found.iter().enumerate() {
         let Kind::Effect(effect) = choice.kind else { continue };
-        let members = class::members(search, found, i);
+        let members = indistinguishable::members(search, found, i);
         if effect == Effect::OutlierDwell && outliers > 1 {
             crowded.push(Sign {
                 kind: "several_bad_dwells",
@@ -150,8 +150,8 @@ fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
             });
             continue;
         }
-        let class = class::class(search, found, i);
-        let wider_in = class::wider_in_gyros(search, found, i, &members, &class);
+        let class = indistinguishable::class(search, found, i);
+        let wider_in = indistinguishable::wider_in_gyros(search, found, i, &members, &class);
         named.push(Named {
             part: Part { effect, shape, members },
             class,
@@ -315,7 +315,7 @@ fn effects(
             let earlier: Vec<&Part> = parts[..p].iter().collect();
             let others: Vec<Part> =
                 parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part.clone()).collect();
-            let errors = heldout::errors(frame, &earlier, &[&parts[p]], variances);
+            let errors = held_out::errors(frame, &earlier, &[&parts[p]], variances);
             let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
             NamedEffect {
                 effect: parts[p].effect,
@@ -376,10 +376,11 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
         let choice = search.choice(score);
         let part = search.part(&choice)?;
         let (effect, earned) = (part.effect, search.earned(&[], score.kind));
-        let visible = identify::visible(&settled.bank, effect) > crate::core::diagnose::search::hypotheses::INVISIBLE;
+        let visible =
+            identifiability::visible(&settled.bank, effect) > crate::core::diagnose::search::hypotheses::INVISIBLE;
         let held_out = visible.then(|| {
             let coefficients = part.columns(frame, 0).len() as f64;
-            heldout::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
+            held_out::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
         });
         Some(Candidate {
             effect,

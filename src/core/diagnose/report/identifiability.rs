@@ -1,6 +1,6 @@
 //! What this campaign could not show, whatever its data: from the design alone.
 
-use super::answer::NotIdentifiable;
+use crate::core::diagnose::diagnosis::NotIdentifiable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::{Bank, Kind};
@@ -15,10 +15,10 @@ const LITTLE: f64 = 1e-3;
 const SHARED: f64 = 0.5;
 
 /// Detectability below which an effect is more often missed than named.
-pub(super) const JUST_MISSED: f64 = 4.5;
+pub(crate) const JUST_MISSED: f64 = 4.5;
 
 /// Entries that the campaign lacks a column for, that the model in use absorbs, or that hide in D_I and D_S.
-pub(super) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> Vec<NotIdentifiable> {
+pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> Vec<NotIdentifiable> {
     let unseen = CATALOGUE.iter().filter(|entry| !held(frame, entry)).filter_map(|entry| judged(frame, bank, entry));
     let mut list: Vec<NotIdentifiable> = unseen.collect();
     let further: Vec<&Mimic> = mimics.iter().filter(|m| list.iter().all(|n| n.effect != m.effect)).collect();
@@ -29,7 +29,7 @@ pub(super) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> 
 /// An entry whose regressor nearly lies in the span of g_linear, in every shape and gyro: what is too small to be seen of it
 /// still moves G, hence D_I and D_S. Bias is taken out of both first: every campaign has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mimic {
+pub(crate) struct Mimic {
     pub effect: Effect,
     pub shape: Shape,
     pub gyro: usize,
@@ -40,7 +40,7 @@ pub(super) struct Mimic {
 }
 
 /// The entries that this design confounds with g_linear, where that is in the model or was named.
-pub(super) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
+pub(crate) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
     let named = |effect: Effect| parts.iter().any(|part| part.effect == effect);
     if !frame.terms.contains(Term::GLinear) && !named(Effect::GLinear) {
         return Vec::new();
@@ -156,7 +156,7 @@ fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> 
 }
 
 /// Largest visible share over shapes and gyros.
-pub(super) fn visible(bank: &Bank, effect: Effect) -> f64 {
+pub(crate) fn visible(bank: &Bank, effect: Effect) -> f64 {
     let own = bank.hypotheses.iter().filter(|h| h.kind == Kind::Effect(effect));
     own.flat_map(|h| &h.blocks).map(|block| block.visible).fold(0.0, f64::max)
 }

@@ -4,12 +4,11 @@
 //! neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
 //! Beside them stand the spread against the noise floor and repeats against the rest.
 
-mod likeness;
-
 use nalgebra::DMatrix;
 
-use super::answer::Sign;
 use crate::core::campaign::Phase;
+use crate::core::diagnose::diagnosis::Sign;
+use crate::core::diagnose::report::likeness::{Score, Weights};
 use crate::core::diagnose::residuals::noise_floor::pure_error;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::basis_matrix;
@@ -18,18 +17,17 @@ use crate::core::mounting::Slot;
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::tails::f_tail;
-use likeness::{Score, Weights};
 
 /// What one test says of one gyro, or of all together where `gyro` is none.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tested {
+pub(crate) struct Tested {
     pub kind: &'static str,
     pub gyro: Option<usize>,
     pub p_value: f64,
 }
 
 /// Residuals of each gyro with all that was fitted to them.
-pub(super) struct Left<'a> {
+pub(crate) struct Left<'a> {
     pub frame: &'a Frame,
     /// Adopted columns, beyond the model's.
     pub extras: &'a [Basis],
@@ -167,7 +165,7 @@ const SPREAD_WEIGHT: f64 = 0.3;
 
 /// Probability that something significant is left, over all tests: Cauchy's combination (Liu and Xie 2020), weighted,
 /// which holds whatever the tests share.
-pub(super) fn combined(tests: &[Tested]) -> f64 {
+pub(crate) fn combined(tests: &[Tested]) -> f64 {
     use std::f64::consts::PI;
     let spread = tests.iter().filter(|test| test.kind == SPREAD).count();
     let others = tests.len() - spread;
@@ -187,7 +185,7 @@ pub(super) fn combined(tests: &[Tested]) -> f64 {
 }
 
 /// Tests as signs, the strongest first, one a kind, where they alone would be significant among all.
-pub(super) fn signs(tests: &[Tested], slots: &[Slot], level: f64) -> Vec<Sign> {
+pub(crate) fn signs(tests: &[Tested], slots: &[Slot], level: f64) -> Vec<Sign> {
     let mut signs: Vec<Sign> = Vec::new();
     let mut order: Vec<&Tested> = tests.iter().collect();
     order.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));

@@ -17,7 +17,7 @@ const FIT_MARGIN: f64 = 2.0;
 const MEMBER: [f64; 3] = [7.5, 9.8, 11.8];
 
 /// Contract entries that stand in for choice `i` as well as it does, itself first.
-pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect> {
+pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect> {
     let Kind::Effect(own) = choices[i].kind else { return Vec::new() };
     let mut others = choices.to_vec();
     others.remove(i);
@@ -51,7 +51,7 @@ pub(super) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
 
 /// The same for single gyros: what stands in for choice `i` in member `j` as far as that gyro alone can say, where that is more
 /// than `class`.
-pub(super) fn wider_in_gyros(
+pub(crate) fn wider_in_gyros(
     search: &Search,
     choices: &[Choice],
     i: usize,
@@ -90,7 +90,7 @@ pub(super) fn wider_in_gyros(
 }
 
 /// Gyros in which choice `i` explains more than noise would; the one where it explains most in any case.
-pub(super) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool> {
+pub(crate) fn members(search: &Search, choices: &[Choice], i: usize) -> Vec<bool> {
     let hypothesis = &search.bank.hypotheses[choices[i].hypothesis];
     if hypothesis.common {
         return vec![true; search.frame.gyros.len()];

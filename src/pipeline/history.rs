@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::Pipeline;
 use super::line::{load_marks, sample_of};
-use crate::core::history::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
+use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
 use crate::store::{Figures, Id, Span, StoreError};
 
 /// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::core::history::{HistoryDiagnosis, NamedCause, Rejected};
+use crate::core::changes::{HistoryDiagnosis, NamedCause, Rejected};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HistoryDiagnosisBody {

@@ -52,9 +52,9 @@ fn outliers(stated: &[Option<f64>]) -> Vec<(usize, f64)> {
     let known: Vec<(usize, f64)> = stated.iter().enumerate().filter_map(|(k, t)| Some((k, (*t)?))).collect();
     let steps = known.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs());
     let room = DEPARTURE_K.max(DEPARTURE_STEPS * median(steps).unwrap_or(0.0));
-    let suspect = |t: f64| FAULT_VALUES.contains(&t);
+    let is_fault = |t: f64| FAULT_VALUES.contains(&t);
     let beside = |others: &mut dyn Iterator<Item = &(usize, f64)>| {
-        median(others.map(|(_, t)| *t).filter(|t| !suspect(*t)).take(BESIDE))
+        median(others.map(|(_, t)| *t).filter(|t| !is_fault(*t)).take(BESIDE))
     };
     let departs = |i: usize| {
         let t = known[i].1;

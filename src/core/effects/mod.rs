@@ -4,19 +4,19 @@
 //! station commanded and read: specific force, rate, temperature, time, attitude, order of dwells. Some regressors
 //! hold one unknown [`Shape`] parameter (a time constant, an instant, a period) that is profiled over a grid.
 //!
-//! Two standings. *Contract* entries may be named as a cause. *Suspects* are what physics or table work also
+//! Two standings. *Contract* entries may be named as a cause. *Competing hypotheses* are what physics or table work also
 //! produces and what nobody asked to have named: they compete in the search, so that a contract entry which
 //! merely resembles one of them does not get its name, but they are reported as signs, never adopted.
 //!
 //! One file a family; `catalogue` puts them in the order of the contract.
 
 mod acceleration;
+pub mod competitors;
 mod memory;
 mod model_terms;
 mod rate;
 mod setting;
 mod station;
-pub mod suspects;
 mod thermal;
 mod time;
 

@@ -13,18 +13,18 @@ mod decimal;
 mod extremes;
 mod finding;
 mod noise;
-mod older;
+mod range_summary;
 mod reason;
 mod rules;
 mod series;
 
+pub use crate::core::judge::range_summary::Older;
 pub use finding::Finding;
 pub use history::{
     BASELINE_RECORDS, Event, FixedLevels, History, Mark, Measured, Need, Sample, Seat, baseline_since, stated_level,
 };
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
-pub use older::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
 pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
 pub use series::Series;

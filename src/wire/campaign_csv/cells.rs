@@ -193,9 +193,9 @@ impl Columns {
             let whole = record.get(i).unwrap_or_default();
             digits(whole.trim_start_matches(['-', '+'])) && record.get(i + 1).is_some_and(digits)
         };
-        let suspect = (0..self.names.len()).find(|&i| self.names[i] != "phase" && half(i));
+        let competitor = (0..self.names.len()).find(|&i| self.names[i] != "phase" && half(i));
         let count = format!("{} cells under {} columns", record.len(), self.names.len());
-        match suspect {
+        match competitor {
             Some(i) => format!(
                 "line {line}, column {} ({}): {count}; is {},{} a number with a decimal comma? Write decimals with a point",
                 i + 1,

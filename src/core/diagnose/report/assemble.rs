@@ -20,7 +20,7 @@ use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::odds;
 use crate::core::diagnose::search::refined_shape::shape_sd;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
-use crate::core::effects::suspects::SUSPECTS;
+use crate::core::effects::competitors::COMPETITORS;
 use crate::core::effects::{Effect, Shape};
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::{Basis, dot};
@@ -224,20 +224,20 @@ struct Signs {
     p_value: f64,
 }
 
-/// What is left beside the named effects: suspects that the search adopted, rivals, and tests that know no catalogue.
+/// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no catalogue.
 fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
     for choice in &settled.found {
-        if let Kind::Suspect(i) = choice.kind {
+        if let Kind::Competitor(i) = choice.kind {
             let p_value = search.p_value(choice.evidence);
-            list.push(Sign { kind: SUSPECTS[i].id, slots: slots(frame, &choice.members), p_value });
+            list.push(Sign { kind: COMPETITORS[i].id, slots: slots(frame, &choice.members), p_value });
         }
     }
     for named in named {
-        if let Some(Kind::Suspect(i)) = named.rival {
+        if let Some(Kind::Competitor(i)) = named.rival {
             let p_value = search.p_value(named.evidence);
-            list.push(Sign { kind: SUSPECTS[i].id, slots: slots(frame, &named.part.members), p_value });
+            list.push(Sign { kind: COMPETITORS[i].id, slots: slots(frame, &named.part.members), p_value });
         }
     }
     let extras: Vec<Basis> = (0..frame.gyros.len())
@@ -368,7 +368,7 @@ fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[
     let why_not = WhyNot { settled, search, named };
     let open = |score: &&Score| match score.kind {
         Kind::Effect(effect) => !named.iter().any(|n| n.part.effect == effect),
-        Kind::Suspect(_) => false,
+        Kind::Competitor(_) => false,
     };
     let mut alone: Vec<&Score> = known.iter().filter(open).collect();
     alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));

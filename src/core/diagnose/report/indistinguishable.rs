@@ -34,7 +34,7 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
                 score(search.bank, *kind, range.clone(), &seen).log_evidence,
                 criterion(search.bank, range.clone(), &seen),
             )),
-            Kind::Suspect(_) => None,
+            Kind::Competitor(_) => None,
         })
         .collect();
     let Some(&(_, evidence, fit)) = judged.iter().find(|(effect, ..)| *effect == own) else { return vec![own] };
@@ -74,7 +74,7 @@ pub(crate) fn wider_in_gyros(
                 Kind::Effect(effect) => {
                     of_gyro(search.bank, range.clone(), j, &seen[j]).map(|(evidence, fit)| (*effect, evidence, fit))
                 }
-                Kind::Suspect(_) => None,
+                Kind::Competitor(_) => None,
             })
             .collect();
         let (_, evidence, fit) = *judged.iter().find(|(effect, ..)| *effect == own)?;

@@ -5,7 +5,7 @@ use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::stepwise::{Choice, MOST, Search};
 use crate::core::effects::Effect;
-use crate::core::effects::suspects::SUSPECTS;
+use crate::core::effects::competitors::COMPETITORS;
 
 pub(crate) struct WhyNot<'a> {
     pub settled: &'a Settled,
@@ -57,7 +57,9 @@ impl WhyNot<'_> {
             Kind::Effect(_) => {
                 format!("it explains the same dwells as {} less well, and nothing beside it", told(first.kind))
             }
-            Kind::Suspect(_) => format!("{}, outside the catalogue, explains the same dwells better", told(first.kind)),
+            Kind::Competitor(_) => {
+                format!("{}, outside the catalogue, explains the same dwells better", told(first.kind))
+            }
         }
     }
 
@@ -76,7 +78,7 @@ impl WhyNot<'_> {
 fn told(kind: Kind) -> &'static str {
     match kind {
         Kind::Effect(effect) => effect.id(),
-        Kind::Suspect(i) => SUSPECTS[i].looks_like,
+        Kind::Competitor(i) => COMPETITORS[i].looks_like,
     }
 }
 

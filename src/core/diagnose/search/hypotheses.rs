@@ -1,6 +1,6 @@
 //! Every hypothesis of the search with its regressors, whitened and with the model in use projected out.
 //!
-//! A hypothesis is a catalogue entry, or a suspect, at one value of its non-linear parameter. Its columns sit side by
+//! A hypothesis is a catalogue entry, or a competitor, at one value of its non-linear parameter. Its columns sit side by
 //! side with all others in one matrix a gyro, so that one product with a residual scores the whole catalogue.
 
 use std::ops::Range;
@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVectorView};
 
 use crate::core::diagnose::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::suspects::{Prior, SUSPECTS, Suspect};
+use crate::core::effects::competitors::{COMPETITORS, Competitor, Prior};
 use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
 use crate::core::numerics::basis::{axpy, dot, scale};
 use crate::core::numerics::small_systems;
@@ -19,7 +19,7 @@ pub(crate) const INVISIBLE: f64 = 1e-6;
 
 /// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column, by the
 /// number of coefficients: effects at the limit of detection, well above it and of any size, whatever the number. Without the last, a
-/// prior that knows no strong effects would rather have a strong one explained by a suspect with many columns.
+/// prior that knows no strong effects would rather have a strong one explained by a competitor with many columns.
 const FLAT_POWER: [[f64; 3]; 4] = [[16.0, 100.0, 1e5], [8.0, 50.0, 5e4], [5.0, 33.0, 3.3e4], [3.0, 20.0, 2e4]];
 /// Prior power of a whole smooth hypothesis.
 const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
@@ -27,8 +27,8 @@ const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Effect(Effect),
-    /// Index into [`SUSPECTS`].
-    Suspect(usize),
+    /// Index into [`COMPETITORS`].
+    Competitor(usize),
 }
 
 #[derive(Debug, Clone)]
@@ -77,7 +77,7 @@ impl Block {
 
 #[derive(Debug)]
 pub(crate) struct Bank {
-    /// Sorted by kind; contract entries before suspects.
+    /// Sorted by kind; contract entries before competitors.
     pub hypotheses: Vec<Hypothesis>,
     /// Ranges of `hypotheses` of one kind each.
     pub kinds: Vec<(Kind, Range<usize>)>,
@@ -98,7 +98,7 @@ struct Raw {
 }
 
 impl Bank {
-    /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`, and all suspects.
+    /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`, and all competitors.
     pub fn of(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
         for entry in CATALOGUE.iter().filter(|entry| nameable(frame, entry.effect)) {
@@ -110,8 +110,8 @@ impl Bank {
             });
         }
         let contract = raws.len();
-        for (i, suspect) in SUSPECTS.iter().enumerate() {
-            push_suspect(&mut raws, i, suspect, frame);
+        for (i, competitor) in COMPETITORS.iter().enumerate() {
+            push_competitor(&mut raws, i, competitor, frame);
         }
         Self::projected(frame, raws, contract)
     }
@@ -161,10 +161,10 @@ fn nameable(frame: &Frame, effect: Effect) -> bool {
     !held && !closure_only && (entry.missing)(&frame.setting).is_none()
 }
 
-fn push_suspect(raws: &mut Vec<Raw>, index: usize, suspect: &Suspect, frame: &Frame) {
-    push_shapes(raws, Kind::Suspect(index), (suspect.shapes)(&frame.setting), |shape| {
-        let columns = (0..frame.gyros.len()).map(|j| (suspect.columns)(&frame.setting, j, shape)).collect();
-        (columns, suspect.prior, false)
+fn push_competitor(raws: &mut Vec<Raw>, index: usize, competitor: &Competitor, frame: &Frame) {
+    push_shapes(raws, Kind::Competitor(index), (competitor.shapes)(&frame.setting), |shape| {
+        let columns = (0..frame.gyros.len()).map(|j| (competitor.columns)(&frame.setting, j, shape)).collect();
+        (columns, competitor.prior, false)
     });
 }
 

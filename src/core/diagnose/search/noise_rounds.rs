@@ -77,7 +77,7 @@ impl Settled {
     }
 }
 
-/// Raw columns of the model and of all choices but `without`. Smooth suspects stay out: they are not a few columns.
+/// Raw columns of the model and of all choices but `without`. Smooth competitors stay out: they are not a few columns.
 fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>) -> Vec<Vec<Vec<f64>>> {
     (0..frame.gyros.len())
         .map(|j| {

@@ -1,4 +1,4 @@
-//! What is known of causes before the outputs speak: how large each may be, and that temperature is the first suspect where it moved; and what is
+//! What is known of causes before the outputs speak: how large each may be, and that temperature is suspected first where it moved; and what is
 //! asked of a name once they have spoken.
 
 use crate::core::diagnose::report::held_out;
@@ -9,7 +9,7 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::Score;
 use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
-use crate::core::effects::suspects::SUSPECTS;
+use crate::core::effects::competitors::COMPETITORS;
 
 /// ln of evidence from which on an effect is asked whether its size is plausible.
 const LEAST_ASKED: f64 = 1.0;
@@ -35,7 +35,7 @@ impl Search<'_> {
     }
 
     /// The choices, those of temperature before the others where it has odds.
-    pub(crate) fn first_suspect_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+    pub(crate) fn most_plausible_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         if self.odds_of_temperature() > 0.0 {
             choices.sort_by_key(|choice| !of_temperature(choice.kind));
         }
@@ -48,7 +48,7 @@ impl Search<'_> {
         if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
     }
 
-    /// ln of prior odds of temperature against other causes: where it changed by more than usual, it is the first suspect.
+    /// ln of prior odds of temperature against other causes: where it changed by more than usual, it is suspected first.
     fn odds_of_temperature(&self) -> f64 {
         let Some(temperature) = &self.frame.setting.temperature else { return 0.0 };
         let extremes = temperature.iter().fold((0.0_f64, 0.0_f64), |(low, high), t| (low.min(*t), high.max(*t)));
@@ -70,7 +70,7 @@ impl Search<'_> {
 fn of_temperature(kind: Kind) -> bool {
     match kind {
         Kind::Effect(effect) => effect.is_of_temperature(),
-        Kind::Suspect(i) => SUSPECTS[i].id.contains("temperature"),
+        Kind::Competitor(i) => COMPETITORS[i].id.contains("temperature"),
     }
 }
 

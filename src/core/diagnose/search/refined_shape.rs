@@ -23,7 +23,7 @@ pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
         shapes.extend(search.part(&search.choice(score)).and_then(|alone| best(search, &[alone], 0)));
     }
-    let named: Vec<&Choice> = found.iter().filter(|choice| !choice.is_suspect()).collect();
+    let named: Vec<&Choice> = found.iter().filter(|choice| !choice.is_competitor()).collect();
     let parts: Vec<Part> = named.iter().filter_map(|choice| search.part(choice)).collect();
     for (i, _) in named.iter().enumerate().filter(|(_, choice)| choice.evidence > STRONG) {
         shapes.extend(best(search, &parts, i));

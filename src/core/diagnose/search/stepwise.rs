@@ -9,13 +9,13 @@ use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::{Score, State, scores, state, together};
 use crate::core::diagnose::search::hypotheses::{Bank, Kind};
 use crate::core::diagnose::search::null_distribution::Null;
-use crate::core::effects::suspects::{SUSPECTS, WANDERING};
+use crate::core::effects::competitors::{COMPETITORS, WANDERING};
 use crate::core::numerics::basis::Basis;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
 pub(crate) const MOST: usize = 4;
 
-/// ln of prior odds of a suspect against a contract entry.
+/// ln of prior odds of a competitor against a contract entry.
 pub(crate) const SUSPECT_ODDS: f64 = -2.0;
 
 /// ln of evidence that a replacement must win by.
@@ -24,7 +24,7 @@ const CLEARLY: f64 = 0.3;
 /// A choice is credited with others that explain the same as far as they are no better than this.
 const TIED: f64 = 0.3;
 
-/// ln of evidence by which a suspect must beat a contract entry, or a pair of them, to stand in its place.
+/// ln of evidence by which a competitor must beat a contract entry, or a pair of them, to stand in its place.
 const CONTRACT_FIRST: f64 = 2.5;
 
 /// ln of prior odds against each further cause.
@@ -45,13 +45,13 @@ pub(crate) struct Choice {
     pub members: Vec<bool>,
     /// Evidence given the other choices, prior odds included.
     pub evidence: f64,
-    /// A suspect that explains the same a little better.
+    /// A competitor that explains the same a little better.
     pub rival: Option<Kind>,
 }
 
 impl Choice {
-    pub fn is_suspect(&self) -> bool {
-        matches!(self.kind, Kind::Suspect(_))
+    pub fn is_competitor(&self) -> bool {
+        matches!(self.kind, Kind::Competitor(_))
     }
 }
 
@@ -115,7 +115,7 @@ impl Search<'_> {
     fn computed(&self, choices: &[Choice]) -> Vec<Score> {
         let mut scores = scores(self.bank, &self.state(choices));
         for score in &mut scores {
-            if matches!(score.kind, Kind::Suspect(_)) {
+            if matches!(score.kind, Kind::Competitor(_)) {
                 score.log_evidence += SUSPECT_ODDS;
             }
         }
@@ -136,7 +136,7 @@ impl Search<'_> {
         Choice { kind: score.kind, hypothesis: score.best, members, evidence: score.log_evidence, rival: None }
     }
 
-    /// A choice as a part of the augmented model; none of a suspect.
+    /// A choice as a part of the augmented model; none of a competitor.
     pub fn part(&self, choice: &Choice) -> Option<Part> {
         let Kind::Effect(effect) = choice.kind else { return None };
         Some(Part { effect, shape: self.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() })
@@ -160,7 +160,7 @@ impl Search<'_> {
         let found = self.fewest(self.prune(found));
         let found = self.fewest(self.contract_first(found));
         let count = found.len();
-        let mut found = self.first_suspect_first(merged(found));
+        let mut found = self.most_plausible_first(merged(found));
         if found.len() < count {
             for i in 0..found.len() {
                 found[i].evidence = self.earned_beside_others(&found, i);
@@ -195,7 +195,7 @@ impl Search<'_> {
     fn polish_among(&self, choices: &mut [Choice], contract: bool) {
         for _ in 0..4 {
             let mut changed = false;
-            for i in (0..choices.len()).filter(|&i| !contract || !choices[i].is_suspect()).collect::<Vec<_>>() {
+            for i in (0..choices.len()).filter(|&i| !contract || !choices[i].is_competitor()).collect::<Vec<_>>() {
                 let mut others = choices.to_vec();
                 others.remove(i);
                 let known = self.scores(&others);
@@ -230,7 +230,7 @@ impl Search<'_> {
     fn better_pair(&self, held: &[Choice]) -> Option<Vec<Choice>> {
         let mut best: Option<Vec<Choice>> = None;
         let mut to_beat =
-            self.worth(held) - if held.iter().any(Choice::is_suspect) { CONTRACT_FIRST } else { -CLEARLY };
+            self.worth(held) - if held.iter().any(Choice::is_competitor) { CONTRACT_FIRST } else { -CLEARLY };
         let alone = self.scores(&[]);
         let starts = |score: &&Score| matches!(score.kind, Kind::Effect(_)) && score.log_evidence > PAIR_START;
         let mut firsts: Vec<&Score> = alone.iter().filter(starts).collect();
@@ -253,18 +253,18 @@ impl Search<'_> {
         best
     }
 
-    /// A contract entry stands for a suspect that is hardly better; that the suspect explains it as well is noted.
+    /// A contract entry stands for a competitor that is hardly better; that the competitor explains it as well is noted.
     fn contract_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         for i in 0..choices.len() {
-            if !choices[i].is_suspect() {
+            if !choices[i].is_competitor() {
                 continue;
             }
             let mut others = choices.clone();
-            let suspect = others.remove(i);
+            let competitor = others.remove(i);
             let Some(best) = self.best_given(&others, true) else { continue };
             let earned = self.earned(&others, best.kind) > self.needed(others.len());
-            if earned && best.evidence > suspect.evidence - CONTRACT_FIRST {
-                choices[i] = Choice { rival: Some(suspect.kind), ..best };
+            if earned && best.evidence > competitor.evidence - CONTRACT_FIRST {
+                choices[i] = Choice { rival: Some(competitor.kind), ..best };
             }
         }
         choices
@@ -311,7 +311,7 @@ impl Search<'_> {
             (0..choices.len()).filter(|k| ![i, j].contains(k)).map(|k| choices[k].clone()).collect();
         let known = self.scores(&others);
         let wandering = known.iter().filter(|score| match score.kind {
-            Kind::Suspect(suspect) => WANDERING.contains(&SUSPECTS[suspect].id),
+            Kind::Competitor(competitor) => WANDERING.contains(&COMPETITORS[competitor].id),
             Kind::Effect(_) => false,
         });
         let best = wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max);

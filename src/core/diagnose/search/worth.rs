@@ -12,7 +12,7 @@ impl Search<'_> {
     pub(crate) fn fewest(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         while choices.len() > 1 {
             let all = self.together(&choices);
-            let fewer = (0..choices.len()).filter(|&i| !choices[i].is_suspect()).map(|i| {
+            let fewer = (0..choices.len()).filter(|&i| !choices[i].is_competitor()).map(|i| {
                 let mut fewer = without(&choices, i);
                 self.polish_contract(&mut fewer);
                 (all - self.together(&fewer), fewer)
@@ -51,6 +51,6 @@ impl Search<'_> {
         for hypothesis in hypotheses {
             total.add(log_bayes_in(hypothesis, &choice.members, &seen));
         }
-        total.log() + if matches!(choice.kind, Kind::Suspect(_)) { SUSPECT_ODDS } else { 0.0 }
+        total.log() + if matches!(choice.kind, Kind::Competitor(_)) { SUSPECT_ODDS } else { 0.0 }
     }
 }

@@ -1,10 +1,10 @@
-//! Suspects that follow the rate, this one or those before.
+//! Competing hypotheses that follow the rate, this one or those before.
 
-use super::{Prior, Suspect, one, picked};
+use super::{Competitor, Prior, one, picked};
 use crate::core::campaign::Phase;
 use crate::core::effects::{Effect, Setting, Shape, Typical};
 
-pub const RATE_EVEN: Suspect = Suspect {
+pub const RATE_EVEN: Competitor = Competitor {
     id: "rate_even",
     looks_like: "an even function of rate",
     cause: "torquer and electronics rectify: drift that both senses share, about any axis",
@@ -22,7 +22,7 @@ pub const RATE_EVEN: Suspect = Suspect {
     },
 };
 
-pub const RATE_ODD: Suspect = Suspect {
+pub const RATE_ODD: Competitor = Competitor {
     id: "rate_odd",
     looks_like: "an odd function of rate",
     cause: "saturation of the torquer's magnet, about any axis",
@@ -40,7 +40,7 @@ pub const RATE_ODD: Suspect = Suspect {
     },
 };
 
-pub const RATE_CURVE: Suspect = Suspect {
+pub const RATE_CURVE: Competitor = Competitor {
     id: "rate_curve",
     looks_like: "a smooth function of the rate along the input axis",
     cause: "linearity of the rebalance loop by no single power",
@@ -54,7 +54,7 @@ pub const RATE_CURVE: Suspect = Suspect {
     columns: rate_curve,
 };
 
-pub const RATE_AND_FORCE: Suspect = Suspect {
+pub const RATE_AND_FORCE: Competitor = Competitor {
     id: "rate_and_force",
     looks_like: "a scale factor that depends on orientation",
     cause: "the torquer's gap changes under load: scale factor depends on orientation",
@@ -77,7 +77,7 @@ pub const RATE_AND_FORCE: Suspect = Suspect {
     },
 };
 
-pub const STATIC_TO_RATE: Suspect = Suspect {
+pub const STATIC_TO_RATE: Competitor = Competitor {
     id: "static_to_rate",
     looks_like: "a difference between standing and turning",
     cause: "the unit was mounted anew, or slip rings and fans run, for the rate dwells",
@@ -94,7 +94,7 @@ pub const STATIC_TO_RATE: Suspect = Suspect {
     },
 };
 
-pub const TORQUER_HEATING: Suspect = Suspect {
+pub const TORQUER_HEATING: Competitor = Competitor {
     id: "torquer_heating",
     looks_like: "a memory of the rates before",
     cause: "the torquer's own heat after a fast dwell",
@@ -111,7 +111,7 @@ pub const TORQUER_HEATING: Suspect = Suspect {
     },
 };
 
-pub const RATE_BEFORE: Suspect = Suspect {
+pub const RATE_BEFORE: Competitor = Competitor {
     id: "rate_before",
     looks_like: "a memory of the rate before",
     cause: "fluid and suspension remember the rate before",

@@ -1,9 +1,9 @@
-//! Suspects that follow temperature.
+//! Competing hypotheses that follow temperature.
 
-use super::{Prior, Suspect, mid, one, picked};
+use super::{Competitor, Prior, mid, one, picked};
 use crate::core::effects::{Effect, Setting, Shape, Typical};
 
-pub const BENT_TEMPERATURE: Suspect = Suspect {
+pub const BENT_TEMPERATURE: Competitor = Competitor {
     id: "bent_temperature",
     looks_like: "a bend in temperature",
     cause: "viscosity and buoyancy of the flotation fluid are no straight line in temperature",
@@ -17,7 +17,7 @@ pub const BENT_TEMPERATURE: Suspect = Suspect {
     columns: |s, _, shape| picked(shape).iter().map(|&degree| temperature_power(s, degree as i32)).collect(),
 };
 
-pub const TEMPERATURE_RATE: Suspect = Suspect {
+pub const TEMPERATURE_RATE: Competitor = Competitor {
     id: "temperature_rate",
     looks_like: "a response to the rate of change of temperature",
     cause: "gradients through the case while it warms or cools turn the float",
@@ -34,7 +34,7 @@ pub const TEMPERATURE_RATE: Suspect = Suspect {
     },
 };
 
-pub const TEMPERATURE_LAG: Suspect = Suspect {
+pub const TEMPERATURE_LAG: Competitor = Competitor {
     id: "temperature_lag",
     looks_like: "a late response to temperature",
     cause: "the float follows the case late",
@@ -51,7 +51,7 @@ pub const TEMPERATURE_LAG: Suspect = Suspect {
     },
 };
 
-pub const TEMPERATURE_AND_TIME: Suspect = Suspect {
+pub const TEMPERATURE_AND_TIME: Competitor = Competitor {
     id: "temperature_and_time",
     looks_like: "a response to temperature that changes with time",
     cause: "the sensitivity to temperature changes as the unit settles",
@@ -65,7 +65,7 @@ pub const TEMPERATURE_AND_TIME: Suspect = Suspect {
     columns: |s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
 };
 
-pub const TEMPERATURE_G_SQUARED: Suspect = Suspect {
+pub const TEMPERATURE_G_SQUARED: Competitor = Competitor {
     id: "temperature_g_squared",
     looks_like: "compliance that follows temperature",
     cause: "stiffness of gimbal and bearings follows temperature: compliance does",

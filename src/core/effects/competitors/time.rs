@@ -1,11 +1,11 @@
-//! Suspects that follow time.
+//! Competing hypotheses that follow time.
 
 use std::f64::consts::PI;
 
-use super::{Prior, Suspect, mid, one, picked};
+use super::{Competitor, Prior, mid, one, picked};
 use crate::core::effects::{Effect, Setting, Shape, Typical};
 
-pub const CURVE_IN_TIME: Suspect = Suspect {
+pub const CURVE_IN_TIME: Competitor = Competitor {
     id: "curve_in_time",
     looks_like: "a smooth course in time",
     cause: "flex leads, suspension and electronics settle by no single law",
@@ -19,7 +19,7 @@ pub const CURVE_IN_TIME: Suspect = Suspect {
     columns: |s, _, _| waves(s, 9, 2.0),
 };
 
-pub const WANDER_IN_TIME: Suspect = Suspect {
+pub const WANDER_IN_TIME: Competitor = Competitor {
     id: "wander_in_time",
     looks_like: "a random walk in time",
     cause: "rate random walk: the bias drifts by what has no memory",
@@ -33,7 +33,7 @@ pub const WANDER_IN_TIME: Suspect = Suspect {
     columns: |s, _, _| waves(s, 16, 1.0),
 };
 
-pub const CORRELATED_IN_TIME: Suspect = Suspect {
+pub const CORRELATED_IN_TIME: Competitor = Competitor {
     id: "correlated_in_time",
     looks_like: "noise that neighbouring dwells share",
     cause: "flicker of bias, and supplies that several dwells share",
@@ -47,7 +47,7 @@ pub const CORRELATED_IN_TIME: Suspect = Suspect {
     columns: |s, _, _| waves(s, 26, 0.35),
 };
 
-pub const BEND_IN_TIME: Suspect = Suspect {
+pub const BEND_IN_TIME: Competitor = Competitor {
     id: "bend_in_time",
     looks_like: "a bend in time",
     cause: "settling that is slower or faster than one time constant",
@@ -61,7 +61,7 @@ pub const BEND_IN_TIME: Suspect = Suspect {
     columns: |s, _, shape| picked(shape).iter().map(|&degree| legendre_in_time(s, degree)).collect(),
 };
 
-pub const BURST: Suspect = Suspect {
+pub const BURST: Competitor = Competitor {
     id: "burst",
     looks_like: "a passing disturbance of several dwells",
     cause: "a door, a crane, a power supply that recovers: a passing disturbance",
@@ -78,7 +78,7 @@ pub const BURST: Suspect = Suspect {
     },
 };
 
-pub const DRIFTING_MASS_UNBALANCE: Suspect = Suspect {
+pub const DRIFTING_MASS_UNBALANCE: Competitor = Competitor {
     id: "drifting_mass_unbalance",
     looks_like: "g-sensitivity that changes with time",
     cause: "the float's suspension currents and bubbles move its centre of mass through the day",
@@ -92,7 +92,7 @@ pub const DRIFTING_MASS_UNBALANCE: Suspect = Suspect {
     columns: |s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
 };
 
-pub const DRIFTING_SCALE: Suspect = Suspect {
+pub const DRIFTING_SCALE: Competitor = Competitor {
     id: "drifting_scale",
     looks_like: "a scale factor that changes with time",
     cause: "the torquer's magnet ages or its reference voltage drifts",

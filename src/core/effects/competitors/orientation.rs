@@ -1,12 +1,12 @@
-//! Suspects that follow the orientation, this one or the one before.
+//! Competing hypotheses that follow the orientation, this one or the one before.
 
 use nalgebra::Vector3;
 
-use super::{Prior, Suspect, one, picked};
+use super::{Competitor, Prior, one, picked};
 use crate::core::campaign::Phase;
 use crate::core::effects::{Effect, Setting, Shape, Typical};
 
-pub const ORIENTATION_HARMONICS: Suspect = Suspect {
+pub const ORIENTATION_HARMONICS: Competitor = Competitor {
     id: "orientation_harmonics",
     looks_like: "a function of orientation beyond second degree",
     cause: "flexure of case and mount under their own weight beyond second degree",
@@ -20,7 +20,7 @@ pub const ORIENTATION_HARMONICS: Suspect = Suspect {
     columns: |s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
 };
 
-pub const FRICTION: Suspect = Suspect {
+pub const FRICTION: Competitor = Competitor {
     id: "friction",
     looks_like: "a dependence on the sense of specific force",
     cause: "pivots and flex leads hold by friction: the sense of the load counts",
@@ -38,7 +38,7 @@ pub const FRICTION: Suspect = Suspect {
     },
 };
 
-pub const HEADING: Suspect = Suspect {
+pub const HEADING: Competitor = Competitor {
     id: "heading",
     looks_like: "a dependence on the table's heading",
     cause: "cables, air flow and gradients in the room follow the table's heading",
@@ -53,7 +53,7 @@ pub const HEADING: Suspect = Suspect {
 };
 
 /// Its part along the vertical lies inside G.
-pub const EARTH_RATE: Suspect = Suspect {
+pub const EARTH_RATE: Competitor = Competitor {
     id: "earth_rate",
     looks_like: "an error of the Earth's rate along north",
     cause: "the latitude, or the Earth's rate, that the dwells' rates were made with is wrong",
@@ -75,7 +75,7 @@ pub const EARTH_RATE: Suspect = Suspect {
     },
 };
 
-pub const ORIENTATION_BEFORE: Suspect = Suspect {
+pub const ORIENTATION_BEFORE: Competitor = Competitor {
     id: "orientation_before",
     looks_like: "a memory of the orientation before",
     cause: "the float and the fluid remember how they stood before",

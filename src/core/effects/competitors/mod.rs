@@ -10,7 +10,7 @@ mod time;
 
 use super::{Effect, Setting, Shape, Typical};
 
-/// How the coefficients of a suspect's columns are distributed before the data speak.
+/// How the coefficients of a competitor's columns are distributed before the data speak.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prior {
     /// Any direction in the span of the columns alike.
@@ -21,7 +21,7 @@ pub enum Prior {
 
 /// A kind of structure outside the contract.
 #[derive(Debug, Clone, Copy)]
-pub struct Suspect {
+pub struct Competitor {
     pub id: &'static str,
     /// What it looks like, for people.
     pub looks_like: &'static str,
@@ -39,10 +39,10 @@ pub struct Suspect {
     pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
 }
 
-/// The suspects that follow any course of the bias in time, from smooth to a random walk.
+/// The competitors that follow any course of the bias in time, from smooth to a random walk.
 pub const WANDERING: [&str; 3] = ["curve_in_time", "wander_in_time", "correlated_in_time"];
 
-pub const SUSPECTS: &[&Suspect] = &[
+pub const COMPETITORS: &[&Competitor] = &[
     &time::CURVE_IN_TIME,
     &time::WANDER_IN_TIME,
     &time::CORRELATED_IN_TIME,
@@ -91,17 +91,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_suspect_says_what_it_is_and_what_it_passes_for() {
-        let mut ids: Vec<&str> = SUSPECTS.iter().map(|suspect| suspect.id).collect();
-        for suspect in SUSPECTS {
-            let words = [suspect.looks_like, suspect.cause, suspect.equation, suspect.unit, suspect.needs];
-            assert!(words.iter().all(|text| !text.is_empty()) && !suspect.typical.source.is_empty(), "{}", suspect.id);
-            assert!(suspect.typical.low < suspect.typical.high && !suspect.confused_with.is_empty(), "{}", suspect.id);
-            assert_eq!(Effect::from_id(suspect.id), None, "the contract's entries are no suspects");
+    fn every_competitor_says_what_it_is_and_what_it_passes_for() {
+        let mut ids: Vec<&str> = COMPETITORS.iter().map(|competitor| competitor.id).collect();
+        for competitor in COMPETITORS {
+            let words =
+                [competitor.looks_like, competitor.cause, competitor.equation, competitor.unit, competitor.needs];
+            assert!(
+                words.iter().all(|text| !text.is_empty()) && !competitor.typical.source.is_empty(),
+                "{}",
+                competitor.id
+            );
+            assert!(
+                competitor.typical.low < competitor.typical.high && !competitor.confused_with.is_empty(),
+                "{}",
+                competitor.id
+            );
+            assert_eq!(Effect::from_id(competitor.id), None, "the contract's entries are no competitors");
         }
         ids.sort_unstable();
         ids.dedup();
-        assert_eq!(ids.len(), SUSPECTS.len());
+        assert_eq!(ids.len(), COMPETITORS.len());
         assert!(WANDERING.iter().all(|id| ids.contains(id)));
     }
 }

@@ -10,10 +10,10 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
-use super::said::{Said, gyro_named, submit};
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::record::Name;
+use crate::http::remark::{Said, gyro_named, submit};
 use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};

@@ -18,10 +18,10 @@ use super::App;
 use super::answer::{Answer, JustJudged};
 use super::corrections::{Standing, StandingBody, standing};
 use super::document::{Document, check_media_type, idempotency_key};
-use super::prefer::{AsWanted, MinimalAnswer, Wanted};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
+use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
 };

@@ -19,20 +19,20 @@ mod docs;
 mod document;
 mod edge;
 mod events;
-mod gate;
 mod gyro_diagnosis;
 mod gyros;
 mod health;
 mod hooks;
 mod import;
 mod metrics;
+mod middleware;
 mod models;
-mod prefer;
+mod prefer_header;
 pub mod problem;
 mod query;
 mod records;
 mod refusal;
-mod said;
+mod remark;
 pub mod server;
 mod silences;
 mod telling;
@@ -46,7 +46,7 @@ use std::time::Duration;
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::StatusCode;
-use axum::middleware;
+use axum::middleware::from_fn_with_state;
 use tower::ServiceBuilder;
 use tower_http::compression::CompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
@@ -82,7 +82,7 @@ pub fn router(app: App, pages: Router) -> Router {
             // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
             ServiceBuilder::new()
                 .layer(CompressionLayer::new())
-                .layer(middleware::from_fn_with_state(guarded, gate::pass))
+                .layer(from_fn_with_state(guarded, middleware::pass))
                 .layer(RequestBodyTimeoutLayer::new(Duration::from_secs_f64(server.body_timeout_s)))
                 .layer(DefaultBodyLimit::max(server.max_body_bytes)),
         )

@@ -10,13 +10,13 @@ use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Page, Section, encoded, instant, symbol};
 use super::silences;
-use super::standing;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity, Status};
+use crate::pages::status;
 use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
@@ -215,7 +215,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     let deed = |deed: &str, here: &str| format!("/alerts/{}/{deed}?back={}", alert.id, encoded(here));
     html! {
         tr {
-            td { (standing::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
+            td { (status::badge(t, alert.status.as_deref().and_then(Status::from_name))) }
             @if gyros { th scope="row" { a.id href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {

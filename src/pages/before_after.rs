@@ -2,14 +2,14 @@
 
 use maud::{Markup, html};
 
-use super::course::event_name;
 use super::figure;
 use super::layout::{DRIFTS, instant, symbol};
-use super::standing;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::judge::history::Measured;
 use crate::core::judge::{Limit, Status};
+use crate::pages::history::event_name;
+use crate::pages::status;
 use crate::pipeline::{Course, Figures, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.
@@ -70,8 +70,8 @@ fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (Judg
                 } @else { "–" }
             } }
             td {
-                @if let Some(verdict) = verdict { (standing::badge(t, Some(verdict.status()))) }
-                @else if missing { (standing::badge(t, Some(Status::NotEnoughData))) }
+                @if let Some(verdict) = verdict { (status::badge(t, Some(verdict.status()))) }
+                @else if missing { (status::badge(t, Some(Status::NotEnoughData))) }
                 @else { (t.not_compared) }
             }
         }

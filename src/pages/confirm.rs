@@ -6,12 +6,12 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
-use super::course::name;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{Section, instant};
 use super::notes::noted;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
+use crate::pages::history::name;
 use crate::pipeline::{Actor, Confirmation, Id, Submission};
 use crate::wire::history_note;
 use crate::wire::problem::Problem;

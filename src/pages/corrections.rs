@@ -7,7 +7,6 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
-use super::course::name;
 use super::figure;
 use super::form::{Deed, Word, answered, see_other};
 use super::layout::{DRIFTS, Section, encoded, instant, symbol};
@@ -16,6 +15,7 @@ use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::pages::history::name;
 use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
 use crate::wire::problem::Problem;
 

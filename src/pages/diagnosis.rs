@@ -10,7 +10,6 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
-use super::against::{self, Against};
 use super::calibration::stored_campaign;
 use super::figure::{percent, short};
 use super::layout::{Page, Section, encoded, instant};
@@ -19,6 +18,8 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
+use crate::pages::reference;
+use crate::pages::reference::Against;
 use crate::pipeline::{Asked, StoredCampaign};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
 use crate::wire::problem::Problem;
@@ -27,7 +28,7 @@ pub(super) async fn page(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path(id): Path<String>,
-    Query(asked): Query<against::Asked>,
+    Query(asked): Query<reference::Asked>,
 ) -> Response {
     match build(&pages, &viewer, &id, &asked).await {
         Ok(Some(page)) => viewer.show(Ok(page)),
@@ -50,7 +51,7 @@ fn waiting(viewer: &Viewer) -> Response {
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The page; none while the diagnosis waits for others.
-async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &against::Asked) -> Result<Option<Page>, Problem> {
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {

@@ -9,11 +9,11 @@ use super::Pages;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::spark;
-use super::standing as badges;
 use super::viewer::Viewer;
 use crate::core::judge::Status;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
+use crate::pages::status as badges;
 use crate::pipeline::{Glimpse, Standing, Tables, Violation, sample_of};
 use crate::wire::problem::Problem;
 

@@ -5,10 +5,8 @@ use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::course::{self, Bands, Shown};
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
-use super::standing;
 use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
@@ -16,6 +14,9 @@ use super::{Pages, alerts, before_after};
 use crate::core::access::Role;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
+use crate::pages::history;
+use crate::pages::history::{Bands, Shown};
+use crate::pages::status;
 use crate::pipeline::{Comparison, Course, Figures, Id, Standing, Statuses, Tables, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
@@ -65,13 +66,13 @@ impl Facts {
         let pipeline = &pages.pipeline;
         let course = pipeline.course(number, serial, shown.separation()).await?;
         let comparison = pipeline.compare_methods(number, None).await?;
-        let bands = course::bands(&course, shown.separation());
+        let bands = history::bands(&course, shown.separation());
         let standing = pipeline.standings(vec![(number, course.figures.last().copied())]).await?.pop();
         let mut verdicts = newest_verdicts(pages, serial, &course).await?;
         for violation in standing.iter().flat_map(|standing| &standing.violations) {
             verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
         }
-        let drawn = course::drawn(&course, shown.separation());
+        let drawn = history::drawn(&course, shown.separation());
         let listed = course.figures.iter().rev().skip(first_row(skip, course.figures.len())).take(MOST_ROWS);
         let statuses = Statuses::of(pipeline.store(), number, drawn.chain(listed), &[0, 1, 2]).await?;
         let alerts = alerts::open_ones(pages, number).await?;
@@ -81,7 +82,7 @@ impl Facts {
     /// Its status, and that it is out of use where it is.
     pub fn badge(&self, t: &Text) -> Markup {
         let (status, ended) = self.standing.as_ref().map_or((None, None), |one| (one.status, one.out_of_use));
-        html! { (standing::badge(t, status)) " " (standing::out_of_use(t, ended)) }
+        html! { (status::badge(t, status)) " " (status::out_of_use(t, ended)) }
     }
 
     /// What its plot is made from.
@@ -114,7 +115,7 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
         (before_after::section(viewer, &facts.course, pages.config.judging.method))
         (alert_section(viewer, &facts.alerts))
         (agreement(viewer, serial, &facts.comparison))
-        (course::happenings(viewer, &facts.course, &tables))
+        (history::happenings(viewer, &facts.course, &tables))
         (changes_explained(viewer, serial))
         (benches(viewer, &facts.course, &tables))
         (calibrations(viewer, serial, shown, asked.skip, &facts, &tables))
@@ -163,8 +164,8 @@ fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup
         }
         @if let Some(figures) = facts.course.figures.last() {
             p.lead {
-                a href={ "/imus/" (encoded(course::name(tables.imus.name(figures.imu)))) } { (course::seat(figures, tables)) }
-                " · " (t.station) " " (course::name(tables.stations.name(figures.station)))
+                a href={ "/imus/" (encoded(history::name(tables.imus.name(figures.imu)))) } { (history::seat(figures, tables)) }
+                " · " (t.station) " " (history::name(tables.stations.name(figures.station)))
                 " · " (t.calibrated) " " (instant(figures.at))
                 @match facts.alerts.len() {
                     0 => {}
@@ -191,7 +192,7 @@ fn verdict_section(viewer: &Viewer, verdicts: &[Said]) -> Markup {
 
 fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &Tables) -> Markup {
     let t = viewer.text();
-    let plot = course::plot(viewer, serial, shown, facts.plotted(), tables);
+    let plot = history::plot(viewer, serial, shown, facts.plotted(), tables);
     let left_out = plot.strips.iter().flat_map(|strip| &strip.series).find_map(|series| series.thinned());
     html! {
         section {
@@ -331,18 +332,18 @@ fn calibration(
     html! {
         tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
-            td { (course::seat(figures, tables)) }
-            td { (course::name(tables.stations.name(figures.station))) }
+            td { (history::seat(figures, tables)) }
+            td { (history::name(tables.stations.name(figures.station))) }
             @for (measured, name) in sample.d.iter().zip(DRIFTS) {
                 td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
             }
             td {
                 @for status in grave {
                     @if of_status(status).next().is_some() {
-                        (standing::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
+                        (status::badge(t, Some(status))) " " @for column in of_status(status) { (symbol(DRIFTS[column])) " " }
                     }
                 }
-                @if worst <= Status::NotEnoughData { (standing::badge(t, Some(worst))) }
+                @if worst <= Status::NotEnoughData { (status::badge(t, Some(worst))) }
             }
             @if deeds { td { (void_link(viewer, "records", figures.record, figures.at)) } }
         }
@@ -366,7 +367,7 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
                         tr {
                             td { (instant(row.measured_at)) }
                             td { (t.method(row.method.name())) }
-                            td { (course::name(tables.stations.name(row.station))) }
+                            td { (history::name(tables.stations.name(row.station))) }
                             @for i in 0..2 { td.n data-label=(DRIFTS[i]) { (figure::drift(row.d[i], row.sd[i])) } }
                             @if may_void { td { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }

@@ -1,6 +1,6 @@
 //! `/hooks`: whom the service tells, how that goes, and what is done about it.
 
-mod deeds;
+mod actions;
 mod deliveries;
 
 use axum::extract::State as Held;
@@ -17,7 +17,9 @@ use crate::pipeline::Id;
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
 
-pub(super) use deeds::{add, ask_add, ask_delete, delete, redeliver, redeliver_dead, switch, test};
+pub(super) use crate::pages::hooks::actions::{
+    add, ask_add, ask_delete, delete, redeliver, redeliver_dead, switch, test,
+};
 pub(super) use deliveries::page as one;
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {

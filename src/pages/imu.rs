@@ -8,9 +8,9 @@ use super::Pages;
 use super::figure;
 use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
-use super::standing;
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::pages::status;
 use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
@@ -114,7 +114,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
                     tr {
                         td { (newest.slot.name()) }
                         th scope="row" { a href={ "/gyros/" (encoded(&gyro.serial)) } { (gyro.serial) } }
-                        td { (standing::badge(t, gyro.status)) " " (standing::out_of_use(t, gyro.out_of_use)) }
+                        td { (status::badge(t, gyro.status)) " " (status::out_of_use(t, gyro.out_of_use)) }
                         @for (measured, name) in sample_of(newest, pages.config.judging.method).d.into_iter().zip(DRIFTS) {
                             td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
                         }
@@ -136,7 +136,7 @@ fn list(pages: &Pages, t: &Text, records: &[RecordHead]) -> Markup {
                 @let campaign = head.kind == Kind::Campaign;
                 tr {
                     td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                    td { (super::course::name(tables.stations.name(head.station))) }
+                    td { (crate::pages::history::name(tables.stations.name(head.station))) }
                     td {
                         @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
                         @else { (t.kind_record) }

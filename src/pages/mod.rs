@@ -3,7 +3,6 @@
 //! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is named,
 //! and the content security policy allows none.
 
-mod against;
 mod alerts;
 mod assets;
 mod before_after;
@@ -11,32 +10,33 @@ mod calibration;
 mod chart;
 mod confirm;
 mod corrections;
-mod course;
 mod diagnoses;
 mod diagnosis;
+mod downsample;
 mod events;
 pub(crate) mod figure;
 mod fleet;
 mod form;
 mod gyro;
+mod history;
 mod hooks;
 mod import;
 mod imu;
 mod layout;
 mod notes;
 mod parameters;
-mod pieces;
 mod plot;
+mod reference;
 mod report;
 mod residuals;
 mod separation;
 mod sign_in;
 mod silences;
 mod spark;
-mod standing;
 mod stations;
+mod status;
 mod text;
-mod thin;
+mod upload_parts;
 mod verdicts;
 mod viewer;
 

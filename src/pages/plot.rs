@@ -6,10 +6,10 @@ use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
 use super::text::Text;
-use super::thin;
 use crate::core::judge::Status;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
+use crate::pages::downsample;
 
 /// Points of one coefficient at the most: more would weigh more than a page should and show no more.
 const MOST_POINTS: usize = 1000;
@@ -117,7 +117,7 @@ impl Series {
 /// The rows that make the picture.
 pub(super) fn shown<T>(rows: &[T], value: impl Fn(&T) -> f64) -> Vec<&T> {
     let values: Vec<f64> = rows.iter().map(value).collect();
-    thin::indices(&values, MOST_POINTS).into_iter().map(|i| &rows[i]).collect()
+    downsample::indices(&values, MOST_POINTS).into_iter().map(|i| &rows[i]).collect()
 }
 
 impl Plot {

@@ -5,11 +5,12 @@ use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 
-use super::course::{self, Shown};
 use super::gyro::{Facts, agreement, calibration_table, known};
 use super::layout::{Page, Section, instant, symbol};
 use super::viewer::Viewer;
 use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
+use crate::pages::history;
+use crate::pages::history::Shown;
 use crate::pipeline::Kind;
 use crate::wire::problem::Problem;
 
@@ -37,10 +38,10 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
             (as_of(pages, viewer))
             section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &tables)) }
             section { h2 { (t.verdicts) } (verdicts::all(viewer, &facts.verdicts)) }
-            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&course::plot(viewer, serial, shown, facts.plotted(), &tables))) }
+            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &tables))) }
             (before_after::section(viewer, &facts.course, pages.config.judging.method))
             (agreement(viewer, serial, &facts.comparison))
-            (course::happenings(viewer, &facts.course, &tables))
+            (history::happenings(viewer, &facts.course, &tables))
             (open_alerts(viewer, &facts))
             section {
                 h2 { (t.calibrations) }
@@ -82,10 +83,10 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                 section.sheet {
                     h2 { (t.serial) " " (serial) " " (facts.badge(t)) }
                     (verdicts::all(viewer, &facts.verdicts))
-                    (chart::strips(&course::plot(viewer, serial, shown, facts.plotted(), &tables)))
+                    (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &tables)))
                     (before_after::section(viewer, &facts.course, pages.config.judging.method))
                     (agreement(viewer, serial, &facts.comparison))
-                    (course::happenings(viewer, &facts.course, &tables))
+                    (history::happenings(viewer, &facts.course, &tables))
                     (open_alerts(viewer, facts))
                 }
             }
@@ -107,8 +108,8 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: 
         dl.facts {
             dt { (t.serial) } dd { (serial) }
             @if let Some(newest) = facts.course.figures.last() {
-                dt { (t.imu) } dd { (course::seat(newest, tables)) }
-                dt { (t.station) } dd { (course::name(tables.stations.name(newest.station))) }
+                dt { (t.imu) } dd { (history::seat(newest, tables)) }
+                dt { (t.station) } dd { (history::name(tables.stations.name(newest.station))) }
                 dt { (t.calibrated) } dd { (instant(newest.at)) }
             } @else { dt { (t.calibrated) } dd { (t.never_calibrated) } }
             dt { (t.records_word) } dd { (facts.course.figures.len()) }

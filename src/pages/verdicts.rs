@@ -3,10 +3,10 @@
 use maud::{Markup, html};
 
 use super::layout::symbol;
-use super::standing;
 use super::text::{Language, Text, reason};
 use super::viewer::Viewer;
 use crate::core::judge::{Coefficient, Rule, Status, Verdict, digits, sd_digits};
+use crate::pages::status;
 use crate::pipeline::Violation;
 use crate::wire::answer::VerdictBody;
 
@@ -86,7 +86,7 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
     let coefficient = Coefficient::from_name(&verdict.coefficient);
     html! {
         li {
-            (standing::badge(t, Some(said.status()))) " "
+            (status::badge(t, Some(said.status()))) " "
             span title=[coefficient.map(|coefficient| t.meaning(coefficient))] { (symbol(&verdict.coefficient)) } " "
             strong { (rule.map_or("", |rule| t.rule(rule))) }
             br;

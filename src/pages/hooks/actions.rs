@@ -25,7 +25,7 @@ const MOST_AT_ONCE: u32 = 1000;
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-pub(in crate::pages) struct NewHook {
+pub(crate) struct NewHook {
     #[serde(flatten)]
     word: Word,
     name: String,
@@ -58,12 +58,12 @@ impl NewHook {
     }
 }
 
-pub(in crate::pages) async fn ask_add(viewer: Viewer) -> Response {
+pub(crate) async fn ask_add(viewer: Viewer) -> Response {
     let new = NewHook::default();
     viewer.show(Ok(with_form(&viewer, &new, |deed| deed.page(&viewer, &new.word, &Faults::default()))))
 }
 
-pub(in crate::pages) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewHook>) -> Response {
+pub(crate) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): Form<NewHook>) -> Response {
     answered(&viewer, added(&pages, &viewer, &new).await)
 }
 
@@ -124,7 +124,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> 
     })
 }
 
-pub(in crate::pages) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+pub(crate) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let found = known(&pages, &id).await;
     let word = Word::default();
     viewer.show(
@@ -134,7 +134,7 @@ pub(in crate::pages) async fn ask_delete(Held(pages): Held<Pages>, viewer: Viewe
     )
 }
 
-pub(in crate::pages) async fn delete(
+pub(crate) async fn delete(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path(id): Path<String>,
@@ -167,7 +167,7 @@ fn delete_form<T>(viewer: &Viewer, id: Id, url: &str, show: impl FnOnce(&Deed<'_
     })
 }
 
-pub(in crate::pages) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
+pub(crate) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let tested = async {
         let (number, _) = known(&pages, &id).await?;
         pages.pipeline.order(Order::Test(number)).await?;
@@ -177,11 +177,11 @@ pub(in crate::pages) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Pat
 }
 
 #[derive(Debug, Deserialize)]
-pub(in crate::pages) struct Switch {
+pub(crate) struct Switch {
     enabled: String,
 }
 
-pub(in crate::pages) async fn switch(
+pub(crate) async fn switch(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path(id): Path<String>,
@@ -198,7 +198,7 @@ pub(in crate::pages) async fn switch(
     answered(&viewer, switched.await)
 }
 
-pub(in crate::pages) async fn redeliver(
+pub(crate) async fn redeliver(
     Held(pages): Held<Pages>,
     viewer: Viewer,
     Path((id, delivery)): Path<(String, String)>,
@@ -213,11 +213,7 @@ pub(in crate::pages) async fn redeliver(
 }
 
 /// Sends the dead letters again, in the order in which they came.
-pub(in crate::pages) async fn redeliver_dead(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(id): Path<String>,
-) -> Response {
+pub(crate) async fn redeliver_dead(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let sent = async {
         let (number, _) = known(&pages, &id).await?;
         let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };

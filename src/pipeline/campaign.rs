@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use super::Pipeline;
 use super::answer::Reread;
-use super::models::InForce;
 use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept};
 use crate::config::JudgedMethod;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::Verdict;
+use crate::pipeline::diagnoses::models::InForce;
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::MethodBody;
 use crate::wire::bench::BenchBody;
@@ -209,7 +209,7 @@ impl Pipeline {
     /// The model that a stored campaign was fitted with.
     async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
         let row = self.store.model_of_campaign(id).await?;
-        row.as_ref().map_or_else(|| Ok(InForce::default()), super::models::read)
+        row.as_ref().map_or_else(|| Ok(InForce::default()), crate::pipeline::diagnoses::models::read)
     }
 
     pub(super) fn method(&self) -> MethodBody {

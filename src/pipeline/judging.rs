@@ -5,13 +5,13 @@ mod undoing;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use super::alerting::Naming;
 use super::line::{Line, Source, read_ahead, sample_of};
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
 use crate::core::time::UtcMicros;
+use crate::pipeline::alerts::Naming;
 use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.

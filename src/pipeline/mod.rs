@@ -19,13 +19,12 @@
 mod access;
 mod admit;
 mod agreement;
-mod alerting;
+mod alerts;
 mod answer;
-mod background;
 mod campaign;
 mod compare;
 mod course;
-mod diagnosing;
+mod diagnoses;
 mod document;
 mod fleet;
 mod fleet_noise;
@@ -34,8 +33,6 @@ mod history;
 mod hooks;
 mod judging;
 mod line;
-mod models;
-mod outbox;
 mod read;
 mod reply;
 mod stations;
@@ -58,25 +55,25 @@ use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 use crate::wire::differences::Differences;
 
+pub use crate::pipeline::alerts::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder};
+pub use crate::pipeline::diagnoses::models::{Adoption, InForce};
+pub use crate::pipeline::diagnoses::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
+pub use crate::pipeline::hooks::delivery::{Outbox, OutboxError};
 pub use access::{
     AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
     revoke_beside,
 };
 pub use agreement::{Compared, Comparison};
-pub use alerting::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder};
 pub use answer::StoredRecord;
 pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
 pub use compare::Sent;
 pub use course::{Baseline, Course, Tested};
-pub use diagnosing::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
 pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Seats, Standing, Violation};
 pub use foresee::Foreseen;
 pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
 pub use line::sample_of;
-pub use models::{Adoption, InForce};
-pub use outbox::{Outbox, OutboxError};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
     AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
@@ -94,12 +91,12 @@ pub struct Pipeline {
     config: Arc<Config>,
     clock: Clock,
     jobs: mpsc::Sender<Job>,
-    bustle: background::Bustle,
-    models: models::ModelBook,
-    diagnoser: diagnosing::Diagnoser,
+    bustle: crate::pipeline::diagnoses::background::Bustle,
+    models: crate::pipeline::diagnoses::models::ModelBook,
+    diagnoser: diagnoses::Diagnoser,
     /// Moves when a hook has changed or has something new to be told.
     wake: watch::Sender<u64>,
-    pulse: outbox::Pulse,
+    pulse: crate::pipeline::hooks::delivery::Pulse,
     guard: Guard,
 }
 
@@ -118,7 +115,7 @@ enum Job {
     /// Many campaigns are to be diagnosed, or no longer.
     Diagnoses { order: DiagnosisOrder, by: Actor, reply: oneshot::Sender<Result<Accepted, Refused>> },
     /// A diagnosis is to be kept.
-    Diagnosed { made: diagnosing::Made, reply: oneshot::Sender<Result<(), Refused>> },
+    Diagnosed { made: diagnoses::Made, reply: oneshot::Sender<Result<(), Refused>> },
     /// What somebody says of an alert.
     Alert { order: AlertOrder, by: Actor, reply: oneshot::Sender<Result<AlertBody, Refused>> },
     /// A silence of many alerts is to begin or to end.
@@ -238,12 +235,12 @@ impl Pipeline {
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let wake = watch::Sender::default();
-        let models = models::ModelBook::load(&store).await?;
+        let models = crate::pipeline::diagnoses::models::ModelBook::load(&store).await?;
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let (due, watched) = watch::channel(0);
-        let bustle = background::Bustle::new();
+        let bustle = crate::pipeline::diagnoses::background::Bustle::new();
         let diagnoser =
-            diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
+            diagnoses::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
         let after = writer::After { wake: wake.clone(), models: models.clone(), due, guard: guard.clone() };
         let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
@@ -251,7 +248,7 @@ impl Pipeline {
         // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just answered.
         let runtime = Handle::current();
         let handle = tokio::task::spawn_blocking(move || runtime.block_on(task.run(queue)));
-        let pulse = outbox::Pulse::default();
+        let pulse = crate::pipeline::hooks::delivery::Pulse::default();
         Ok((Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard }, handle))
     }
 
@@ -261,12 +258,12 @@ impl Pipeline {
     /// [`StoreError`] where the adopted models or the tokens cannot be read.
     pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
         let (jobs, _closed) = mpsc::channel(1);
-        let models = models::ModelBook::load(&store).await?;
-        let bustle = background::Bustle::new();
+        let models = crate::pipeline::diagnoses::models::ModelBook::load(&store).await?;
+        let bustle = crate::pipeline::diagnoses::background::Bustle::new();
         let diagnoser =
-            diagnosing::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
+            diagnoses::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
-        let (wake, pulse) = (watch::Sender::default(), outbox::Pulse::default());
+        let (wake, pulse) = (watch::Sender::default(), crate::pipeline::hooks::delivery::Pulse::default());
         Ok(Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard })
     }
 

@@ -2,14 +2,15 @@
 //!
 //! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`desk`]), so that changes never overlap.
 
-mod book;
-mod desk;
+mod commands;
+pub(super) mod delivery;
 mod read;
+mod registry;
 mod show;
 
-pub(super) use book::{HookBook, Scribe, Standing};
-pub use desk::Order;
-pub(super) use desk::{Attempted, Found, HookDesk};
+pub use crate::pipeline::hooks::commands::Order;
+pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookDesk};
+pub(super) use crate::pipeline::hooks::registry::{HookBook, Scribe, Standing};
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
 

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use super::book::DIGEST;
 use crate::alert::{DIGEST_EVENT, event_name};
 use crate::core::alert_decision::Action;
 use crate::core::time::UtcMicros;
+use crate::pipeline::hooks::registry::DIGEST;
 use crate::store::{AttemptRow, DeliveryRow, DeliveryState, HookRow, Id, QueueState, StoreError, Subject};
 use crate::wire::hook::{AttemptBody, DeliveryBody, FilterBody, HookBody, QueueBody};
 use crate::wire::time;

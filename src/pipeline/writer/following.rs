@@ -10,7 +10,7 @@ use crate::core::alert_decision::Late;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
 use crate::pipeline::agreement::{Agreement, agreement_after};
-use crate::pipeline::alerting::{AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
+use crate::pipeline::alerts::{AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
 use crate::pipeline::hooks::{Scribe, Standing};
 use crate::pipeline::judging::Judged;
 use crate::pipeline::read::Calibration;

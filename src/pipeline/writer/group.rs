@@ -7,7 +7,7 @@ use super::{Item, StoreJob, Task, items_of};
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Rule, State, Status, Verdict};
 use crate::pipeline::admit::{Ahead, Desk, Group};
-use crate::pipeline::alerting::Causes;
+use crate::pipeline::alerts::Causes;
 use crate::pipeline::judging::{self, Verdicts};
 use crate::pipeline::read::{Calibration, Submission};
 use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply};

@@ -12,7 +12,7 @@ use futures::{StreamExt, stream};
 use tokio::sync::watch;
 
 use super::{Diagnoser, Made, Outcome};
-use crate::pipeline::background::Awaited;
+use crate::pipeline::diagnoses::background::Awaited;
 use crate::store::{Id, Kind, StoreError};
 
 /// How many due campaigns are looked up at once.

@@ -13,7 +13,7 @@ use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Wr
 
 /// Every alert by gyro, and those that the transaction under construction changes.
 #[derive(Debug)]
-pub(in crate::pipeline) struct AlertBook {
+pub(crate) struct AlertBook {
     policy: Policy,
     pub(super) alerts: BTreeMap<u32, Vec<AlertRow>>,
     /// Gyro and place of what has changed since the last [`AlertBook::write`].
@@ -31,7 +31,7 @@ pub(in crate::pipeline) struct AlertBook {
 type Said = (Option<String>, Option<String>);
 
 /// What it takes to write an entry: the time, identifiers, names; what caused it, and how it is told if it comes late.
-pub(in crate::pipeline) struct Pen<'a> {
+pub(crate) struct Pen<'a> {
     pub now: UtcMicros,
     pub writer: &'a mut Writer,
     pub naming: Naming<'a>,
@@ -41,7 +41,7 @@ pub(in crate::pipeline) struct Pen<'a> {
 
 /// Something has become of an alert that hooks may have to be told.
 #[derive(Debug, Clone)]
-pub(in crate::pipeline) struct News {
+pub(crate) struct News {
     pub id: Id,
     /// As it then was.
     pub alert: alert_decision::Alert,

@@ -8,7 +8,7 @@ use tokio::time::Instant;
 
 /// Who waits for the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Awaited {
+pub(crate) enum Awaited {
     /// A person: it is done like any request.
     BySomebody,
     /// Nobody yet: the operating system gives it a tenth of a processor that others want too. Not less, because somebody
@@ -17,7 +17,7 @@ pub(super) enum Awaited {
 }
 
 /// Runs `work` on a thread of its own; none where it panicked or no thread could be had.
-pub(super) async fn beside_others<T: Send + 'static>(
+pub(crate) async fn beside_others<T: Send + 'static>(
     name: &'static str,
     awaited: Awaited,
     work: impl FnOnce() -> T + Send + 'static,
@@ -52,7 +52,7 @@ fn step_back() {}
 
 /// When something last came in whose sender waits for its answer. Cheap to clone.
 #[derive(Debug, Clone)]
-pub(super) struct Bustle(Arc<Mutex<Instant>>);
+pub(crate) struct Bustle(Arc<Mutex<Instant>>);
 
 impl Bustle {
     pub fn new() -> Self {

@@ -8,7 +8,7 @@ use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Alert};
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerting::News;
+use crate::pipeline::alerts::News;
 use crate::store::{HookRow, Id, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
@@ -18,7 +18,7 @@ const MOST_OF_A_MESSAGE: usize = 1000;
 
 /// The enabled hooks, what each wants to hear, and what it has heard.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct HookBook {
+pub(crate) struct HookBook {
     hooks: Vec<Ear>,
     /// By hook and alert: that it fires, with this severity.
     heard: HashMap<(Id, Id), Severity>,
@@ -28,7 +28,7 @@ pub(in crate::pipeline) struct HookBook {
 
 /// A hook that listens.
 #[derive(Debug, Clone)]
-pub(in crate::pipeline) struct Ear {
+pub(crate) struct Ear {
     pub hook: Id,
     pub filter: FilterBody,
     pub batch: bool,
@@ -42,14 +42,14 @@ impl Ear {
 
 /// An alert as it stands.
 #[derive(Debug, Clone)]
-pub(in crate::pipeline) struct Standing {
+pub(crate) struct Standing {
     pub id: Id,
     pub alert: Alert,
     pub body: AlertBody,
 }
 
 /// Where what hooks are told is written.
-pub(in crate::pipeline) struct Scribe<'a> {
+pub(crate) struct Scribe<'a> {
     pub now: UtcMicros,
     pub ids: &'a mut IdSource,
     pub outbox: &'a mut OutboxChanges,
@@ -158,16 +158,11 @@ impl HookBook {
 }
 
 /// The action of a delivery that is a digest.
-pub(in crate::pipeline) const DIGEST: &str = "digest";
+pub(crate) const DIGEST: &str = "digest";
 
 /// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and the end of what
 /// it has heard fire. `heard`: what it has heard.
-pub(in crate::pipeline) fn introduce(
-    ear: &Ear,
-    heard: &HashMap<Id, Severity>,
-    alerts: &[Standing],
-    scribe: &mut Scribe<'_>,
-) {
+pub(crate) fn introduce(ear: &Ear, heard: &HashMap<Id, Severity>, alerts: &[Standing], scribe: &mut Scribe<'_>) {
     let mut told = Vec::new();
     for Standing { id, alert, body } in alerts {
         // It hears what others were spared because it was found late.

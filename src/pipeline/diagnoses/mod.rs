@@ -7,8 +7,10 @@
 //! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says what many
 //! diagnoses say together, from the [`gist`] that is kept of each.
 
-mod gist;
+pub(super) mod background;
+pub(super) mod digest;
 mod jobs;
+pub(super) mod models;
 mod queue;
 mod summary;
 
@@ -18,15 +20,15 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
-use self::gist::{Gist, Seat, seats};
-use super::background::{Awaited, Bustle, beside_others};
 use super::campaign::damaged;
-use super::models::{InForce, ModelBook};
 use super::read::anything;
 use super::{Job, Pipeline, Refused};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
 use crate::core::time::UtcMicros;
+use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
+use crate::pipeline::diagnoses::digest::{Gist, Seat, seats};
+use crate::pipeline::diagnoses::models::{InForce, ModelBook};
 use crate::store::{
     Changes, DiagnosisRow, Id, JobChanges, Kind, NewDiagnosis, RecordRow, SettledTask, Store, StoreError, Writer,
 };

@@ -14,7 +14,7 @@ use crate::store::{AlertRow, Changes, Id};
 
 /// Which item of a group has changed what is known of a gyro, and how that is told if it comes late.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct Causes {
+pub(crate) struct Causes {
     items: HashMap<Id, Late>,
     gyros: HashMap<u32, Id>,
 }
@@ -40,7 +40,7 @@ impl Causes {
 /// Lets the alerts follow what a group's judging has found.
 ///
 /// `sent` are the calibrations of the group by their identifiers: verdicts that need no history are with them.
-pub(in crate::pipeline) fn follow_group(
+pub(crate) fn follow_group(
     book: &mut AlertBook,
     judge: &Judge,
     judged: &Judged,
@@ -120,7 +120,7 @@ fn requirements(gyro: &CalibratedGyro) -> impl Iterator<Item = &Verdict> {
 }
 
 /// Judges by the clock whether a gyro, calibrated last at `last` in `imu`, is overdue.
-pub(in crate::pipeline) fn follow_clock(
+pub(crate) fn follow_clock(
     book: &mut AlertBook,
     judge: &Judge,
     gyro: u32,

@@ -5,10 +5,10 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use tokio::sync::oneshot;
 
-use super::access::Actor;
-use super::{Accepted, Job, Pipeline, Refused};
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
+use crate::pipeline::access::Actor;
+use crate::pipeline::{Accepted, Job, Pipeline, Refused};
 use crate::store::{AccessChanges, Changes, Id, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
@@ -31,7 +31,7 @@ pub struct InForce {
 
 /// The newest model of each IMU, by its number.
 #[derive(Debug, Clone, Default)]
-pub(super) struct ModelBook(Arc<RwLock<HashMap<u32, InForce>>>);
+pub(crate) struct ModelBook(Arc<RwLock<HashMap<u32, InForce>>>);
 
 impl ModelBook {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
@@ -58,14 +58,14 @@ impl ModelBook {
 }
 
 /// A stored model.
-pub(super) fn read(row: &ModelRow) -> Result<InForce, StoreError> {
+pub(crate) fn read(row: &ModelRow) -> Result<InForce, StoreError> {
     let damaged = |faults: Faults| StoreError::Damaged(format!("model {} cannot be read: {faults}", row.id));
     let model = model::parse(row.body.as_bytes()).map_err(damaged)?;
     Ok(InForce { id: Some(row.id), model: Arc::new(model) })
 }
 
 /// What the writer does with an adoption: one transaction; the same again changes nothing.
-pub(super) async fn adopt(
+pub(crate) async fn adopt(
     store: &Store,
     writer: &mut Writer,
     clock: &Clock,

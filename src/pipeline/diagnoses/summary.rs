@@ -4,12 +4,12 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::gist::{Gist, Named, REFUSED};
 use super::program;
 use crate::core::effects::{self, Effect};
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Pipeline;
+use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
 use crate::store::{CampaignFilter, GistRow, Id, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,

@@ -30,7 +30,7 @@ pub enum DiagnosisOrder {
 }
 
 /// The writer at work on orders.
-pub(in crate::pipeline) struct JobDesk<'a> {
+pub(crate) struct JobDesk<'a> {
     pub store: &'a Store,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,

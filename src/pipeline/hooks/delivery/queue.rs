@@ -9,14 +9,15 @@ use futures::future::BoxFuture;
 use futures::stream::FuturesUnordered;
 use tokio::sync::watch;
 
-use super::health::Health;
-use super::letter::{self, Addressee};
 use super::{Desk, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, Outcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Refused;
+use crate::pipeline::hooks::delivery::circuit::Health;
+use crate::pipeline::hooks::delivery::message;
+use crate::pipeline::hooks::delivery::message::Addressee;
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::store::{DeliveryState, DueDelivery, Duty, Id, Progress, StoreError};
 use crate::telemetry;
@@ -210,7 +211,7 @@ impl Lane {
                 let is_current = self.changed_at == Some(to.row.changed_at);
                 let hasten = is_current && self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
                 let at = self.desk.pipeline.clock.now();
-                let attempted = letter::report(&to, &due, &attempt, at, &self.desk.ladder, hasten);
+                let attempted = message::report(&to, &due, &attempt, at, &self.desk.ladder, hasten);
                 count(to.kind, &attempted, &attempt);
                 let desk = Arc::clone(&self.desk);
                 self.under_way.push(Box::pin(async move {

@@ -10,9 +10,9 @@
 //!
 //! What was sent but not yet written down when the process died is sent again: receivers know it by its `webhook-id`.
 
-mod health;
-mod lane;
-mod letter;
+pub(crate) mod circuit;
+pub(crate) mod message;
+pub(crate) mod queue;
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,12 +21,12 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 
-use super::Pipeline;
 use crate::alert::deliver::Courier;
 use crate::alert::ladder::Ladder;
+use crate::pipeline::Pipeline;
 use crate::store::{Duty, Id, QueueState, StoreError};
 
-use lane::Lane;
+use crate::pipeline::hooks::delivery::queue::Lane;
 
 /// How often the worker looks around when nothing wakes it.
 const ROUND: Duration = Duration::from_secs(5);
@@ -41,7 +41,7 @@ const BREATH: Duration = Duration::from_secs(1);
 
 /// When the worker last looked around. Cheap to clone.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Pulse(Arc<Mutex<Option<Instant>>>);
+pub(crate) struct Pulse(Arc<Mutex<Option<Instant>>>);
 
 impl Pulse {
     fn beat(&self) {

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
-use super::book::{Ear, Scribe, Standing, introduce};
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
 use crate::core::alert_decision::Status;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
 use crate::pipeline::{Actor, Refused};
 use crate::store::{
     AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
@@ -94,7 +94,7 @@ pub struct Attempted {
 }
 
 /// The writer at work on orders.
-pub(in crate::pipeline) struct HookDesk<'a> {
+pub(crate) struct HookDesk<'a> {
     pub store: &'a Store,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::Pipeline;
-use super::line::{load_marks, mark_of, sample_of};
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Mark, Measured};
@@ -11,6 +10,7 @@ use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{Naming, Origin, finding_of, status_of};
+use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.

@@ -1,15 +1,15 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
 use super::Pipeline;
-use super::admit::figures_of;
-use super::campaign::CampaignFit;
-use super::line::Line;
-use super::read::{CalibratedGyro, Calibration};
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
 use crate::core::name::Name;
+use crate::pipeline::ingest::admit::figures_of;
+use crate::pipeline::ingest::campaign::CampaignFit;
+use crate::pipeline::ingest::judge::gyro_window::Line;
+use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store::{AuditRow, Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};

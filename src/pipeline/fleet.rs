@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::agreement::Told;
-use super::line::{distinct, marks_of, sample_of};
 use super::{Pipeline, status};
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
 use crate::wire::answer::VerdictBody;
 

@@ -1,8 +1,8 @@
 //! The noise constants of the whole fleet, from its history.
 
 use super::Pipeline;
-use super::line::{Line, marks_of, sample_of};
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
+use crate::pipeline::ingest::judge::gyro_window::{Line, marks_of, sample_of};
 use crate::store::{Span, StoreError};
 
 /// Gyros whose histories are read at once.

@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::Pipeline;
-use super::line::{load_marks, sample_of};
 use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
+use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
 use crate::store::{Figures, Id, Span, StoreError};
 
 /// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the

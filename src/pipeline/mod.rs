@@ -17,28 +17,19 @@
 //! one group is judged while the one before is still being written (`writer/beside.rs`).
 
 mod access;
-mod admit;
 mod agreement;
 mod alerts;
 mod answer;
-mod campaign;
-mod compare;
 mod course;
 mod diagnoses;
-mod document;
 mod fleet;
 mod fleet_noise;
-mod foresee;
 mod history;
 mod hooks;
-mod judging;
-mod line;
-mod read;
-mod reply;
+mod ingest;
 mod stations;
 mod status;
 mod verify;
-mod writer;
 
 use std::sync::Arc;
 
@@ -59,27 +50,29 @@ pub use crate::pipeline::alerts::{AlertChange, AlertOrder, AlertRecord, AlertSte
 pub use crate::pipeline::diagnoses::models::{Adoption, InForce};
 pub use crate::pipeline::diagnoses::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
 pub use crate::pipeline::hooks::delivery::{Outbox, OutboxError};
+pub use crate::pipeline::ingest::campaign::{Fitted, ReadCampaign, StoredCampaign};
+pub use crate::pipeline::ingest::document::{Origin, ReadDocument};
+pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
+pub use crate::pipeline::ingest::preview::Foreseen;
+pub use crate::pipeline::ingest::same_content::Sent;
 pub use access::{
     AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
     revoke_beside,
 };
 pub use agreement::{Compared, Comparison};
 pub use answer::StoredRecord;
-pub use campaign::{Fitted, ReadCampaign, StoredCampaign};
-pub use compare::Sent;
 pub use course::{Baseline, Course, Tested};
-pub use document::{Origin, ReadDocument};
 pub use fleet::{Glimpse, Seats, Standing, Violation};
-pub use foresee::Foreseen;
 pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
-pub use line::sample_of;
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
+pub use crate::pipeline::ingest::submission::{
+    BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
+};
 pub use crate::store::{
     AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
     GyroCorrection, Id, Kind, Matchers, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
-pub use read::{BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission};
 pub use stations::StationEffect;
 pub use status::Statuses;
 pub use verify::Verified;
@@ -105,7 +98,13 @@ pub struct Pipeline {
 enum Job {
     /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
     /// late is told.
-    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: reply::Teller },
+    Store {
+        items: Vec<Submission>,
+        by: Actor,
+        with_verdicts: bool,
+        late: Late,
+        reply: crate::pipeline::ingest::reply::Teller,
+    },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
@@ -241,8 +240,15 @@ impl Pipeline {
         let bustle = crate::pipeline::diagnoses::background::Bustle::new();
         let diagnoser =
             diagnoses::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
-        let after = writer::After { wake: wake.clone(), models: models.clone(), due, guard: guard.clone() };
-        let task = writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
+        let after = crate::pipeline::ingest::writer::After {
+            wake: wake.clone(),
+            models: models.clone(),
+            due,
+            guard: guard.clone(),
+        };
+        let task =
+            crate::pipeline::ingest::writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after)
+                .await?;
         // It ends when the writer, who alone tells it of more, is gone.
         tokio::spawn(diagnoser.clone().run(watched));
         // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just answered.
@@ -327,7 +333,7 @@ impl Pipeline {
         mut put_into_words: impl FnMut(&Accepted) -> T,
     ) -> Result<(Accepted, T), Refused> {
         self.bustle.stir();
-        let (reply, listener) = reply::channel();
+        let (reply, listener) = crate::pipeline::ingest::reply::channel();
         self.offer(Job::Store { items: vec![item], by: Actor::by_caller(), with_verdicts: true, late, reply })?;
         let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
         let (mut replies, words) = heard.ok_or(Refused::Stopping)?;
@@ -340,7 +346,7 @@ impl Pipeline {
     pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
         self.bustle.stir();
         let count = items.len();
-        let (reply, listener) = reply::channel();
+        let (reply, listener) = crate::pipeline::ingest::reply::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
         let _queued =
             self.jobs.send(Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply }).await;

@@ -5,8 +5,8 @@ use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use super::Pipeline;
-use super::line::{marks_of, sample_of};
 use crate::core::time::UtcMicros;
+use crate::pipeline::ingest::judge::gyro_window::{marks_of, sample_of};
 use crate::store::{Figures, Span, StoreError, Stretch};
 
 /// Newest records of each gyro that count.

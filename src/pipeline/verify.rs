@@ -5,12 +5,12 @@
 //! cannot be compared, and are counted; so are those on records that count no more.
 
 use super::Pipeline;
-use super::admit::figures_of;
 use super::answer::Reread;
-use super::line::Line;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
+use crate::pipeline::ingest::admit::figures_of;
+use crate::pipeline::ingest::judge::gyro_window::Line;
 use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 
@@ -98,7 +98,7 @@ impl Pipeline {
             let (limits, method) = (self.config.judging.limits(again.imu.as_str(), serial), self.config.judging.method);
             let line = Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
             let judged = line.judge_newest(&limits, Older::NONE);
-            let states = super::judging::states(&judged);
+            let states = crate::pipeline::ingest::judge::states(&judged);
             let expected: Vec<StoredVerdict> =
                 judged.iter().chain(gyro.requirements.iter().flatten()).map(StoredVerdict::from).collect();
             verified.verdicts += decided.len();

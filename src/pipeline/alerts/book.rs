@@ -8,7 +8,7 @@ use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
-use crate::pipeline::judging::Undone;
+use crate::pipeline::ingest::judge::Undone;
 use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
 
 /// Every alert by gyro, and those that the transaction under construction changes.

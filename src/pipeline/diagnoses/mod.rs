@@ -20,8 +20,6 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 
-use super::campaign::damaged;
-use super::read::anything;
 use super::{Job, Pipeline, Refused};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
@@ -29,6 +27,8 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
 use crate::pipeline::diagnoses::digest::{Gist, Seat, seats};
 use crate::pipeline::diagnoses::models::{InForce, ModelBook};
+use crate::pipeline::ingest::campaign::damaged;
+use crate::pipeline::ingest::submission::anything;
 use crate::store::{
     Changes, DiagnosisRow, Id, JobChanges, Kind, NewDiagnosis, RecordRow, SettledTask, Store, StoreError, Writer,
 };

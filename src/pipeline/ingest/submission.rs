@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::{Actor, Pipeline};
 use crate::config::PlausibilityKeys;
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
@@ -12,6 +11,7 @@ use crate::core::mounting::Slot;
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
 use crate::core::separate::{CovarianceEg, Separation, separate, stated_covariance};
 use crate::core::time::UtcMicros;
+use crate::pipeline::{Actor, Pipeline};
 use crate::store::{Id, Kind};
 use crate::system::sha256;
 use crate::wire::bench::parse_bench_result;
@@ -154,7 +154,7 @@ impl Pipeline {
     }
 
     /// Reads a stored record: it was plausible once, whatever today's limits are.
-    pub(super) fn reread_record(&self, body: &str) -> Result<Calibration, Faults> {
+    pub(crate) fn reread_record(&self, body: &str) -> Result<Calibration, Faults> {
         self.separated(parse_record(body.as_bytes(), &anything())?, body.as_bytes())
     }
 
@@ -227,7 +227,7 @@ impl Pipeline {
 }
 
 /// Refuses new names in which something cannot be seen; what is stored under such a name is read all the same.
-pub(super) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<Item = &'a Name>) -> Result<(), Faults> {
+pub(crate) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<Item = &'a Name>) -> Result<(), Faults> {
     let mut faults = Faults::default();
     for (pointer, name) in named {
         name.check_seen().unwrap_or_else(|detail| faults.push(*pointer, detail));
@@ -239,7 +239,7 @@ pub(super) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<It
 }
 
 /// The body as it is kept, without a byte-order mark, and its hash.
-pub(super) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
+pub(crate) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
     let bytes = without_mark(bytes);
     let text = std::str::from_utf8(bytes)
         .map_err(|error| Faults::from(Fault { pointer: String::new(), detail: format!("is not UTF-8: {error}") }))?;
@@ -247,7 +247,7 @@ pub(super) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
 }
 
 /// Limits that refuse nothing that was ever stored.
-pub(super) fn anything() -> Plausibility {
+pub(crate) fn anything() -> Plausibility {
     Plausibility {
         scale_factor: (f64::MIN_POSITIVE, f64::MAX),
         max_misalignment: f64::INFINITY,

@@ -3,7 +3,7 @@
 
 use tokio::sync::mpsc;
 
-use super::Reply;
+use crate::pipeline::Reply;
 
 #[derive(Debug)]
 enum Message {
@@ -17,13 +17,13 @@ enum Message {
 
 /// The writer's end.
 #[derive(Debug)]
-pub(super) struct Teller(mpsc::UnboundedSender<Message>);
+pub(crate) struct Teller(mpsc::UnboundedSender<Message>);
 
 /// The end of whoever waits.
 #[derive(Debug)]
-pub(super) struct Listener(mpsc::UnboundedReceiver<Message>);
+pub(crate) struct Listener(mpsc::UnboundedReceiver<Message>);
 
-pub(super) fn channel() -> (Teller, Listener) {
+pub(crate) fn channel() -> (Teller, Listener) {
     // Unbounded, for the writer waits for nobody; it says a word or two.
     let (words, heard) = mpsc::unbounded_channel();
     (Teller(words), Listener(heard))

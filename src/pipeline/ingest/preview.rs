@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::admit::{Ahead, Desk, Group, Memory};
-use super::{Accepted, Actor, Id, Pipeline, ReadDocument, Refused};
 use crate::core::note::Note;
+use crate::pipeline::{Accepted, Actor, Id, Pipeline, ReadDocument, Refused};
 use crate::store::IdSource;
 
 /// Beyond every identifier of this century.

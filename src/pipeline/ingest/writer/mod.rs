@@ -1,9 +1,9 @@
 //! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
 
-mod beside;
-mod following;
+pub(crate) mod alerts;
 mod group;
-mod turns;
+pub(crate) mod overlapped;
+pub(crate) mod postgres_turn;
 
 use std::collections::{HashMap, HashSet};
 use std::ops::RangeInclusive;
@@ -12,31 +12,31 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{mpsc, oneshot, watch};
 
-use super::access::{AccessOrder, Actor, Guard, Registrar, Secret};
 use super::admit::{Memory, Newest};
-use super::hooks::{Found, HookBook, HookDesk, Order};
-use super::judging::Judge;
-use super::read::Submission;
 use super::reply::Teller;
-use super::{Accepted, Job, Refused, Reply};
 use crate::config::Config;
 use crate::core::alert_decision::Late;
+use crate::pipeline::access::{AccessOrder, Actor, Guard, Registrar, Secret};
 use crate::pipeline::alerts::AlertBook;
 use crate::pipeline::diagnoses::models::{ModelBook, adopt};
 use crate::pipeline::diagnoses::{DiagnosisOrder, JobDesk};
+use crate::pipeline::hooks::{Found, HookBook, HookDesk, Order};
+use crate::pipeline::ingest::judge::Judge;
+use crate::pipeline::ingest::submission::Submission;
+use crate::pipeline::ingest::writer::overlapped::UnderWay;
+use crate::pipeline::ingest::writer::postgres_turn::in_turn;
+use crate::pipeline::{Accepted, Job, Refused, Reply};
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
-use beside::UnderWay;
 use group::{Told, answer, foretell};
-use turns::in_turn;
 
 /// How long a transaction may take others' turn, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
 /// Items of one transaction, as many as are stored in a [`TURN`].
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
-pub(super) struct Task {
+pub(crate) struct Task {
     store: Store,
     writer: Writer,
     clock: Clock,
@@ -74,7 +74,7 @@ fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
 }
 
 /// Who is told of what has been written.
-pub(super) struct After {
+pub(crate) struct After {
     /// Moves when a hook has changed or has something new to be told.
     pub wake: watch::Sender<u64>,
     pub models: ModelBook,
@@ -145,12 +145,12 @@ impl Task {
                         break;
                     }
                 },
-                () = beside::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
+                () = overlapped::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
                 _ = ticks.tick() => {
                     self.finish().await;
                     self.tick().await;
                 }
-                Some(missed) = turns::next_of(&mut moves) => self.hear_of(&missed).await,
+                Some(missed) = postgres_turn::next_of(&mut moves) => self.hear_of(&missed).await,
             }
             if self.is_to_wait(&jobs) {
                 continue;
@@ -161,7 +161,7 @@ impl Task {
                 self.finish().await;
             }
             let (mut group, mut items) = (Vec::new(), 0);
-            let most = if self.writer.committer().is_some() { beside::MAX_ITEMS } else { self.items_at_once };
+            let most = if self.writer.committer().is_some() { overlapped::MAX_ITEMS } else { self.items_at_once };
             let (mut orders, mut findings, mut digests) = (Orders::new(), Findings::new(), Vec::new());
             for job in jobs.drain(..) {
                 let job = match job {
@@ -361,7 +361,7 @@ impl Task {
                 }
                 Err(error) => {
                     self.start_over();
-                    if !turns::another_try(&error, &mut tries).await {
+                    if !postgres_turn::another_try(&error, &mut tries).await {
                         return Err(error);
                     }
                 }

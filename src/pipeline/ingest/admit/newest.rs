@@ -4,13 +4,13 @@ use std::collections::HashMap;
 
 use crate::core::history_note::FAR_DAYS;
 use crate::core::time::UtcMicros;
-use crate::pipeline::judging;
-use crate::pipeline::read::Calibration;
+use crate::pipeline::ingest::judge;
+use crate::pipeline::ingest::submission::Calibration;
 use crate::store::{Changes, HistoryRow, RecordRow, Span, Store, StoreError, Tables};
 
 /// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct Newest {
+pub(crate) struct Newest {
     pub(super) imus: HashMap<u32, UtcMicros>,
     gyros: HashMap<u32, (UtcMicros, u32)>,
 }
@@ -61,7 +61,7 @@ impl Newest {
     }
 
     /// Takes note of what has been committed, or is about to be.
-    pub fn learn(&mut self, changes: &Changes, found: &[judging::Newest]) {
+    pub fn learn(&mut self, changes: &Changes, found: &[judge::Newest]) {
         for record in &changes.records {
             let newest = self.imus.entry(record.imu).or_insert(record.calibrated_at);
             *newest = record.calibrated_at.max(*newest);

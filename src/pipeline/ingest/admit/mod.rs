@@ -1,10 +1,10 @@
 //! Is it new, the same again, or in conflict? And the numbers and identifiers of what is new.
 
 mod ahead;
-mod benching;
+pub(crate) mod bench;
 mod checking;
 mod confirming;
-mod correcting;
+pub(crate) mod correction;
 mod memory;
 mod newest;
 mod sending;
@@ -12,29 +12,29 @@ mod sending;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::read::{Calibration, GyroEvent, Submission};
-use super::{Accepted, Actor, Refused};
 use crate::config::Judging;
 use crate::core::bench::BenchMethod;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
+use crate::pipeline::ingest::submission::{Calibration, GyroEvent, Submission};
+use crate::pipeline::{Accepted, Actor, Refused};
 use crate::store::{
     Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Kind, PublishedFigures, RecordRow, States, Store,
     StoreError, StoredVerdict, Tables, VerdictSheet,
 };
 use crate::wire::{history_note, time};
-pub(super) use ahead::Ahead;
+pub(crate) use ahead::Ahead;
 use checking::Checked;
-pub(super) use memory::Memory;
+pub(crate) use memory::Memory;
 use memory::Remembered;
-pub(super) use newest::Newest;
+pub(crate) use newest::Newest;
 use sending::Sending;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
 #[derive(Debug, Default)]
-pub(super) struct Group {
+pub(crate) struct Group {
     pub changes: Changes,
     imus: HashMap<String, u32>,
     stations: HashMap<String, u32>,
@@ -51,7 +51,7 @@ pub(super) struct Group {
 }
 
 /// What admission may ask.
-pub(super) struct Desk<'a> {
+pub(crate) struct Desk<'a> {
     pub store: &'a Store,
     pub ids: &'a mut IdSource,
     /// None where the database is to be asked each time.
@@ -282,7 +282,7 @@ impl Table {
     }
 }
 
-pub(super) fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {
+pub(crate) fn figures_of(separation: &Separation, record: Id, at: UtcMicros, imu: u32, station: u32) -> Figures {
     let rigid = &separation.rigid;
     let published = separation.published.as_ref().ok().map(|p| PublishedFigures {
         branch: equation(p.branch),

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::{Desk, Group, Table};
 use crate::core::note::Note;
 use crate::core::time::UtcMicros;
-use crate::pipeline::compare::says_the_same;
-use crate::pipeline::read::{Calibration, Corrected, Correction};
+use crate::pipeline::ingest::same_content::says_the_same;
+use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
 use crate::pipeline::{Accepted, Refused};
 use crate::store::{CorrectionRow, HistoryRow, Id, Kind, RecordRow, Span, StoreError};
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::compare::{benches_agree, says_the_same};
-use super::{Accepted, Fitted, Id, Kind, Pipeline, ReadCampaign, Refused, Sent, Submission};
 use crate::core::fault::Faults;
+use crate::pipeline::ingest::same_content::{benches_agree, says_the_same};
+use crate::pipeline::{Accepted, Fitted, Id, Kind, Pipeline, ReadCampaign, Refused, Sent, Submission};
 use crate::wire::campaign::Form;
 use crate::wire::document::DocumentKind;
 
@@ -31,7 +31,7 @@ enum OriginKind {
 
 impl Origin {
     /// Whether both say the same, however they are written.
-    pub(super) fn says_the_same_as(&self, other: &Self) -> bool {
+    pub(crate) fn says_the_same_as(&self, other: &Self) -> bool {
         match (self.kind, other.kind) {
             (OriginKind::Record, OriginKind::Record) => says_the_same(Kind::Record, &self.body, &other.body),
             (OriginKind::Campaign, OriginKind::Campaign) => says_the_same(Kind::Campaign, &self.body, &other.body),

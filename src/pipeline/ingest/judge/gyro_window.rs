@@ -1,7 +1,5 @@
 //! One gyro's history as judging needs it: the newest stretch, in memory.
 
-mod past;
-
 use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
@@ -10,12 +8,12 @@ use crate::core::judge::history::{
 };
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
 use crate::core::time::UtcMicros;
+use crate::pipeline::ingest::judge::older_summary::{Past, RUN};
 use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
-use past::{Past, RUN};
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Line {
+pub(crate) struct Line {
     samples: Series,
     /// The first records since the last event that begins a baseline.
     baseline: Vec<Sample>,
@@ -33,7 +31,7 @@ pub(super) struct Line {
 
 /// Where a gyro's history is read, and by which method.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     pub store: &'a Store,
     pub gyro: u32,
     pub method: JudgedMethod,
@@ -339,7 +337,7 @@ impl Line {
 }
 
 /// How many of a gyro's newest rows are read at once.
-pub(super) fn read_ahead(need: Need) -> usize {
+pub(crate) fn read_ahead(need: Need) -> usize {
     READ_AHEAD.max(need.records + 1)
 }
 
@@ -354,7 +352,7 @@ fn days_before(at: UtcMicros, days: f64) -> UtcMicros {
 }
 
 /// Records, oldest first, without those that repeat the one before.
-pub(super) fn distinct(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
+pub(crate) fn distinct(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample> {
     let mut kept: Vec<Sample> = Vec::new();
     for sample in samples {
         if kept.last().is_none_or(|last| !sample.repeats(last)) {
@@ -364,13 +362,13 @@ pub(super) fn distinct(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample>
     kept
 }
 
-pub(super) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
+pub(crate) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
     let events = store.events(gyro).await?;
     Ok(events.iter().map(mark_of).collect())
 }
 
 /// What was done to each of several gyros; those to which nothing was are left out.
-pub(super) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, Vec<Mark>>, StoreError> {
+pub(crate) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, Vec<Mark>>, StoreError> {
     let mut marks = HashMap::<u32, Vec<Mark>>::new();
     for event in store.events_of(gyros).await? {
         marks.entry(event.gyro).or_default().push(mark_of(&event));
@@ -378,7 +376,7 @@ pub(super) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32
     Ok(marks)
 }
 
-pub(super) fn mark_of(event: &EventRow) -> Mark {
+pub(crate) fn mark_of(event: &EventRow) -> Mark {
     Mark { at: event.at, event: event.event, until: event.until, fixed: event.fixed }
 }
 

@@ -4,12 +4,12 @@ use std::collections::{HashMap, HashSet};
 
 use super::Newest;
 use crate::core::time::UtcMicros;
-use crate::pipeline::read::{Calibration, Submission};
+use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store::{Figures, Id, RecordAt, Span, Store, StoreError};
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct Ahead {
+pub(crate) struct Ahead {
     keys: HashMap<String, Option<(Id, Vec<u8>)>>,
     /// The records of an IMU at an instant.
     records: HashMap<(u32, UtcMicros), Vec<RecordAt>>,

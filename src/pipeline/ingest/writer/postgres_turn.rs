@@ -22,7 +22,7 @@ macro_rules! in_turn {
                 Err(error) => Err($crate::pipeline::Refused::from(error)),
             };
             $task.writer.give_back().await;
-            if !$crate::pipeline::writer::turns::to_be_tried_again(&done, &mut tries).await {
+            if !$crate::pipeline::ingest::writer::postgres_turn::to_be_tried_again(&done, &mut tries).await {
                 break done;
             }
         }

@@ -9,7 +9,7 @@ use crate::core::judge::history::{
 };
 use crate::core::judge::{Rule, Verdict, judge};
 use crate::core::time::UtcMicros;
-use crate::pipeline::line::{Line, Source, load_marks, mark_of, sample_of};
+use crate::pipeline::ingest::judge::gyro_window::{Line, Source, load_marks, mark_of, sample_of};
 use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.

@@ -18,7 +18,7 @@ const MOST_GYROS: usize = 20_000;
 
 /// The newest records of the gyros that have been seen, those included that are not stored yet.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct Memory {
+pub(crate) struct Memory {
     gyros: HashMap<u32, Ring>,
 }
 

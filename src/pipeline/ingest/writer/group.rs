@@ -6,10 +6,11 @@ use std::time::Instant;
 use super::{Item, StoreJob, Task, items_of};
 use crate::core::alert_decision::Late;
 use crate::core::judge::{Rule, State, Status, Verdict};
-use crate::pipeline::admit::{Ahead, Desk, Group};
 use crate::pipeline::alerts::Causes;
-use crate::pipeline::judging::{self, Verdicts};
-use crate::pipeline::read::{Calibration, Submission};
+use crate::pipeline::ingest::admit::{Ahead, Desk, Group};
+use crate::pipeline::ingest::judge;
+use crate::pipeline::ingest::judge::Verdicts;
+use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply};
 use crate::store::{Changes, Id, Kind, Span, StoreError};
 use crate::telemetry;
@@ -17,7 +18,7 @@ use crate::telemetry;
 /// What a group comes to, before it is written.
 pub(super) struct Prepared {
     pub changes: Changes,
-    pub newest: Vec<judging::Newest>,
+    pub newest: Vec<judge::Newest>,
     /// One an item; they hold when the changes are on disk.
     pub replies: Vec<Reply>,
     tally: Tally,

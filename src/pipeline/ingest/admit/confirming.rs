@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{Desk, Group};
-use crate::pipeline::read::Confirmation;
+use crate::pipeline::ingest::submission::Confirmation;
 use crate::pipeline::{Accepted, Refused};
 use crate::store::{ConfirmationRow, HistoryRow, Span};
 

@@ -10,8 +10,8 @@ use tokio::task::JoinHandle;
 use super::group::{Prepared, Told, answer, foretell};
 use super::{Item, StoreJob, Task, items_of};
 use crate::pipeline::Job;
-use crate::pipeline::admit::Newest;
-use crate::pipeline::read::Submission;
+use crate::pipeline::ingest::admit::Newest;
+use crate::pipeline::ingest::submission::Submission;
 use crate::store::{Committer, Tables, Written};
 use crate::telemetry;
 

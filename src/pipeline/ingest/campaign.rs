@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 
-use super::Pipeline;
-use super::answer::Reread;
-use super::read::{BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept};
 use crate::config::JudgedMethod;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::Verdict;
+use crate::pipeline::Pipeline;
+use crate::pipeline::answer::Reread;
 use crate::pipeline::diagnoses::models::InForce;
+use crate::pipeline::ingest::submission::{
+    BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
+};
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::MethodBody;
 use crate::wire::bench::BenchBody;
@@ -62,17 +64,17 @@ impl From<Fitted> for Submission {
 pub struct StoredCampaign {
     pub row: RecordRow,
     pub answer: CampaignAnswer,
-    /// As of [`super::StoredRecord`].
+    /// As of [`crate::pipeline::StoredRecord`].
     pub seen: Vec<Option<Verdict>>,
 }
 
 /// A campaign as it is fitted when it comes, and again whenever it is read.
 #[derive(Debug, Clone)]
 pub struct CampaignFit {
-    pub(super) campaign: Campaign,
-    pub(super) outcome: Outcome,
+    pub(crate) campaign: Campaign,
+    pub(crate) outcome: Outcome,
     /// The adopted model that it is fitted with.
-    pub(super) model: Option<Id>,
+    pub(crate) model: Option<Id>,
 }
 
 impl Pipeline {
@@ -121,7 +123,7 @@ impl Pipeline {
     }
 
     /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
-    pub(super) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
+    pub(crate) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
         let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
         let work = tokio::task::spawn_blocking(move || {
             let (campaign, outcome) = evaluated(&body, &model)?;
@@ -130,7 +132,7 @@ impl Pipeline {
         work.await.map_err(|error| StoreError::Damaged(format!("campaign {} could not be fitted: {error}", row.id)))
     }
 
-    pub(super) fn calibration_again(&self, row: &RecordRow, fitted: &CampaignFit) -> Calibration {
+    pub(crate) fn calibration_again(&self, row: &RecordRow, fitted: &CampaignFit) -> Calibration {
         let kept = (Arc::clone(&row.body), row.body_sha256);
         self.calibration_of(&fitted.campaign, &fitted.outcome, fitted.model, kept)
     }
@@ -212,7 +214,7 @@ impl Pipeline {
         row.as_ref().map_or_else(|| Ok(InForce::default()), crate::pipeline::diagnoses::models::read)
     }
 
-    pub(super) fn method(&self) -> MethodBody {
+    pub(crate) fn method(&self) -> MethodBody {
         match self.config.judging.method {
             JudgedMethod::Rigid => MethodBody::Rigid,
             JudgedMethod::Published => MethodBody::Published,
@@ -227,6 +229,6 @@ fn evaluated(body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), F
     Ok((campaign, outcome))
 }
 
-pub(super) fn damaged(id: Id, faults: &Faults) -> StoreError {
+pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {
     StoreError::Damaged(format!("the body of campaign {id} cannot be read: {faults}"))
 }

@@ -1,17 +1,19 @@
 //! Judging a group in its end state: each gyro that it touches, once.
 
-mod late;
-mod undoing;
+pub(crate) mod gyro_window;
+pub(crate) mod older_summary;
+pub(crate) mod out_of_order;
+pub(crate) mod withdrawal;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use super::line::{Line, Source, read_ahead, sample_of};
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Naming;
+use crate::pipeline::ingest::judge::gyro_window::{Line, Source, read_ahead, sample_of};
 use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
@@ -19,7 +21,7 @@ const LARGE_PART: usize = 100;
 
 /// Judges; remembers the newest stretch of the gyros that it has seen.
 #[derive(Debug)]
-pub(super) struct Judge {
+pub(crate) struct Judge {
     store: Store,
     judging: Judging,
     policy: Policy,
@@ -27,11 +29,11 @@ pub(super) struct Judge {
 }
 
 /// Verdicts by record and gyro number.
-pub(super) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
+pub(crate) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
 
 /// What judging a group has found.
 #[derive(Debug, Default)]
-pub(super) struct Judged {
+pub(crate) struct Judged {
     /// On every new record, and on the newest of a gyro where that was judged again.
     pub verdicts: Verdicts,
     /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest after all.
@@ -42,7 +44,7 @@ pub(super) struct Judged {
 
 /// What has become of a gyro's alerts now that something counts no more, and who said so, and why.
 #[derive(Debug)]
-pub(super) struct Undone {
+pub(crate) struct Undone {
     /// What would fire if nothing but what counts now had ever come; none where only a bench result was voided.
     pub fires: Option<HashSet<(Coefficient, Rule)>>,
     pub author: String,
@@ -51,7 +53,7 @@ pub(super) struct Undone {
 
 /// A gyro's newest calibration.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Newest {
+pub(crate) struct Newest {
     pub gyro: u32,
     pub figures: Figures,
 }
@@ -227,12 +229,12 @@ impl Judge {
 }
 
 /// Whether a gyro that was calibrated last at `last` was taken out of use since.
-pub(super) fn ends_calibrations(marks: &[Mark], last: UtcMicros) -> bool {
+pub(crate) fn ends_calibrations(marks: &[Mark], last: UtcMicros) -> bool {
     marks.iter().any(|mark| mark.at >= last && mark.event.ends_calibrations())
 }
 
 /// The worst of the rules that could judge, for D_I, D_S and the closure.
-pub(super) fn states(verdicts: &[Verdict]) -> States {
+pub(crate) fn states(verdicts: &[Verdict]) -> States {
     let worst = |coefficient| {
         let of_it = verdicts.iter().filter(|verdict| verdict.coefficient == coefficient);
         of_it.filter(|verdict| verdict.value.is_some()).map(|verdict| verdict.state).max()

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::read::anything;
-use super::{Accepted, Pipeline, Refused};
+use crate::pipeline::ingest::submission::anything;
+use crate::pipeline::{Accepted, Pipeline, Refused};
 use crate::store::{Id, Kind};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
@@ -48,12 +48,12 @@ impl Pipeline {
 }
 
 /// Whether two calibrations of the same kind say the same, however they are written.
-pub(super) fn says_the_same(kind: Kind, a: &str, b: &str) -> bool {
+pub(crate) fn says_the_same(kind: Kind, a: &str, b: &str) -> bool {
     calibrations_differ(kind, a, b).is_empty()
 }
 
 /// Whether two bench results say the same, however they are written.
-pub(super) fn benches_agree(a: &str, b: &str) -> bool {
+pub(crate) fn benches_agree(a: &str, b: &str) -> bool {
     benches_differ(a, b).is_empty()
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{Desk, Group, Table};
-use crate::pipeline::compare::benches_agree;
-use crate::pipeline::read::BenchTest;
+use crate::pipeline::ingest::same_content::benches_agree;
+use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::{Accepted, Refused};
 use crate::store::{BenchRow, Id, StoreError};
 

@@ -10,7 +10,7 @@ use crate::core::name::{distance, look_keys};
 use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::time::UtcMicros;
-use crate::pipeline::read::{CalibratedGyro, Calibration};
+use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store::{Id, StoreError};
 use crate::wire::history_note;
 

@@ -17,19 +17,11 @@
 //! one group is judged while the one before is still being written (`writer/beside.rs`).
 
 mod access;
-mod agreement;
 mod alerts;
-mod answer;
-mod course;
 mod diagnoses;
-mod fleet;
-mod fleet_noise;
-mod history;
 mod hooks;
 mod ingest;
-mod stations;
-mod status;
-mod verify;
+mod queries;
 
 use std::sync::Arc;
 
@@ -55,27 +47,27 @@ pub use crate::pipeline::ingest::document::{Origin, ReadDocument};
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use crate::pipeline::ingest::preview::Foreseen;
 pub use crate::pipeline::ingest::same_content::Sent;
+pub use crate::pipeline::queries::agreement::{Compared, Comparison};
+pub use crate::pipeline::queries::changes_explained::ExplainedHistory;
+pub use crate::pipeline::queries::fleet::{Glimpse, Seats, Standing, Violation};
+pub use crate::pipeline::queries::gyro_history::{Baseline, Course, Tested};
+pub use crate::pipeline::queries::record::StoredRecord;
 pub use access::{
     AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
     revoke_beside,
 };
-pub use agreement::{Compared, Comparison};
-pub use answer::StoredRecord;
-pub use course::{Baseline, Course, Tested};
-pub use fleet::{Glimpse, Seats, Standing, Violation};
-pub use history::ExplainedHistory;
 pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::pipeline::ingest::submission::{
     BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
 };
+pub use crate::pipeline::queries::stations::StationEffect;
+pub use crate::pipeline::queries::status::Statuses;
+pub use crate::pipeline::queries::verify::Verified;
 pub use crate::store::{
     AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
     GyroCorrection, Id, Kind, Matchers, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
-pub use stations::StationEffect;
-pub use status::Statuses;
-pub use verify::Verified;
 
 /// The way in, and the way back to what is stored. Cheap to clone.
 #[derive(Debug, Clone)]

@@ -8,11 +8,11 @@ use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::Verdict;
 use crate::pipeline::Pipeline;
-use crate::pipeline::answer::Reread;
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::ingest::submission::{
     BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
 };
+use crate::pipeline::queries::record::Reread;
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::MethodBody;
 use crate::wire::bench::BenchBody;

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use super::Pipeline;
 use super::fleet::level;
 use crate::config::JudgedMethod;
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::judge::{Coefficient, Event, Limits, Rule};
 use crate::core::time::UtcMicros;
+use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
 use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError, StoredVerdict};
 

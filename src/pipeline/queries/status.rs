@@ -9,14 +9,14 @@ use crate::store::{Figures, Id, Store, StoreError, StoredVerdict};
 const COLUMNS: [Coefficient; 3] = [Coefficient::DI, Coefficient::DS, Coefficient::DO];
 
 /// The worst of the rules that could judge. None may have judged the drift, however well E and G keep to their requirements.
-pub(super) fn of_gyro(verdicts: &[StoredVerdict]) -> Status {
+pub(crate) fn of_gyro(verdicts: &[StoredVerdict]) -> Status {
     let of_drift = COLUMNS.into_iter().filter_map(|coefficient| worst(verdicts, coefficient)).max();
     let judged = verdicts.iter().filter(|verdict| verdict.value.is_some()).map(StoredVerdict::status);
     judged.fold(of_drift.unwrap_or(Status::NotEnoughData), Status::max)
 }
 
 /// Of D_I, D_S and the closure, each.
-pub(super) fn of_drift(verdicts: &[StoredVerdict]) -> [Status; 3] {
+pub(crate) fn of_drift(verdicts: &[StoredVerdict]) -> [Status; 3] {
     COLUMNS.map(|coefficient| worst(verdicts, coefficient).unwrap_or(Status::NotEnoughData))
 }
 

@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use super::Pipeline;
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Mark, Measured};
 use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status, Verdict, agreement};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::pipeline::Pipeline;
 use crate::pipeline::alerts::{Naming, Origin, finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
@@ -41,7 +41,7 @@ pub struct Compared {
 /// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a second record has
 /// confirmed that a requirement is not met.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Told {
+pub(crate) struct Told {
     pub coefficient: Coefficient,
     pub rule: Rule,
     pub status: Status,
@@ -51,7 +51,7 @@ pub(super) struct Told {
 
 impl Pipeline {
     /// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take several for each.
-    pub(super) async fn told(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Told>>, StoreError> {
+    pub(crate) async fn told(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Told>>, StoreError> {
         let mut found: HashMap<u32, Vec<Told>> = HashMap::new();
         for rule in [Rule::Agreement, Rule::Requirement] {
             for row in self.store.unresolved(rule, gyro).await? {
@@ -84,14 +84,14 @@ impl Pipeline {
 
 /// How the methods agree on a gyro, and which result is the newest of them.
 #[derive(Debug)]
-pub(super) struct Agreement {
+pub(crate) struct Agreement {
     pub gyro: u32,
     pub origin: Origin,
     pub verdicts: Vec<Verdict>,
 }
 
 /// How the methods agree on a gyro once `changes` are stored; none where nothing is there to compare.
-pub(super) async fn agreement_after(
+pub(crate) async fn agreement_after(
     store: &Store,
     judging: &Judging,
     gyro: u32,

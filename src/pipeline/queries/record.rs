@@ -1,11 +1,11 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
-use super::Pipeline;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
 use crate::core::name::Name;
+use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::campaign::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::Line;
@@ -27,7 +27,7 @@ pub struct StoredRecord {
 }
 
 /// What a stored row says.
-pub(super) struct Reread {
+pub(crate) struct Reread {
     pub row: RecordRow,
     pub calibration: Calibration,
     /// Of a campaign.
@@ -81,7 +81,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// As [`Pipeline::stored_record`].
-    pub(super) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
+    pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
         let Some(row) = self.store.record(id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
             return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
@@ -110,7 +110,7 @@ impl Pipeline {
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
     /// (the limits have changed since), the figures stand and say so. What does not count any more is judged as it was when it
     /// counted.
-    pub(super) async fn verdicts_in_words(
+    pub(crate) async fn verdicts_in_words(
         &self,
         row: &RecordRow,
         calibration: &Calibration,

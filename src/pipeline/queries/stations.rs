@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
-use super::Pipeline;
 use crate::core::time::UtcMicros;
+use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{marks_of, sample_of};
 use crate::store::{Figures, Span, StoreError, Stretch};
 

@@ -5,11 +5,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::agreement::Told;
-use super::{Pipeline, status};
+use super::status;
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
 use crate::wire::answer::VerdictBody;
@@ -253,7 +254,7 @@ fn last_of(rows: &[Figures]) -> UtcMicros {
 }
 
 /// The median of a complete baseline, or the one that is fixed.
-pub(super) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>) -> Option<f64> {
+pub(crate) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>) -> Option<f64> {
     if let Some(fixed) = fixed {
         return Some(fixed.value);
     }

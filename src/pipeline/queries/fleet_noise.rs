@@ -1,7 +1,7 @@
 //! The noise constants of the whole fleet, from its history.
 
-use super::Pipeline;
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
+use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{Line, marks_of, sample_of};
 use crate::store::{Span, StoreError};
 

@@ -2,8 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::Pipeline;
 use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
+use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
 use crate::store::{Figures, Id, Span, StoreError};
 

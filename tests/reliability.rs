@@ -142,7 +142,7 @@ async fn answers(dir: &std::path::Path, paths: &[String]) -> Option<Vec<(u16, Ve
     Some(answers)
 }
 
-/// Where a gyro's D_I stands in the rows of the history, of which there may be several (`src/store/figures.rs`): 28 bytes after
+/// Where a gyro's D_I stands in the rows of the history, of which there may be several (`src/store/packed/history_row.rs`): 28 bytes after
 /// their version and slot.
 fn places_of(d_i: f64, file: &[u8]) -> Vec<usize> {
     let stands = |at: &usize| file[*at..*at + 8] == d_i.to_le_bytes() && file[*at - 28] == 1 && file[*at - 27] < 3;

@@ -3,17 +3,17 @@
 use sqlx::{ConnectOptions, SqliteConnection};
 
 use super::batch::{Batch, Rows};
-use super::checksum::{Summing, settle};
 use super::commit::{Changes, Writer, batch_of, waiting_for_disk};
 use super::db::{Cells, Whole, among, cell, insert, on};
 use super::error::StoreError;
 use super::id::{Id, IdSource};
-use super::lock;
 use super::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
 use super::postgres;
-use super::private;
 use crate::core::access::Role;
 use crate::core::time::UtcMicros;
+use crate::store::sqlite::checksum::{Summing, settle};
+use crate::store::sqlite::lock;
+use crate::store::sqlite::private;
 
 /// A token, without its secret.
 #[derive(Debug, Clone, PartialEq, Eq)]

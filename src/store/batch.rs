@@ -11,9 +11,9 @@ use rusqlite::CachedStatement;
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use sqlx::PgConnection;
 
-use super::checksum::Summing;
 use super::db::Sql;
 use super::error::StoreError;
+use crate::store::sqlite::checksum::Summing;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]

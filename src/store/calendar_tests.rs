@@ -159,7 +159,7 @@ async fn an_archive_of_late_records_is_not_read_again_at_every_start() {
     // One of another IMU waits while what comes is entered at once: not for ever, even over a start.
     let waits = writer.next_id(UtcMicros(0));
     writer.commit(&Changes { records: vec![of_imu(2, waits, 1)], ..Changes::default() }).await.unwrap();
-    let count = super::waiting::LATER as i64 / 2 + 100;
+    let count = crate::store::sqlite::write_behind::queues::LATER as i64 / 2 + 100;
     for part in 0..2 {
         let late = (0..count).map(|k| of_imu(1, writer.next_id(UtcMicros(0)), 100 + part * count + k)).collect();
         writer.commit(&Changes { records: late, ..Changes::default() }).await.unwrap();

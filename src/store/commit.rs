@@ -18,7 +18,6 @@ use super::diagnosis::{self, NewDiagnosis};
 use super::diagnosis_job::{self, JobChanges};
 use super::error::StoreError;
 use super::event::{self, EventRow};
-use super::file_writer::FileWriter;
 use super::gist;
 use super::history::HistoryRow;
 use super::hook::{self, HookRow};
@@ -29,8 +28,9 @@ use super::postgres::{Missed, ServerWriter};
 use super::record::{self, RecordRow};
 use super::set_aside::{self, ConfirmationRow, SetAside};
 use super::silence::{self, SilenceRow};
-use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
+use crate::store::packed::verdicts::VerdictSheet;
+use crate::store::sqlite::writer::FileWriter;
 
 /// Everything that one transaction writes. Rows may refer to names of the same group.
 #[derive(Debug, Default)]

@@ -7,11 +7,12 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, Row, SqliteC
 
 use super::db::Sql;
 use super::error::StoreError;
-use super::figures::PACKED_LEN;
-use super::lock::{self, Lock};
 use super::open::Options;
 use super::postgres;
-use super::tail::Tail;
+use crate::store::packed::history_row::PACKED_LEN;
+use crate::store::sqlite::lock;
+use crate::store::sqlite::lock::Lock;
+use crate::store::sqlite::write_behind::history_log::Tail;
 use crate::system::sha256;
 
 /// Rows of a block, and about how many bytes of them.
@@ -161,7 +162,7 @@ async fn open_source(from: &Options) -> Result<(SqliteConnection, Lock), StoreEr
     let lock = lock::take(&file)?;
     let connect = SqliteConnectOptions::new().filename(&file).read_only(true).disable_statement_logging();
     let mut source = connect.connect().await?;
-    super::backup::check_schema(&mut source, &file).await?;
+    crate::store::sqlite::backup::check_schema(&mut source, &file).await?;
     let tail = Tail::load(&mut source).await?;
     let create =
         "CREATE TEMP TABLE waiting (gyro INTEGER NOT NULL, calibrated_at INTEGER NOT NULL, record INTEGER NOT NULL,

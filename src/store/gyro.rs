@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use super::db::{Whole, on};
 use super::error::StoreError;
-use super::figures::{Figures, PACKED_LEN};
 use super::history::Span;
 use super::open::Store;
+use crate::store::packed::history_row::{Figures, PACKED_LEN};
 
 impl Store {
     /// The newest row that counts of each gyro whose number is greater than `after`, by number, at most `limit`; none for a gyro that only

@@ -2,9 +2,9 @@
 
 use super::db::{Sql, on};
 use super::error::StoreError;
-use super::figures::Figures;
 use super::history::{Span, merged, unpack};
 use super::open::Store;
+use crate::store::packed::history_row::Figures;
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.
 const AT_ONCE: usize = 256;

@@ -3,10 +3,10 @@
 use super::batch::{Batch, Rows};
 use super::db::{Readers, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
-use super::figures::{Figures, PACKED_LEN};
 use super::id::Id;
 use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::packed::history_row::{Figures, PACKED_LEN};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct HistoryRow {

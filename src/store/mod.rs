@@ -5,12 +5,8 @@
 
 mod access;
 mod alerts;
-mod backup;
 mod batch;
 mod bench;
-mod calendar;
-mod checkpoint;
-mod checksum;
 mod commit;
 mod copy;
 mod correction;
@@ -21,35 +17,32 @@ mod diagnosis;
 mod diagnosis_job;
 mod error;
 mod event;
-mod figures;
-mod file_writer;
 mod gist;
 mod gyro;
-mod halt;
 mod histories;
 mod history;
 mod hook;
 mod id;
 mod keys;
-mod lock;
 mod model;
 mod names;
 mod open;
 mod outbox;
+mod packed;
 mod postgres;
-mod private;
 mod record;
 mod secrets;
 mod set_aside;
 mod silence;
-mod tail;
-mod unplaced;
-mod verdicts;
-mod waiting;
+mod sqlite;
 
+pub use crate::store::packed::history_row::{Figures, PublishedFigures, States};
+pub use crate::store::packed::verdicts::{StoredVerdict, VerdictSheet};
+pub use crate::store::sqlite::backup::{
+    Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
+};
 pub use access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, TokenRow};
 pub use alerts::{AlertFilter, AlertRow, Remark, StepRow};
-pub use backup::{Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore};
 pub use bench::BenchRow;
 pub use commit::{Changes, Committer, Rejudged, Writer, Written};
 pub use copy::{Copied, copy};
@@ -62,7 +55,6 @@ pub use diagnosis::{DiagnosisRow, NewDiagnosis};
 pub use diagnosis_job::{CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts};
 pub use error::StoreError;
 pub use event::EventRow;
-pub use figures::{Figures, PublishedFigures, States};
 pub use gist::GistRow;
 pub use histories::Stretch;
 pub use history::{HistoryRow, Span};
@@ -77,7 +69,6 @@ pub use record::{Kind, RecordAt, RecordHead, RecordRow};
 pub use secrets::Secrets;
 pub use set_aside::{ConfirmationRow, SetAside};
 pub use silence::{Matchers, SilenceRow};
-pub use verdicts::{StoredVerdict, VerdictSheet};
 
 #[cfg(test)]
 mod calendar_tests;

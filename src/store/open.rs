@@ -9,20 +9,20 @@ use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqlSafeStr, SqliteConnection};
 
-use super::checkpoint::Checkpoints;
-use super::checksum::{Summing, settle};
 use super::commit::{Writer, waiting_for_disk};
 use super::db::{Readers, on};
 use super::error::StoreError;
-use super::file_writer::FileWriter;
-use super::halt::Halt;
 use super::id::IdSource;
-use super::lock;
 use super::names::{Names, Table, Tables};
 use super::postgres::{self, Neighbours};
-use super::private;
 use super::secrets::Secrets;
-use super::unplaced::Unplaced;
+use crate::store::sqlite::checkpoint::Checkpoints;
+use crate::store::sqlite::checksum::{Summing, settle};
+use crate::store::sqlite::halt::Halt;
+use crate::store::sqlite::lock;
+use crate::store::sqlite::private;
+use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::sqlite::writer::FileWriter;
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]

@@ -7,8 +7,8 @@ use super::db::{Readers, Sql, Whole, cell, insert, on};
 use super::error::StoreError;
 use super::id::Id;
 use super::open::Store;
-use super::verdicts::VerdictSheet;
 use crate::core::time::UtcMicros;
+use crate::store::packed::verdicts::VerdictSheet;
 
 /// What a station sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,7 +9,7 @@ mod claim;
 mod hosts;
 mod lease;
 mod names;
-mod neighbours;
+mod other_servers;
 mod standing;
 mod turn;
 
@@ -22,16 +22,18 @@ use sqlx::{PgConnection, Row as _, SqlSafeStr};
 pub(super) use self::bounded::PgReaders;
 use self::bounded::within;
 use self::hosts::Hosts;
-pub(super) use self::neighbours::Neighbours;
+pub use self::lease::Duty;
+pub use self::standing::Missed;
 pub(super) use self::turn::ServerWriter;
-pub use self::{lease::Duty, neighbours::Moves, standing::Missed};
 use super::commit::Writer;
 use super::db::Readers;
 use super::error::StoreError;
 use super::names::{Names, Tables};
 use super::open::{Options, Place, Store};
 use super::secrets::Secrets;
-use super::unplaced::Unplaced;
+pub use crate::store::postgres::other_servers::Moves;
+pub(super) use crate::store::postgres::other_servers::Neighbours;
+use crate::store::sqlite::write_behind::Unplaced;
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 const MIGRATIONS: [(i64, &str, &str); 8] = [

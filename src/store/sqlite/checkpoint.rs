@@ -11,8 +11,8 @@ use std::thread::{self, JoinHandle};
 
 use rusqlite::Connection;
 
-use super::error::StoreError;
 use super::halt::Halt;
+use crate::store::error::StoreError;
 
 /// Pages that the committing connection may copy by itself: a few milliseconds.
 const FEW: i64 = 500;
@@ -20,7 +20,7 @@ const FEW: i64 = 500;
 const PASSES: usize = 8;
 
 #[derive(Debug)]
-pub(super) struct Checkpoints {
+pub(crate) struct Checkpoints {
     wanted: mpsc::SyncSender<()>,
     thread: JoinHandle<()>,
     nearly_done: Arc<AtomicBool>,
@@ -97,7 +97,7 @@ fn serve(connection: Connection, requests: &mpsc::Receiver<()>, nearly_done: &At
 }
 
 /// Copies everything and empties the log, unless another process reads from it: then as much as may be.
-pub(super) fn copy_all(connection: &Connection) -> Result<(), StoreError> {
+pub(crate) fn copy_all(connection: &Connection) -> Result<(), StoreError> {
     let copied = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", (), |_| Ok(()));
     match copied.map_err(StoreError::from) {
         Err(StoreError::Busy) | Ok(_) => Ok(()),

@@ -6,11 +6,11 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::error::StoreError;
+use crate::store::error::StoreError;
 
 /// Whether a flush has failed, for whichever connection; never taken back.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Halt(Arc<OnceLock<String>>);
+pub(crate) struct Halt(Arc<OnceLock<String>>);
 
 impl Halt {
     /// # Errors

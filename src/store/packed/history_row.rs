@@ -17,13 +17,13 @@
 //!
 //! A figure that is not known is stored as NaN.
 
-use super::error::StoreError;
-use super::id::Id;
 use crate::core::judge::State;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::store::error::StoreError;
+use crate::store::id::Id;
 
-pub(super) const PACKED_LEN: usize = 120;
+pub(crate) const PACKED_LEN: usize = 120;
 const VERSION: u8 = 1;
 /// In the byte of the states.
 const VOIDED: u8 = 1 << 6;
@@ -87,7 +87,7 @@ impl States {
 }
 
 impl Figures {
-    pub(super) fn pack(&self, gyro: u32, out: &mut Vec<u8>) {
+    pub(crate) fn pack(&self, gyro: u32, out: &mut Vec<u8>) {
         let start = out.len();
         let published = self.published.as_ref();
         out.extend([
@@ -112,7 +112,7 @@ impl Figures {
 
     /// # Errors
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this gyro.
-    pub(super) fn unpack(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Result<Self, StoreError> {
+    pub(crate) fn unpack(gyro: u32, bytes: &[u8; PACKED_LEN]) -> Result<Self, StoreError> {
         let mut reader = Reader(bytes);
         let [version, slot, branch, states] = reader.take();
         let figures = Self {

@@ -1,14 +1,18 @@
 //! All that is durable but not in its place yet, as readers and the writer of a file share it. Of a server's database nothing is.
 
+pub(crate) mod history_log;
+pub(crate) mod queues;
+pub(crate) mod record_index;
+
 use sqlx::SqliteConnection;
 
-use super::calendar::Calendar;
-use super::error::StoreError;
-use super::tail::Tail;
-use super::waiting::Shared;
+use crate::store::error::StoreError;
+use crate::store::sqlite::write_behind::history_log::Tail;
+use crate::store::sqlite::write_behind::queues::Shared;
+use crate::store::sqlite::write_behind::record_index::Calendar;
 
 #[derive(Debug, Clone, Default)]
-pub(super) struct Unplaced {
+pub(crate) struct Unplaced {
     pub tail: Shared<Tail>,
     pub calendar: Shared<Calendar>,
 }

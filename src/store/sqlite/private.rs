@@ -16,18 +16,18 @@ fn options() -> OpenOptions {
 }
 
 /// A file that is not there yet.
-pub(super) fn create(path: &Path) -> io::Result<File> {
+pub(crate) fn create(path: &Path) -> io::Result<File> {
     options().create_new(true).open(path)
 }
 
 /// A file that may be there.
-pub(super) fn open(path: &Path) -> io::Result<File> {
+pub(crate) fn open(path: &Path) -> io::Result<File> {
     options().create(true).truncate(false).open(path)
 }
 
 /// Makes an empty file for SQLite, which makes its log and what else belongs to it with the same permissions. One that is there stays
 /// as it is; where others may read it, the log says so.
-pub(super) fn make(database: &Path) {
+pub(crate) fn make(database: &Path) {
     if lock::is_in_memory(database) {
         return;
     }

@@ -5,16 +5,16 @@
 
 use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;
-use super::commit::{Changes, batch_of};
-use super::diagnosis;
-use super::error::StoreError;
 use super::halt::Halt;
 use super::lock::Lock;
-use super::names::Names;
-use super::unplaced::Unplaced;
+use crate::store::commit::{Changes, batch_of};
+use crate::store::diagnosis;
+use crate::store::error::StoreError;
+use crate::store::names::Names;
+use crate::store::sqlite::write_behind::Unplaced;
 
 #[derive(Debug)]
-pub(super) struct FileWriter {
+pub(crate) struct FileWriter {
     connection: Summing,
     names: Names,
     unplaced: Unplaced,
@@ -37,7 +37,7 @@ impl FileWriter {
         Self { connection, names, unplaced, checkpoints, halt, in_doubt: false, _lock: lock }
     }
 
-    /// See [`super::Writer::commit`].
+    /// See [`crate::store::Writer::commit`].
     pub fn commit(&mut self, changes: &Changes) -> Result<(), StoreError> {
         self.halt.check()?;
         let finished = self.checkpoints.finish(&self.connection);

@@ -17,7 +17,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 
 /// The other servers, watched as long as a clone is alive.
 #[derive(Debug, Clone)]
-pub(in crate::store) struct Neighbours {
+pub(crate) struct Neighbours {
     seen: watch::Receiver<Seen>,
     held: watch::Receiver<Held>,
     /// This server among them, and how long what it takes is its own; none where it takes nothing.

@@ -10,14 +10,14 @@ use std::collections::{BTreeSet, HashMap};
 
 use sqlx::SqliteConnection;
 
-use super::batch::{Batch, Rows};
-use super::commit::Changes;
-use super::db::{Sql, Whole, cell, insert};
-use super::error::StoreError;
-use super::id::Id;
-use super::record::RecordRow;
-use super::waiting::Waiting;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::commit::Changes;
+use crate::store::db::{Sql, Whole, cell, insert};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::record::RecordRow;
+use crate::store::sqlite::write_behind::queues::Waiting;
 
 /// A record that waits.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ struct Entry {
 
 /// What is not in the table yet.
 #[derive(Debug, Default)]
-pub(super) struct Calendar {
+pub(crate) struct Calendar {
     waiting: Waiting<Entry>,
     /// The newest instant of each IMU, whether what was calibrated then counts or not.
     newest: HashMap<u32, UtcMicros>,
@@ -36,7 +36,7 @@ pub(super) struct Calendar {
 
 /// What a commit enters into the table.
 #[derive(Debug, Default)]
-pub(super) struct Entering {
+pub(crate) struct Entering {
     /// IMUs whose records that wait are entered.
     imus: BTreeSet<u32>,
     /// Those whose new records are entered too.

@@ -13,7 +13,7 @@ use rusqlite::functions::FunctionFlags;
 use rusqlite::types::{Null, ValueRef};
 use rusqlite::{Connection, OpenFlags, params};
 
-use super::error::StoreError;
+use crate::store::error::StoreError;
 
 /// Sums stay below this: so do not overflow where SQLite adds two.
 const MODULUS: i64 = 1 << 62;
@@ -90,7 +90,7 @@ fn is_kept(connection: &Connection) -> rusqlite::Result<bool> {
 }
 
 /// Computes the checksums of a database that has none of its version: once after an upgrade, reading everything.
-pub(super) fn settle(connection: &Connection) -> Result<(), StoreError> {
+pub(crate) fn settle(connection: &Connection) -> Result<(), StoreError> {
     let version = newest_migration(connection)?;
     let known = "SELECT count(*) > 0 AND min(version) = $1 AND max(version) = $1 FROM checksum";
     if connection.query_row(known, [version], |row| row.get(0))? {
@@ -115,7 +115,7 @@ pub(super) fn settle(connection: &Connection) -> Result<(), StoreError> {
 ///
 /// # Errors
 /// [`StoreError`] where something cannot be read at all.
-pub(super) fn check(file: &Path) -> Result<Vec<String>, StoreError> {
+pub(crate) fn check(file: &Path) -> Result<Vec<String>, StoreError> {
     let connection = Connection::open_with_flags(file, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
     // All as of one moment.
     connection.execute_batch("BEGIN")?;
@@ -155,7 +155,7 @@ pub(super) fn check(file: &Path) -> Result<Vec<String>, StoreError> {
 
 /// A connection that writes, and keeps the checksums with every change.
 #[derive(Debug)]
-pub(super) struct Summing {
+pub(crate) struct Summing {
     connection: Connection,
     names: Vec<String>,
     /// What the transaction under way adds to each.

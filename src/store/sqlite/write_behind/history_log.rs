@@ -9,25 +9,25 @@ use std::collections::BTreeSet;
 
 use sqlx::SqliteConnection;
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, cell, insert};
-use super::error::StoreError;
-use super::figures::{Figures, PACKED_LEN};
-use super::history::{HistoryRow, Span};
-use super::waiting::Waiting;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, cell, insert};
+use crate::store::error::StoreError;
+use crate::store::history::{HistoryRow, Span};
+use crate::store::packed::history_row::{Figures, PACKED_LEN};
+use crate::store::sqlite::write_behind::queues::Waiting;
 
 const GYRO_LEN: usize = 4;
 
 /// Rows that wait, by gyro; those of a gyro in order of time, one an instant.
 #[derive(Debug, Default)]
-pub(super) struct Tail {
+pub(crate) struct Tail {
     waiting: Waiting<Figures>,
     last_entry: i64,
 }
 
 /// The gyros whose waiting rows a commit moves into the history.
 #[derive(Debug, Default)]
-pub(super) struct Fold(BTreeSet<u32>);
+pub(crate) struct Fold(BTreeSet<u32>);
 
 impl Tail {
     /// Reads the log, as it was left.
@@ -101,7 +101,7 @@ impl Tail {
             batch.add(insert!("history_log (id, rows)", [int 0, blob 1 2]), entry);
         }
         if !fold.0.is_empty() {
-            super::history::upsert(self.rows_of(fold).iter(), batch);
+            crate::store::history::upsert(self.rows_of(fold).iter(), batch);
             let first = self.waiting.first_without(&fold.0).unwrap_or(self.last_entry + 1);
             batch.add(Sql::of_sqlite("DELETE FROM history_log WHERE id < $C0"), Rows::of([first]));
         }

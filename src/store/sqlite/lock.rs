@@ -6,17 +6,17 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::error::StoreError;
 use super::private;
+use crate::store::error::StoreError;
 
 /// Held as long as it lives; none for a database in memory.
-pub(super) type Lock = Option<File>;
+pub(crate) type Lock = Option<File>;
 
 /// Takes the lock of the database in `file`.
 ///
 /// # Errors
 /// [`StoreError::InUse`] where another process holds it, [`StoreError::ReadOnly`] where it cannot be taken at all.
-pub(super) fn take(file: &Path) -> Result<Lock, StoreError> {
+pub(crate) fn take(file: &Path) -> Result<Lock, StoreError> {
     if is_in_memory(file) {
         return Ok(None);
     }
@@ -31,12 +31,12 @@ pub(super) fn take(file: &Path) -> Result<Lock, StoreError> {
 }
 
 /// Whether it is no file, but the name that sqlx gives to a database in memory.
-pub(super) fn is_in_memory(file: &Path) -> bool {
+pub(crate) fn is_in_memory(file: &Path) -> bool {
     file.to_string_lossy().starts_with("file:sqlx-in-memory")
 }
 
 /// The file's name with `suffix` appended.
-pub(super) fn beside(file: &Path, suffix: &str) -> PathBuf {
+pub(crate) fn beside(file: &Path, suffix: &str) -> PathBuf {
     let mut name = file.as_os_str().to_owned();
     name.push(suffix);
     name.into()

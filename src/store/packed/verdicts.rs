@@ -6,9 +6,9 @@
 //! end the CRC-32 of record number (8 bytes) and all before. Most limits of a sheet are alike: a limit is the place (1 byte) of the
 //! same one among those written out before, or 255 and itself (8). Version 1 wrote out each.
 
-use super::error::StoreError;
-use super::id::Id;
 use crate::core::judge::{Coefficient, Finding, LimitKey, Rule, State, Status, Verdict};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
 
 const VERSION: u8 = 2;
 /// Every limit written out.
@@ -66,7 +66,7 @@ impl VerdictSheet {
         found.map(|(_, old)| *old = verdicts).is_some()
     }
 
-    pub(super) fn pack(&self, record: Id, out: &mut Vec<u8>) {
+    pub(crate) fn pack(&self, record: Id, out: &mut Vec<u8>) {
         let start = out.len();
         out.push(VERSION);
         let mut limits = Limits::default();
@@ -80,7 +80,7 @@ impl VerdictSheet {
 
     /// # Errors
     /// [`StoreError::Damaged`] where the bytes are not what was packed for this record.
-    pub(super) fn unpack(record: Id, bytes: &[u8]) -> Result<Self, StoreError> {
+    pub(crate) fn unpack(record: Id, bytes: &[u8]) -> Result<Self, StoreError> {
         Self::read(record, bytes)
             .ok_or_else(|| StoreError::Damaged(format!("the verdicts of record {record} fail their checksum")))
     }

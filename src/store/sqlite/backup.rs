@@ -8,17 +8,17 @@ use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 
 use super::checksum;
-use super::db::Readers;
-use super::error::StoreError;
-use super::history::Span;
-use super::id::Id;
 use super::lock::beside;
-use super::names::Names;
-use super::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
-use super::postgres;
 use super::private;
-use super::secrets::Secrets;
-use super::unplaced::Unplaced;
+use crate::store::db::Readers;
+use crate::store::error::StoreError;
+use crate::store::history::Span;
+use crate::store::id::Id;
+use crate::store::names::Names;
+use crate::store::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
+use crate::store::postgres;
+use crate::store::secrets::Secrets;
+use crate::store::sqlite::write_behind::Unplaced;
 use crate::system::{fill_random, sha256};
 
 impl Options {
@@ -250,7 +250,7 @@ async fn structure(connection: &mut SqliteConnection) -> Result<(), StoreError> 
 ///
 /// # Errors
 /// [`StoreError::File`].
-pub(super) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), StoreError> {
+pub(crate) async fn check_schema(connection: &mut SqliteConnection, file: &Path) -> Result<(), StoreError> {
     if schema(connection, file).await? < newest_version() {
         return Err(failed(file, &"written by an older version of gyrowatch: start the service on it once"));
     }

@@ -9,11 +9,11 @@ const CAPACITY: usize = 16_384;
 /// Rows of one gyro or IMU that are put into their places though there is room: more would take a commit longer than a millisecond or two.
 const MANY: usize = 512;
 /// Rows that may come after one that waits: a start reads all of them again.
-pub(super) const LATER: u64 = 4 * CAPACITY as u64;
+pub(crate) const LATER: u64 = 4 * CAPACITY as u64;
 
 /// Rows that wait, by the number of their gyro or IMU.
 #[derive(Debug)]
-pub(super) struct Waiting<T> {
+pub(crate) struct Waiting<T> {
     queues: HashMap<u32, Queue<T>>,
     /// How many rows had come before the first of a queue, and the queue's number.
     by_age: BTreeSet<(u64, u32)>,
@@ -102,7 +102,7 @@ impl<T> Waiting<T> {
 
 /// What waits, as readers and the writer share it.
 #[derive(Debug, Default)]
-pub(super) struct Shared<T>(Arc<RwLock<T>>);
+pub(crate) struct Shared<T>(Arc<RwLock<T>>);
 
 impl<T> Clone for Shared<T> {
     fn clone(&self) -> Self {

@@ -13,7 +13,6 @@ use super::commit::{Writer, waiting_for_disk};
 use super::db::{Readers, on};
 use super::error::StoreError;
 use super::id::IdSource;
-use super::names::{Names, Table, Tables};
 use super::postgres::{self, Neighbours};
 use super::secrets::Secrets;
 use crate::store::sqlite::checkpoint::Checkpoints;
@@ -23,6 +22,7 @@ use crate::store::sqlite::lock;
 use crate::store::sqlite::private;
 use crate::store::sqlite::write_behind::Unplaced;
 use crate::store::sqlite::writer::FileWriter;
+use crate::store::tables::names::{Names, Table, Tables};
 
 /// Where the database is, and how it is held open.
 #[derive(Debug, Clone)]

@@ -8,8 +8,8 @@ use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_S
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 
 use super::error::StoreError;
-use super::hook::HookRow;
 use super::id::Id;
+use crate::store::tables::hook::HookRow;
 use crate::system::fill_random;
 
 /// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it is encrypted.

@@ -28,12 +28,12 @@ pub(super) use self::turn::ServerWriter;
 use super::commit::Writer;
 use super::db::Readers;
 use super::error::StoreError;
-use super::names::{Names, Tables};
 use super::open::{Options, Place, Store};
 use super::secrets::Secrets;
 pub use crate::store::postgres::other_servers::Moves;
 pub(super) use crate::store::postgres::other_servers::Neighbours;
 use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::tables::names::{Names, Tables};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
 const MIGRATIONS: [(i64, &str, &str); 8] = [

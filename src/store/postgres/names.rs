@@ -2,9 +2,9 @@
 
 use crate::store::db::{PgReaders, Readers};
 use crate::store::error::StoreError;
-use crate::store::names::{Commit, Names, Tables};
 use crate::store::open::Store;
-use crate::store::record::RecordRow;
+use crate::store::tables::names::{Commit, Names, Tables};
+use crate::store::tables::record::RecordRow;
 
 /// Names that were committed after `$1`, or all where `$2`; as kind 3 the newest commit; as kind 4 that of `$1`, where it is known.
 const NEW: &str = "SELECT 0 AS kind, id, name, CAST(0 AS BIGINT) AS stamp FROM imu WHERE since > $1 OR $2

@@ -9,8 +9,8 @@ use super::lease::{self, Duty, Held};
 use super::standing::{Found, Missed, Standing};
 use super::{PgReaders, claim, names};
 use crate::store::error::StoreError;
-use crate::store::names::{Commit, Names};
 use crate::store::open::{Place, Store};
+use crate::store::tables::names::{Commit, Names};
 
 /// How soon what others have written is known here.
 const LOOK_EVERY: Duration = Duration::from_millis(250);

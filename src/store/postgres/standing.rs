@@ -8,10 +8,10 @@ use super::PgReaders;
 use crate::store::commit::Changes;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::history::HistoryRow;
 use crate::store::id::Id;
-use crate::store::names::Commit;
 use crate::store::open::Store;
+use crate::store::tables::history::HistoryRow;
+use crate::store::tables::names::Commit;
 
 /// The turn's row.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

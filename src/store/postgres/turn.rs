@@ -13,11 +13,12 @@ use super::hosts::Hosts;
 use super::standing::{Found, Missed, Standing, look, touched};
 use super::{BREATH, COMES_UP, PgReaders, names, within};
 use crate::store::commit::{Changes, batch_of};
-use crate::store::diagnosis;
 use crate::store::error::StoreError;
-use crate::store::history::{self, HistoryRow};
-use crate::store::names::{Commit, Names};
 use crate::store::open::Options;
+use crate::store::tables::diagnosis;
+use crate::store::tables::history;
+use crate::store::tables::history::HistoryRow;
+use crate::store::tables::names::{Commit, Names};
 
 /// Commits that are kept: a server that has missed more reads everything again.
 const KEPT: i64 = 100_000;

@@ -12,13 +12,13 @@ use super::lock::beside;
 use super::private;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::history::Span;
 use crate::store::id::Id;
-use crate::store::names::Names;
 use crate::store::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
 use crate::store::postgres;
 use crate::store::secrets::Secrets;
 use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::tables::history::Span;
+use crate::store::tables::names::Names;
 use crate::system::{fill_random, sha256};
 
 impl Options {

@@ -8,10 +8,10 @@ use super::checksum::Summing;
 use super::halt::Halt;
 use super::lock::Lock;
 use crate::store::commit::{Changes, batch_of};
-use crate::store::diagnosis;
 use crate::store::error::StoreError;
-use crate::store::names::Names;
 use crate::store::sqlite::write_behind::Unplaced;
+use crate::store::tables::diagnosis;
+use crate::store::tables::names::Names;
 
 #[derive(Debug)]
 pub(crate) struct FileWriter {

@@ -1,8 +1,12 @@
 //! All that is durable but not in its place yet, as readers and the writer of a file share it. Of a server's database nothing is.
 
 pub(crate) mod history_log;
+#[cfg(test)]
+pub(crate) mod history_log_tests;
 pub(crate) mod queues;
 pub(crate) mod record_index;
+#[cfg(test)]
+pub(crate) mod record_index_tests;
 
 use sqlx::SqliteConnection;
 

@@ -16,8 +16,8 @@ use crate::store::commit::Changes;
 use crate::store::db::{Sql, Whole, cell, insert};
 use crate::store::error::StoreError;
 use crate::store::id::Id;
-use crate::store::record::RecordRow;
 use crate::store::sqlite::write_behind::queues::Waiting;
+use crate::store::tables::record::RecordRow;
 
 /// A record that waits.
 #[derive(Debug, Clone, Copy)]

@@ -2,14 +2,14 @@
 
 use futures::TryStreamExt;
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, on};
 use super::diagnosis::NewDiagnosis;
 use super::diagnosis_job::CampaignFilter;
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, Whole, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// The gist of one campaign's diagnosis.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct GistRow {
     pub gist: String,
 }
 
-pub(super) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
+pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     let mut rows = Rows::default();
     for NewDiagnosis { row, gist } in diagnoses {
         rows.row().integer(row.record.0).text(&row.program).bytes(gist.as_bytes());

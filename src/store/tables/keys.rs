@@ -1,10 +1,10 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyRow {
@@ -13,7 +13,7 @@ pub struct KeyRow {
     pub body_sha256: [u8; 32],
 }
 
-pub(super) fn insert(keys: &[KeyRow], batch: &mut Batch) {
+pub(crate) fn insert(keys: &[KeyRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for key in keys {
         rows.row().bytes(key.key.as_bytes()).integer(key.item.0).bytes(&key.body_sha256);

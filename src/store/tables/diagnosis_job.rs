@@ -3,13 +3,13 @@
 //! The tasks of an order are its queue: one is waiting until it is done, has failed or is canceled, so that nothing is lost with
 //! whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the transaction that keeps it.
 
-use super::batch::{Batch, Rows};
-use super::db::{Cells, Sql, Whole, among, cell, insert, on};
-use super::error::StoreError;
 use super::history::Span;
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Cells, Sql, Whole, among, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// An order as it stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub struct SettledTask {
     pub failed: Option<String>,
 }
 
-/// What changes about orders; see [`super::Changes`].
+/// What changes about orders; see [`crate::store::Changes`].
 #[derive(Debug, Default)]
 pub struct JobChanges {
     pub started: Vec<NewJob>,
@@ -90,7 +90,7 @@ pub struct FailedTask {
 }
 
 /// Comes after diagnoses were kept in the same transaction.
-pub(super) fn apply(changes: &JobChanges, batch: &mut Batch) {
+pub(crate) fn apply(changes: &JobChanges, batch: &mut Batch) {
     start(&changes.started, batch);
     settle(&changes.settled, batch);
     cancel(&changes.canceled, batch);

@@ -1,12 +1,12 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
-use super::batch::{Batch, Rows};
-use super::db::{Whole, among, cell, insert, on};
-use super::error::StoreError;
 use super::history::{self, HistoryRow};
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Whole, among, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// What somebody said of a record or bench result: that it does not count, or that another stands in its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Withdrawn {
 }
 
 /// Makes room for what the same transaction inserts.
-pub(super) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
+pub(crate) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
     let (records, benches) = (withdrawn.records.iter().map(|id| id.0), withdrawn.benches.iter().map(|(id, _)| id.0));
     batch.add(among!("UPDATE record SET voided = id WHERE id"), Rows::of(records));
     batch.add(among!("UPDATE bench_result SET voided = id WHERE id"), Rows::of(benches));
@@ -56,7 +56,7 @@ pub(super) fn withdraw(withdrawn: &Withdrawn, batch: &mut Batch) {
     );
 }
 
-pub(super) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
+pub(crate) fn insert(corrections: &[CorrectionRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for correction in corrections {
         rows.row()

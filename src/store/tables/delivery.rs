@@ -6,12 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, among, cell, insert};
 use super::delivery_line::move_up;
-use super::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, among, cell, insert};
+use crate::store::id::Id;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeliveryState {
@@ -184,7 +184,7 @@ impl OutboxChanges {
     }
 }
 
-pub(super) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
+pub(crate) fn apply(changes: &OutboxChanges, batch: &mut Batch) {
     // What comes in place of what is dropped comes after it.
     instants(
         Sql {
@@ -352,7 +352,7 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     move_up(done.map(|(attempt, _)| (attempt.delivery, attempt.at)), batch);
 }
 
-pub(super) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
+pub(crate) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, at) in pairs {
         rows.row().integer(id.0).integer(at.0);

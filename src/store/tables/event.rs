@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventRow {
@@ -27,7 +27,7 @@ pub struct EventRow {
     pub received_at: UtcMicros,
 }
 
-pub(super) fn insert(events: &[EventRow], batch: &mut Batch) {
+pub(crate) fn insert(events: &[EventRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for event in events {
         let mut row = rows.row();

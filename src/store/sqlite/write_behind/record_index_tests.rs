@@ -7,9 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use sqlx::SqlitePool;
 use tempfile::TempDir;
 
-use super::tests::{first_names, opened, options, record, url};
-use super::*;
 use crate::core::time::UtcMicros;
+use crate::store::tests::{first_names, opened, options, record, url};
+use crate::store::*;
 
 const IMUS: u32 = 40;
 const COMMITS: usize = 40;

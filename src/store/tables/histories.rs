@@ -1,9 +1,9 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
-use super::db::{Sql, on};
-use super::error::StoreError;
 use super::history::{Span, merged, unpack};
-use super::open::Store;
+use crate::store::db::{Sql, on};
+use crate::store::error::StoreError;
+use crate::store::open::Store;
 use crate::store::packed::history_row::Figures;
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
-use super::commit::Changes;
-use super::open::{Place, Store};
 use crate::core::name::{look_keys, normal_form};
+use crate::store::commit::Changes;
+use crate::store::open::{Place, Store};
 
 /// Names of one kind.
 #[derive(Debug, Default)]
@@ -58,7 +58,7 @@ impl Table {
     }
 
     /// Adds a name with its number; false where either is another's already.
-    pub(super) fn add(&mut self, number: u32, name: &str) -> bool {
+    pub(crate) fn add(&mut self, number: u32, name: &str) -> bool {
         if let Some(known) = self.by_number.get(&number) {
             return **known == *name;
         }
@@ -82,19 +82,19 @@ pub struct Tables {
     pub stations: Table,
     pub gyros: Table,
     /// The commit up to which names are known, of a database that others may write.
-    pub(super) seen: Commit,
+    pub(crate) seen: Commit,
 }
 
 /// A commit to a database that several servers write: its number, and a stamp that no other has. A failover or a restore may lose commits
 /// whose numbers are then given out again, with other stamps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Commit {
+pub(crate) struct Commit {
     pub version: i64,
     pub stamp: i64,
 }
 
 impl Tables {
-    pub(super) fn all_mut(&mut self) -> [&mut Table; 3] {
+    pub(crate) fn all_mut(&mut self) -> [&mut Table; 3] {
         [&mut self.imus, &mut self.stations, &mut self.gyros]
     }
 }
@@ -104,7 +104,7 @@ impl Tables {
 pub struct Names(Arc<RwLock<Tables>>);
 
 impl Names {
-    pub(super) fn new(tables: Tables) -> Self {
+    pub(crate) fn new(tables: Tables) -> Self {
         Self(Arc::new(RwLock::new(tables)))
     }
 
@@ -112,12 +112,12 @@ impl Names {
         self.0.read().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn change(&self, change: impl FnOnce(&mut Tables)) {
+    pub(crate) fn change(&self, change: impl FnOnce(&mut Tables)) {
         change(&mut self.0.write().unwrap_or_else(PoisonError::into_inner));
     }
 
     /// Takes over what has been committed.
-    pub(super) fn learn(&self, changes: &Changes) {
+    pub(crate) fn learn(&self, changes: &Changes) {
         self.change(|tables| {
             let [imus, stations, gyros] = tables.all_mut();
             for (table, new) in [(imus, &changes.imus), (stations, &changes.stations), (gyros, &changes.gyros)] {

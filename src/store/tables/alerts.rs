@@ -1,13 +1,13 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use super::batch::{Batch, Rows};
-use super::db::{Cells, Sql, Whole, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::alert_decision::{Alert, Hushed, Standing, Status, Told};
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Cells, Sql, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// Who said so, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub struct StepRow {
     pub body: String,
 }
 
-pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
+pub(crate) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for AlertRow { id, gyro, coefficient, rule, alert, acknowledged, silenced, muted, finding } in alerts {
         let mut row = rows.row();
@@ -99,7 +99,7 @@ pub(super) fn upsert(alerts: &[AlertRow], batch: &mut Batch) {
     );
 }
 
-pub(super) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
+pub(crate) fn insert_steps(steps: &[StepRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for step in steps {
         rows.row()

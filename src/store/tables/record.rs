@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::batch::{Batch, Rows};
-use super::db::{Readers, Sql, Whole, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 use crate::store::packed::verdicts::VerdictSheet;
 
 /// What a station sent.
@@ -72,7 +72,7 @@ pub struct RecordAt {
     pub voided: bool,
 }
 
-pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
+pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for record in records {
         rows.row()
@@ -98,7 +98,7 @@ pub(super) fn insert(records: &[RecordRow], batch: &mut Batch) {
     );
 }
 
-pub(super) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) {
+pub(crate) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (id, sheet) in sheets {
         rows.row().integer(id.0).written(|out| sheet.pack(*id, out));

@@ -1,11 +1,11 @@
 //! Error models that were adopted for an IMU, and which campaigns were fitted with them.
 
-use super::batch::{Batch, Rows};
-use super::db::{Cells, Whole, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Cells, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelRow {
@@ -18,7 +18,7 @@ pub struct ModelRow {
     pub body: String,
 }
 
-pub(super) fn insert(models: &[ModelRow], batch: &mut Batch) {
+pub(crate) fn insert(models: &[ModelRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for model in models {
         rows.row()
@@ -36,7 +36,7 @@ pub(super) fn insert(models: &[ModelRow], batch: &mut Batch) {
 }
 
 /// Which of the group's campaigns were fitted with an adopted model.
-pub(super) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
+pub(crate) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (record, model) in uses {
         rows.row().integer(record.0).integer(model.0);

@@ -1,13 +1,13 @@
 //! Silences of every alert that matches.
 
 use super::alerts::Remark;
-use super::batch::{Batch, Rows};
-use super::db::{Cells, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Cells, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// Which alerts a silence is of; what is left out matches all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub struct SilenceRow {
     pub ended: Option<Remark>,
 }
 
-pub(super) fn upsert(silences: &[SilenceRow], batch: &mut Batch) {
+pub(crate) fn upsert(silences: &[SilenceRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for SilenceRow { id, matchers, until, said, ended } in silences {
         let ended = ended.as_ref();
@@ -84,7 +84,7 @@ impl Store {
         ));
         on!(self.readers, db => sqlx::query(sql)
             .bind(in_force_at.map(|at| at.0))
-            .bind(super::db::Whole(limit))
+            .bind(crate::store::db::Whole(limit))
             .fetch_all(db)
             .await?.iter().map(silence).collect())
     }

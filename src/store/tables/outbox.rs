@@ -1,11 +1,11 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use super::db::{Cells, Sql, Whole, on};
 use super::delivery::{AttemptRow, DeliveryRow, DeliveryState, DueDelivery, QueueState, Subject};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::db::{Cells, Sql, Whole, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 fn subject(row: &impl Cells) -> Result<Subject, sqlx::Error> {
     let (step, alert): (Option<i64>, Option<i64>) = (row.cell("step")?, row.cell("alert")?);

@@ -1,10 +1,10 @@
 use tempfile::TempDir;
 
-use super::tests::{first_names, opened};
-use super::*;
 use crate::core::alert_decision::{Alert, Hushed, Status, Told};
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
+use crate::store::tests::{first_names, opened};
+use crate::store::*;
 
 const HORIZON: UtcMicros = UtcMicros(1_000_000);
 

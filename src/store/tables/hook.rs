@@ -1,13 +1,13 @@
 //! Hooks: whom to tell.
 
-use super::batch::{Batch, Rows};
-use super::commit::{Changes, Writer};
-use super::db::{Cells, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
-use super::secrets::Secrets;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::commit::{Changes, Writer};
+use crate::store::db::{Cells, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
+use crate::store::secrets::Secrets;
 
 /// A hook. Its secrets are for signing and sending only; what shows hooks leaves them out, and so does `Debug`.
 #[derive(Clone, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl std::fmt::Debug for HookRow {
     }
 }
 
-pub(super) fn upsert(hooks: &[HookRow], batch: &mut Batch) {
+pub(crate) fn upsert(hooks: &[HookRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for hook in hooks {
         let old = hook.old_secret.as_ref();

@@ -1,11 +1,11 @@
 //! The history of one gyro: a row a record, in order of time.
 
-use super::batch::{Batch, Rows};
-use super::db::{Readers, Sql, Whole, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 use crate::store::packed::history_row::{Figures, PACKED_LEN};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,7 @@ impl Span {
 }
 
 /// Puts rows into their gyros' places; one that is there already is replaced.
-pub(super) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
+pub(crate) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &mut Batch) {
     batch.add(
         insert!(
             "history (gyro, calibrated_at, record, figures)",
@@ -37,7 +37,7 @@ pub(super) fn upsert<'a>(history: impl Iterator<Item = &'a HistoryRow>, batch: &
     );
 }
 
-pub(super) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
+pub(crate) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
     let mut rows = Rows::default();
     for HistoryRow { gyro, figures } in history {
         rows.row()
@@ -83,7 +83,7 @@ async fn read_folded(
 }
 
 /// SQLite joins blobs byte for byte, and in the order of the subquery; a row out of place would show here.
-pub(super) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
+pub(crate) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreError> {
     let (rows, rest) = packed.as_chunks::<PACKED_LEN>();
     if !rest.is_empty() {
         return Err(StoreError::Damaged(format!("history rows of gyro number {gyro} have a wrong length")));
@@ -92,7 +92,7 @@ pub(super) fn unpack(gyro: u32, packed: &[u8]) -> Result<Vec<Figures>, StoreErro
 }
 
 /// Rows of one order in one: those that wait hold where both have the instant.
-pub(super) fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
+pub(crate) fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: bool, limit: usize) -> Vec<Figures> {
     if waiting.is_empty() {
         return folded;
     }
@@ -128,7 +128,7 @@ impl Store {
         Ok(rows)
     }
 
-    pub(super) async fn counting(
+    pub(crate) async fn counting(
         &self,
         gyro: u32,
         mut span: Span,

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, cell, insert, on};
-use super::error::StoreError;
 use super::history::Span;
-use super::id::Id;
-use super::open::Store;
 use super::record::RecordAt;
 use crate::core::bench::BenchMethod;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, Whole, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchRow {
@@ -27,11 +27,11 @@ pub struct BenchRow {
     pub received_at: UtcMicros,
     pub body: Arc<str>,
     pub body_sha256: [u8; 32],
-    /// As of [`super::RecordRow`].
+    /// As of [`crate::store::RecordRow`].
     pub sent_by: Option<Id>,
 }
 
-pub(super) fn insert(benches: &[BenchRow], batch: &mut Batch) {
+pub(crate) fn insert(benches: &[BenchRow], batch: &mut Batch) {
     let mut rows = Rows::default();
     for bench in benches {
         rows.row()

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::db::{Whole, on};
-use super::error::StoreError;
 use super::history::Span;
-use super::open::Store;
+use crate::store::db::{Whole, on};
+use crate::store::error::StoreError;
+use crate::store::open::Store;
 use crate::store::packed::history_row::{Figures, PACKED_LEN};
 
 impl Store {

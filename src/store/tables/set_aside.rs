@@ -1,12 +1,12 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, among, cell, insert, on};
-use super::error::StoreError;
 use super::history::{self, HistoryRow};
-use super::id::Id;
-use super::open::Store;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, Whole, among, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// What a transaction sets aside.
 #[derive(Debug, Default)]
@@ -27,7 +27,7 @@ pub struct ConfirmationRow {
 }
 
 /// After the records themselves have been written.
-pub(super) fn insert(set_aside: &SetAside, batch: &mut Batch) {
+pub(crate) fn insert(set_aside: &SetAside, batch: &mut Batch) {
     batch.add(
         insert!("voided_history (gyro, calibrated_at, record, figures)", [int 0, int 1, int 2, blob 3 4]),
         history::rows(set_aside.history.iter()),
@@ -35,7 +35,7 @@ pub(super) fn insert(set_aside: &SetAside, batch: &mut Batch) {
 }
 
 /// `rows` are those of the confirmed records, which count from now on.
-pub(super) fn confirm<'a>(
+pub(crate) fn confirm<'a>(
     confirmed: &[ConfirmationRow],
     rows: impl Iterator<Item = &'a HistoryRow>,
     batch: &mut Batch,
@@ -68,7 +68,7 @@ pub(super) fn confirm<'a>(
 }
 
 /// Enters what is noted about stored records in the place of what was noted before.
-pub(super) fn note(noted: &[(Id, String)], batch: &mut Batch) {
+pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
     let mut rows = Rows::default();
     for (record, notes) in noted {
         rows.row().integer(record.0).bytes(notes.as_bytes());

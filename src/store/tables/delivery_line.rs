@@ -1,10 +1,10 @@
 //! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands in the line of each.
 
-use super::batch::Batch;
-use super::db::Sql;
 use super::delivery::instants;
-use super::id::Id;
 use crate::core::time::UtcMicros;
+use crate::store::batch::Batch;
+use crate::store::db::Sql;
+use crate::store::id::Id;
 
 /// The lines (hook and alert) that a delivery stands in.
 macro_rules! lines_of {
@@ -54,7 +54,7 @@ macro_rules! stands_behind {
 
 /// For each delivery, the first of each of its lines that is not done waits, due at the instant, where it is the first of all its own
 /// lines; where that waits already, nothing.
-pub(super) fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
+pub(crate) fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
     let lines: Vec<_> = lines.collect();
     instants(
         Sql {

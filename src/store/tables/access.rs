@@ -2,15 +2,15 @@
 
 use sqlx::{ConnectOptions, SqliteConnection};
 
-use super::batch::{Batch, Rows};
-use super::commit::{Changes, Writer, batch_of, waiting_for_disk};
-use super::db::{Cells, Whole, among, cell, insert, on};
-use super::error::StoreError;
-use super::id::{Id, IdSource};
-use super::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
-use super::postgres;
 use crate::core::access::Role;
 use crate::core::time::UtcMicros;
+use crate::store::batch::{Batch, Rows};
+use crate::store::commit::{Changes, Writer, batch_of, waiting_for_disk};
+use crate::store::db::{Cells, Whole, among, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::{Id, IdSource};
+use crate::store::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
+use crate::store::postgres;
 use crate::store::sqlite::checksum::{Summing, settle};
 use crate::store::sqlite::lock;
 use crate::store::sqlite::private;
@@ -87,7 +87,7 @@ impl AccessChanges {
     }
 }
 
-pub(super) fn apply(changes: &AccessChanges, batch: &mut Batch) {
+pub(crate) fn apply(changes: &AccessChanges, batch: &mut Batch) {
     let mut rows = Rows::default();
     for token in &changes.tokens {
         rows.row()
@@ -299,7 +299,7 @@ impl Beside {
     /// Writes in one transaction; on disk when this returns.
     ///
     /// # Errors
-    /// [`StoreError`]; then nothing is written, but see [`super::Writer::commit`].
+    /// [`StoreError`]; then nothing is written, but see [`crate::store::Writer::commit`].
     pub async fn commit(&mut self, access: AccessChanges) -> Result<(), StoreError> {
         let changes = Changes { access, ..Changes::default() };
         match &mut self.0 {

@@ -1,12 +1,12 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
-use super::batch::{Batch, Rows};
-use super::db::{Sql, Whole, among, cell, insert, on};
-use super::error::StoreError;
-use super::id::Id;
 use super::model::ModelRow;
-use super::open::Store;
 use super::record::{Kind, RecordRow};
+use crate::store::batch::{Batch, Rows};
+use crate::store::db::{Sql, Whole, among, cell, insert, on};
+use crate::store::error::StoreError;
+use crate::store::id::Id;
+use crate::store::open::Store;
 
 /// A diagnosis that was made.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,13 +30,13 @@ pub struct NewDiagnosis {
 }
 
 /// Every stored campaign is to be diagnosed.
-pub(super) fn expect(records: &[RecordRow], batch: &mut Batch) {
+pub(crate) fn expect(records: &[RecordRow], batch: &mut Batch) {
     let campaigns = records.iter().filter(|record| record.kind == Kind::Campaign);
     batch.add(insert!("diagnosis (record)", [int 0]), Rows::of(campaigns.map(|record| record.id.0)));
 }
 
 /// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into the calendar before.
-pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
+pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     let imus = || Rows::of(models.iter().map(|model| i64::from(model.imu)));
     batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus());
     batch.add(
@@ -51,7 +51,7 @@ pub(super) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     );
 }
 
-pub(super) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
+pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     let mut rows = Rows::default();
     for NewDiagnosis { row, .. } in diagnoses {
         rows.row()

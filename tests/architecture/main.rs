@@ -3,9 +3,13 @@
 //! Each rule is a function from a file's text to the complaints about it, and each is first tried on a text that
 //! breaks it: a rule that cannot complain keeps nothing.
 
+mod house;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use house::House;
 
 const PEERS: [&str; 4] = ["store", "http", "alert", "pages"];
 const CORE_CRATES: [&str; 9] = [
@@ -20,8 +24,10 @@ const CORE_CRATES: [&str; 9] = [
     "unicode_security",
 ];
 const IMPURE_STD: [&str; 7] = ["fs", "io", "net", "env", "process", "thread", "time"];
-const MAX_LINES: usize = 400;
-const LONG_FILE_EXCUSE: &str = "Longer than 400 lines because";
+const MOST_FILES_OF_A_TYPE: usize = 2;
+/// Circles and spread types that are left: none is to be added.
+const MOST_CIRCLES: usize = 23;
+const MOST_SPREAD: usize = 11;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -183,17 +189,6 @@ fn anyhow_stays_outside(name: &str, text: &str) -> Vec<String> {
     if used && !outside { vec!["anyhow belongs to main and the subcommands".into()] } else { Vec::new() }
 }
 
-fn files_are_short(text: &str) -> Vec<String> {
-    let lines = production(text).lines().count();
-    let head: String = text.lines().take_while(|l| l.starts_with("//!")).collect();
-    if lines > MAX_LINES && !head.contains(LONG_FILE_EXCUSE) {
-        return vec![format!(
-            "{lines} lines before the tests; split it, or begin a head line with '{LONG_FILE_EXCUSE}'"
-        )];
-    }
-    Vec::new()
-}
-
 fn nothing_is_left_behind(text: &str) -> Vec<String> {
     let marks =
         [concat!("TO", "DO"), concat!("FIX", "ME"), concat!("XX", "X:"), concat!("db", "g!("), concat!("to", "do!(")];
@@ -307,13 +302,62 @@ fn anyhow_is_for_main_and_the_subcommands() {
     keep("src", anyhow_stays_outside);
 }
 
+/// A circle of files, and what ties it.
+fn circles(house: &House) -> Vec<String> {
+    house.circles().iter().map(|circle| format!("{circle:?}\n  {}", house.ties(circle).join("\n  "))).collect()
+}
+
+fn spread_types(house: &House) -> Vec<String> {
+    let spread = house.implementations().into_iter().filter(|(_, files)| files.len() > MOST_FILES_OF_A_TYPE);
+    spread.map(|((module, name), files)| format!("{}::{name}: {files:?}", module.join("::"))).collect()
+}
+
+fn the_house() -> House {
+    House::read(&root().join("src"))
+}
+
 #[test]
-fn production_files_are_short_or_say_why_not() {
-    let long = "fn f() {}\n".repeat(MAX_LINES + 1);
-    assert_eq!(files_are_short(&long).len(), 1);
-    assert!(files_are_short(&format!("//! {LONG_FILE_EXCUSE} it is a table.\n{long}")).is_empty());
-    assert!(files_are_short(&format!("fn f() {{}}\n#[cfg(test)]\nmod tests {{}}\n{long}")).is_empty());
-    keep("src", |_, text| files_are_short(text));
+fn no_files_take_from_one_another_in_a_circle() {
+    let broken = [
+        ("lib.rs", "mod a;\nmod b;"),
+        ("a/mod.rs", "mod c;\npub use c::C;\nuse crate::b::B;"),
+        ("a/c.rs", "pub struct C;\nfn f() { super::super::b::g() }"),
+        ("b.rs", "use crate::a::C;\npub struct B;\npub fn g() {}"),
+    ];
+    assert_eq!(House::of(&broken).circles(), [["a/c.rs", "b.rs"]]);
+    let handed_on = [("a/mod.rs", "mod c;\npub use c::C;\npub struct A;"), ("a/c.rs", "pub struct C(super::A);")];
+    assert!(House::of(&handed_on).circles().is_empty());
+    let circles = circles(&the_house());
+    assert!(circles.len() <= MOST_CIRCLES, "{} circles\n{}", circles.len(), circles.join("\n"));
+}
+
+#[test]
+fn what_a_type_does_stands_in_at_most_two_files() {
+    let broken = [
+        ("a.rs", "pub struct A; impl A {}"),
+        ("b.rs", "use crate::a::A; impl A {}"),
+        ("c.rs", "use crate::a; impl a::A {}"),
+    ];
+    assert_eq!(spread_types(&House::of(&broken)).len(), 1);
+    let spread = spread_types(&the_house());
+    assert!(spread.len() <= MOST_SPREAD, "{}\n{}", spread.len(), spread.join("\n"));
+}
+
+/// `cargo test --test architecture figures -- --nocapture`
+#[test]
+fn figures_of_the_house() {
+    let house = the_house();
+    let types = house.types();
+    let twice = types.values().filter(|files| files.len() > 1).count();
+    let implementations = house.implementations();
+    let widest = implementations.iter().max_by_key(|(_, files)| files.len()).unwrap();
+    println!("lines before unit tests   {}", house.lines());
+    println!("files                     {}", house.files());
+    println!("circles of files          {}", house.circles().len());
+    println!("types in most files       {} in {}", widest.0.1, widest.1.len());
+    println!("type names used twice     {twice} of {}", types.len());
+    println!("lines over {} columns    {}", house::MOST_COLUMNS, house.long_lines());
+    assert!(house.files() > 100 && house.arrows().len() > 100);
 }
 
 #[test]

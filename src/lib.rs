@@ -37,3 +37,4 @@ pub mod store;
 pub mod system;
 pub mod telemetry;
 pub mod wire;
+pub mod words;

@@ -17,6 +17,7 @@ pub mod frames;
 pub mod history_note;
 pub mod hook_filter;
 pub mod judge;
+pub mod message;
 pub mod model;
 pub mod mounting;
 pub mod name;

@@ -1,0 +1,134 @@
+//! What is to be said, before it is words: a code that never changes once it has been given out, and its parameters.
+//!
+//! Words are made at the edge, in the language that was asked for ([`crate::words`]). Figures are parameters as they are to be read, rounded to
+//! what they are known to; counts stay numbers, because words agree with them.
+
+use std::borrow::Cow;
+use std::fmt::{self, Display, Formatter};
+
+/// A code with its parameters. Made with [`message!`](crate::message).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    pub code: Cow<'static, str>,
+    pub parameters: Vec<(Cow<'static, str>, Parameter)>,
+}
+
+/// One parameter of a message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Parameter {
+    /// The same in every language: a figure, a name, a key, a date, what somebody wrote.
+    Text(Cow<'static, str>),
+    Count(u64),
+    /// Something that is itself said in the reader's language.
+    Message(Message),
+    List(Vec<Parameter>),
+}
+
+impl Message {
+    pub fn new(code: &'static str, parameters: Vec<(Cow<'static, str>, Parameter)>) -> Self {
+        Self { code: Cow::Borrowed(code), parameters }
+    }
+}
+
+/// For logs and for programmers: the code and its parameters, in no language.
+impl Display for Message {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.code)?;
+        for (k, (name, value)) in self.parameters.iter().enumerate() {
+            write!(f, "{}{name}: {value}", if k == 0 { " (" } else { ", " })?;
+        }
+        f.write_str(if self.parameters.is_empty() { "" } else { ")" })
+    }
+}
+
+impl Display for Parameter {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Message(message) => write!(f, "{message}"),
+            Self::List(list) => {
+                for (k, one) in list.iter().enumerate() {
+                    write!(f, "{}{one}", if k == 0 { "" } else { ", " })?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// A figure with so many decimals.
+pub fn figure(value: f64, decimals: usize) -> Parameter {
+    Parameter::Text(format!("{value:.decimals$}").into())
+}
+
+/// A figure with so many decimals and its sign.
+pub fn signed(value: f64, decimals: usize) -> Parameter {
+    Parameter::Text(format!("{value:+.decimals$}").into())
+}
+
+/// What reads the same in every language.
+pub fn text(value: impl Display) -> Parameter {
+    Parameter::Text(value.to_string().into())
+}
+
+/// Several, in the reader's way of listing them.
+pub fn list<T: Into<Parameter>>(of: impl IntoIterator<Item = T>) -> Parameter {
+    Parameter::List(of.into_iter().map(Into::into).collect())
+}
+
+impl From<&'static str> for Parameter {
+    fn from(text: &'static str) -> Self {
+        Self::Text(Cow::Borrowed(text))
+    }
+}
+
+impl From<String> for Parameter {
+    fn from(text: String) -> Self {
+        Self::Text(Cow::Owned(text))
+    }
+}
+
+impl From<usize> for Parameter {
+    fn from(count: usize) -> Self {
+        Self::Count(count as u64)
+    }
+}
+
+impl From<u64> for Parameter {
+    fn from(count: u64) -> Self {
+        Self::Count(count)
+    }
+}
+
+impl From<Message> for Parameter {
+    fn from(message: Message) -> Self {
+        Self::Message(message)
+    }
+}
+
+/// `message!("too_few", have = have, need = need)`: a [`Message`] with its parameters by name.
+///
+/// The code and the names are those of a message in `src/words/en` and `src/words/zh`; `tests/words.rs` compares them.
+#[macro_export]
+macro_rules! message {
+    ($code:literal $(, $name:ident = $value:expr)* $(,)?) => {
+        $crate::core::message::Message::new(
+            $code,
+            vec![$((stringify!($name).into(), $crate::core::message::Parameter::from($value))),*],
+        )
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_shows_the_code_and_its_parameters() {
+        let inner = message!("inner", of = list(["a", "b"]));
+        let outer = message!("outer", count = 3_usize, value = signed(0.5, 2), why = inner);
+        assert_eq!(outer.to_string(), "outer (count: 3, value: +0.50, why: inner (of: a, b))");
+        assert_eq!(message!("plain").to_string(), "plain");
+    }
+}

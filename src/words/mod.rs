@@ -1,0 +1,150 @@
+//! Words for people: messages of the core and the edges in English and in Chinese (Project Fluent).
+//!
+//! One message a code, in `en/*.ftl` and `zh/*.ftl`; `tests/words.rs` proves that both languages have the same codes with the same parameters.
+
+use std::sync::LazyLock;
+
+use fluent_bundle::concurrent::FluentBundle;
+use fluent_bundle::{FluentArgs, FluentResource, FluentValue};
+
+use crate::core::message::{Message, Parameter};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Language {
+    #[default]
+    English,
+    Chinese,
+}
+
+/// The sources of each language, by file.
+macro_rules! sources {
+    ($language:literal: $($file:literal),*) => {
+        &[$(include_str!(concat!($language, "/", $file, ".ftl"))),*]
+    };
+}
+
+const ENGLISH: &[&str] = sources!("en": "common", "verdicts", "notes", "faults", "refusals", "diagnosis");
+const CHINESE: &[&str] = sources!("zh": "common", "verdicts", "notes", "faults", "refusals", "diagnosis");
+
+static BUNDLES: LazyLock<[FluentBundle<FluentResource>; 2]> =
+    LazyLock::new(|| [Language::English, Language::Chinese].map(Language::bundle));
+
+impl Language {
+    pub const ALL: [Self; 2] = [Self::English, Self::Chinese];
+
+    /// Its tag (RFC 5646).
+    pub fn tag(self) -> &'static str {
+        match self {
+            Self::English => "en",
+            Self::Chinese => "zh",
+        }
+    }
+
+    /// By the first subtag of a language tag (RFC 5646), as `zh` of `zh-Hans-CN`.
+    pub fn from_tag(tag: &str) -> Option<Self> {
+        let first = tag.trim().split('-').next()?.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|language| language.tag() == first)
+    }
+
+    /// The first language of an `Accept-Language` that there is, by weight; English where there is none.
+    pub fn preferred(accepted: &str) -> Self {
+        let mut wanted: Vec<(f32, Self)> = accepted
+            .split(',')
+            .filter_map(|part| {
+                let (tag, weight) = part.split_once(";q=").map_or((part, "1"), |(tag, weight)| (tag, weight));
+                let weight: f32 = weight.trim().parse().ok()?;
+                (weight > 0.0).then_some((weight, Self::from_tag(tag)?))
+            })
+            .collect();
+        wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        wanted.first().map_or(Self::English, |(_, language)| *language)
+    }
+
+    /// A message in words. A code that no language has, as one of a later version may be, reads as in a log.
+    pub fn words(self, message: &Message) -> String {
+        let bundle = &BUNDLES[self as usize];
+        let Some(pattern) = bundle.get_message(&message.code).and_then(|found| found.value()) else {
+            return message.to_string();
+        };
+        let mut arguments = FluentArgs::with_capacity(message.parameters.len());
+        for (name, parameter) in &message.parameters {
+            arguments.set(name.as_ref(), self.value(parameter));
+        }
+        let mut errors = Vec::new();
+        let words = bundle.format_pattern(pattern, Some(&arguments), &mut errors);
+        if errors.is_empty() { words.into_owned() } else { message.to_string() }
+    }
+
+    /// A message without parameters, by its code.
+    pub fn word(self, code: &'static str) -> String {
+        self.words(&Message::new(code, Vec::new()))
+    }
+
+    fn value<'p>(self, parameter: &'p Parameter) -> FluentValue<'p> {
+        match parameter {
+            Parameter::Text(text) => FluentValue::from(text.as_ref()),
+            Parameter::Count(count) => FluentValue::from(*count),
+            Parameter::Message(message) => FluentValue::from(self.words(message)),
+            Parameter::List(list) => {
+                let items: Vec<String> = list.iter().map(|one| self.plain(one)).collect();
+                FluentValue::from(items.join(match self {
+                    Self::English => ", ",
+                    Self::Chinese => "、",
+                }))
+            }
+        }
+    }
+
+    fn plain(self, parameter: &Parameter) -> String {
+        match parameter {
+            Parameter::Message(message) => self.words(message),
+            Parameter::List(list) => list.iter().map(|one| self.plain(one)).collect::<Vec<_>>().join(", "),
+            other => other.to_string(),
+        }
+    }
+
+    fn bundle(self) -> FluentBundle<FluentResource> {
+        let sources = match self {
+            Self::English => ENGLISH,
+            Self::Chinese => CHINESE,
+        };
+        let tag = self.tag().parse().expect("the tags are well-formed");
+        let mut bundle = FluentBundle::new_concurrent(vec![tag]);
+        // Marks around what is filled in would get into JSON, CSV and what people copy.
+        bundle.set_use_isolating(false);
+        for source in sources {
+            let resource = FluentResource::try_new((*source).to_owned()).expect("tests read every source");
+            bundle.add_resource(resource).expect("tests know that no code is said twice");
+        }
+        bundle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::message::{figure, list};
+    use crate::message;
+
+    #[test]
+    fn the_preferred_language_is_the_first_that_there_is() {
+        for (accepted, language) in [
+            ("zh-CN,zh;q=0.9,en;q=0.8", Language::Chinese),
+            ("en-GB,zh;q=0.9", Language::English),
+            ("fr, zh;q=0.2", Language::Chinese),
+            ("zh;q=0", Language::English),
+            ("", Language::English),
+        ] {
+            assert_eq!(Language::preferred(accepted), language, "{accepted}");
+        }
+    }
+
+    #[test]
+    fn a_message_is_said_with_its_parameters_and_without_marks() {
+        let unknown = message!("no_such_code_anywhere", value = figure(0.5, 2), of = list(["a", "b"]));
+        assert_eq!(Language::Chinese.words(&unknown), "no_such_code_anywhere (value: 0.50, of: a, b)");
+        let said = Language::English.words(&message!("beside", first = "a", second = "b"));
+        assert_eq!(said, "a and b");
+        assert_eq!(Language::Chinese.words(&message!("beside", first = "a", second = "b")), "a与b");
+    }
+}

@@ -1,30 +1,18 @@
 //! A validated bench result: what a single-gyro test outside the IMU says of one gyro.
 
+use super::named::named;
 use super::record::Name;
 use super::time::UtcMicros;
 
+named! {
 /// How a single gyro was tested (the paper's schemes one and three).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum BenchMethod {
+pub enum BenchMethod("method_") {
     /// Polar-axis tumble, the float held by the torquer.
-    TorqueFeedback,
+    TorqueFeedback = "torque_feedback",
     /// The gyro steers a servo turntable.
-    TurntableServo,
+    TurntableServo = "turntable_servo",
 }
-
-impl BenchMethod {
-    pub const ALL: [BenchMethod; 2] = [BenchMethod::TorqueFeedback, BenchMethod::TurntableServo];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            BenchMethod::TorqueFeedback => "torque_feedback",
-            BenchMethod::TurntableServo => "turntable_servo",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
-    }
 }
 
 /// Drift coefficients in deg/(h g0), with standard deviations where the bench states them.

@@ -219,7 +219,7 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             @if gyros { th scope="row" { a.id href={ "/gyros/" (encoded(&alert.serial)) } { (alert.serial) } } }
             td.nowrap { (violated(t, alert)) }
             td.words {
-                (t.spoken(&alert.finding.reason))
+                (alert.finding.reason.words(viewer.language))
                 @if let Some(record) = alert.finding.record.as_ref().filter(|_| alert.rule != Rule::Agreement.name()) {
                     " " a href={ "/records/" (record) } { (t.record) }
                 }

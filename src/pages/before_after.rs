@@ -7,7 +7,7 @@ use super::layout::{DRIFTS, instant, symbol};
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::judge::history::Measured;
-use crate::core::judge::{Limit, Status};
+use crate::core::judge::{Event, Limit, Status};
 use crate::pages::history::event_name;
 use crate::pages::status;
 use crate::pipeline::{Course, Figures, Tested, sample_of};
@@ -22,7 +22,7 @@ pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) ->
                 p.note { (t.before_after_test_note) " " (t.unit) }
                 div.scroll tabindex="0" { table.cards {
                     thead { tr {
-                        th { (t.event_environmental_test) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
+                        th { (t.event(Event::EnvironmentalTest)) } th { (t.coefficient) } th.n { (t.last_before) } th.n { (t.first_after) }
                         th.n { (t.difference) } th.n { (t.limit) } th { (t.status_word) }
                     } }
                     tbody { @for test in course.tests.iter().rev() { @for column in 0..2 { (line(viewer, course, test, (method, column))) } } }

@@ -227,7 +227,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
                 @for Violation { coefficient, rule, status } in &standing.violations {
                     span.broken.(status.name()) title=(t.status(*status)) { (symbol(coefficient.name())) " " (t.rule(*rule)) }
                 }
-                @if standing.overdue_days.is_some() { span.broken.overdue { (t.overdue) } }
+                @if standing.overdue_days.is_some() { span.broken.overdue { (t.status(Status::Overdue)) } }
             }
             td { @if let Some(figures) = &standing.newest { (age(viewer, figures.at, now, &row.station)) } }
         }

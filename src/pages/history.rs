@@ -67,8 +67,8 @@ impl Shown {
 impl Text {
     pub fn method_of(&self, method: JudgedMethod) -> &'static str {
         match method {
-            JudgedMethod::Rigid => self.method_rigid,
-            JudgedMethod::Published => self.method_published,
+            JudgedMethod::Rigid => self.method("rigid"),
+            JudgedMethod::Published => self.method("published"),
         }
     }
 }

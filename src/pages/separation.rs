@@ -48,7 +48,7 @@ fn figures(t: &Text, one: &SeparationBody) -> Markup {
     html! {
         tr {
             (gyro(one))
-            td { (t.method_rigid) }
+            td { (t.method("rigid")) }
             @for (figure, name) in rigid.iter().zip(DRIFTS) { td.n data-label=(name) { (measured(figure)) } }
             td.n {}
         }

@@ -3,9 +3,9 @@
 use maud::{Markup, html};
 
 use super::layout::symbol;
-use super::text::{Language, Text, reason};
+use super::text::{Language, Text};
 use super::viewer::Viewer;
-use crate::core::judge::{Coefficient, Rule, Status, Verdict, digits, sd_digits};
+use crate::core::judge::{Coefficient, Rule, Status, Unit, Verdict, digits, sd_digits};
 use crate::pages::status;
 use crate::pipeline::Violation;
 use crate::wire::answer::VerdictBody;
@@ -37,11 +37,7 @@ impl Said {
     }
 
     fn reason(&self, language: Language) -> String {
-        match (language, &self.seen) {
-            (Language::Chinese, Some(verdict)) => reason::in_chinese(verdict),
-            (Language::English, Some(verdict)) => verdict.reason(),
-            (_, None) => language.text().spoken(&self.body.reason),
-        }
+        self.body.reason.words(language)
     }
 }
 
@@ -98,9 +94,9 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
 
 /// What the reason does not say: the stored figures, where it was made with other limits; else the limit, where there is nothing yet to
 /// compare with it.
-fn figures(t: &Text, said: &Said, unit: &str) -> Markup {
+fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
     let VerdictBody { value, limit, sd, limit_from, .. } = &said.body;
-    let (p, unit) = (digits(*limit), t.spoken(unit));
+    let (p, unit) = (digits(*limit), t.word(&unit.word()));
     html! {
         @match (value, &said.seen, limit_from) {
             (Some(value), None, _) => span.note {
@@ -116,6 +112,8 @@ fn figures(t: &Text, said: &Said, unit: &str) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::message;
+    use crate::wire::reason::Reason;
 
     #[test]
     fn a_verdict_of_an_earlier_version_shows_its_stored_figures() {
@@ -131,8 +129,7 @@ mod tests {
             sd: None,
             probability: None,
             confirmed: false,
-            reason: "As it was decided when the record was judged; the limits or the history have changed since."
-                .into(),
+            reason: Reason::Sentences(vec![message!("decided_before")]),
         };
         let said = Said { body, seen: None };
         let shown =
@@ -145,7 +142,7 @@ mod tests {
             body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..said.body.clone() },
             seen: None,
         };
-        let shown = figures(Language::English.text(), &waiting, "deg/(h g0)").into_string();
+        let shown = figures(Language::English.text(), &waiting, Unit::Drift).into_string();
         assert!(shown.contains("Limit 5.14 deg/(h g0) (<code>judging.budget</code>)"), "{shown}");
     }
 }

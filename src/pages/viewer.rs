@@ -64,7 +64,7 @@ impl FromRequestParts<Pages> for Viewer {
             Some("dark") => Some(Theme::Dark),
             _ => None,
         };
-        let chosen = cookie(&parts.headers, "language").and_then(Language::from_name);
+        let chosen = cookie(&parts.headers, "language").and_then(Language::from_tag);
         let language = chosen.unwrap_or_else(|| preferred(&parts.headers));
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
         let caller = parts.extensions.get::<Caller>();
@@ -81,20 +81,8 @@ fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
     pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
 }
 
-/// The first language of `Accept-Language` that there is, by weight; English where there is none.
 fn preferred(headers: &HeaderMap) -> Language {
-    let accepted = headers.get(ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    let mut wanted: Vec<(f32, Language)> = accepted
-        .split(',')
-        .filter_map(|range| {
-            let (tag, weight) = range.split_once(';').unwrap_or((range, ""));
-            let weight = weight.trim().strip_prefix("q=").map_or(Some(1.0), |q| q.parse().ok())?;
-            let language = tag.trim().split('-').next().and_then(Language::from_name)?;
-            (weight > 0.0).then_some((weight, language))
-        })
-        .collect();
-    wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
-    wanted.first().map_or(Language::English, |(_, language)| *language)
+    Language::preferred(headers.get(ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok()).unwrap_or_default())
 }
 
 #[derive(Debug, Deserialize)]
@@ -107,7 +95,7 @@ pub(super) struct Preference {
 
 /// Keeps a choice in a cookie and goes back to where it was made.
 pub(super) async fn prefer(Query(chosen): Query<Preference>) -> Response {
-    let language = chosen.language.as_deref().and_then(Language::from_name).map(|l| ("language", l.name()));
+    let language = chosen.language.as_deref().and_then(Language::from_tag).map(|l| ("language", l.tag()));
     let theme = chosen.theme.as_deref().filter(|name| matches!(*name, "light" | "dark")).map(|name| ("theme", name));
     let back = chosen.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
     let mut response = (StatusCode::SEE_OTHER, [(LOCATION, back)]).into_response();

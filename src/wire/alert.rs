@@ -3,7 +3,10 @@
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use utoipa::ToSchema;
+
+use super::reason::Reason;
 
 /// The alert of one gyro, coefficient and rule. Its identity lasts: when it fires again it is the same alert.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -35,6 +38,11 @@ pub struct AlertBody {
 }
 
 impl AlertBody {
+    /// As the database keeps it.
+    pub fn kept(&self) -> String {
+        kept(self, &self.finding.reason)
+    }
+
     /// The gyro and the record that it rests on; the gyro alone, where no record has caused it (`overdue`).
     pub fn group(&self) -> String {
         match &self.finding.record {
@@ -55,14 +63,31 @@ pub struct FindingBody {
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where `sd` is known.
     pub probability: Option<f64>,
-    /// The verdict in words.
-    pub reason: String,
+    #[serde(flatten)]
+    pub reason: Reason,
     /// The record that was judged, and where it came from; none for `overdue`.
     pub record: Option<String>,
     pub calibrated_at: Option<String>,
     pub imu: Option<String>,
     pub slot: Option<Cow<'static, str>>,
     pub station: Option<String>,
+}
+
+impl FindingBody {
+    /// As the database keeps it.
+    pub fn kept(&self) -> String {
+        kept(self, &self.reason)
+    }
+}
+
+/// What an answer says, with the codes and parameters of its reason in place of words.
+fn kept(answer: &impl Serialize, reason: &Reason) -> String {
+    let mut answer = serde_json::to_value(answer).expect("names, numbers and times can always be written as JSON");
+    if let Value::Object(members) = &mut answer {
+        members.retain(|name, _| name != "code" && name != "parameters");
+        members.insert("reason".to_owned(), reason.kept());
+    }
+    answer.to_string()
 }
 
 /// Somebody knows: no more repeats.

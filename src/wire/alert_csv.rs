@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::alert::AlertBody;
+use crate::words::asked;
 
 /// The names of the columns.
 pub const HEADER: &str = "id,serial,coefficient,rule,state,severity,fired_at,resolved_at,value,limit,unit,sd,probability,\
@@ -23,6 +24,7 @@ fn line(alert: &AlertBody, text: &mut String) {
     let number = |value: Option<f64>| value.map(|value| value.to_string());
     let [value, limit, sd, probability] =
         [finding.value, Some(finding.limit), finding.sd, finding.probability].map(number);
+    let reason = finding.reason.words(asked());
     let acknowledged = alert.acknowledged.as_ref();
     let silenced = alert.silenced.as_ref();
     let cells: [Option<&str>; 25] = [
@@ -48,7 +50,7 @@ fn line(alert: &AlertBody, text: &mut String) {
         acknowledged.map(|a| a.at.as_str()),
         silenced.map(|s| s.by.as_str()),
         silenced.map(|s| s.until.as_str()),
-        Some(&finding.reason),
+        Some(&reason),
         alert.since.as_deref(),
         alert.status.as_deref(),
     ];

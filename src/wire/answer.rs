@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::note::NoteBody;
+use super::reason::Reason;
 use super::record::SlotBody;
 use super::triple::Triple;
 use crate::core::judge::Verdict;
@@ -114,7 +115,8 @@ pub struct VerdictBody {
     pub probability: Option<f64>,
     /// Whether a second campaign says the same.
     pub confirmed: bool,
-    pub reason: String,
+    #[serde(flatten)]
+    pub reason: Reason,
 }
 
 impl SeparationBody {
@@ -178,7 +180,7 @@ impl VerdictBody {
             sd: verdict.sd,
             probability: verdict.probability,
             confirmed: verdict.confirmed,
-            reason: verdict.reason(),
+            reason: Reason::of(verdict),
         }
     }
 }

@@ -29,6 +29,7 @@ pub mod model;
 pub mod note;
 pub mod numbers;
 pub mod problem;
+pub mod reason;
 pub mod record;
 pub mod sender;
 pub mod silence;

@@ -2,12 +2,29 @@
 //!
 //! One message a code, in `en/*.ftl` and `zh/*.ftl`; `tests/words.rs` proves that both languages have the same codes with the same parameters.
 
+use std::borrow::Cow;
+use std::future::Future;
 use std::sync::LazyLock;
 
 use fluent_bundle::concurrent::FluentBundle;
 use fluent_bundle::{FluentArgs, FluentResource, FluentValue};
 
+use crate::core::judge::Verdict;
 use crate::core::message::{Message, Parameter};
+
+tokio::task_local! {
+    static ASKED: Language;
+}
+
+/// The language that the request at hand asks for; English outside of any.
+pub fn asked() -> Language {
+    ASKED.try_with(|language| *language).unwrap_or_default()
+}
+
+/// Does something in a language.
+pub async fn asking<F: Future>(language: Language, future: F) -> F::Output {
+    ASKED.scope(language, future).await
+}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Language {
@@ -75,9 +92,32 @@ impl Language {
         if errors.is_empty() { words.into_owned() } else { message.to_string() }
     }
 
-    /// A message without parameters, by its code.
-    pub fn word(self, code: &'static str) -> String {
-        self.words(&Message::new(code, Vec::new()))
+    /// A message without parameters, by its code. Nothing is copied: the words are part of the program.
+    pub fn word(self, code: &str) -> &'static str {
+        let bundle = &BUNDLES[self as usize];
+        let found = bundle.get_message(code).and_then(|found| found.value());
+        match found.map(|pattern| bundle.format_pattern(pattern, None, &mut Vec::new())) {
+            Some(Cow::Borrowed(words)) => words,
+            // No such message, or one that needs parameters.
+            _ => "",
+        }
+    }
+
+    /// Sentence after sentence.
+    pub fn sentences(self, messages: &[Message]) -> String {
+        let sentences: Vec<String> = messages.iter().map(|message| self.words(message)).collect();
+        sentences.join(match self {
+            Self::English => " ",
+            Self::Chinese => "",
+        })
+    }
+
+    /// Why a verdict is what it is.
+    pub fn reason(self, verdict: &Verdict) -> Cow<'static, str> {
+        match verdict.phrase() {
+            Some(phrase) => Cow::Borrowed(self.word(&phrase.code)),
+            None => Cow::Owned(self.sentences(&verdict.messages())),
+        }
     }
 
     fn value<'p>(self, parameter: &'p Parameter) -> FluentValue<'p> {

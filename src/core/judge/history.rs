@@ -5,6 +5,7 @@ use crate::core::time::UtcMicros;
 use super::limits::Limits;
 use super::{Coefficient, Older, Rule, Series, cells};
 use crate::core::mounting::Slot;
+use crate::core::named::named;
 
 /// A baseline is the median of this many records after the last mark that resets it.
 pub const BASELINE_RECORDS: usize = 3;
@@ -89,56 +90,28 @@ impl Sample {
     }
 }
 
+named! {
 /// What was done to a gyro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Event {
+pub enum Event("event_") {
     /// An engineer declares a new baseline.
-    Baseline,
-    Repair,
+    Baseline = "baseline",
+    Repair = "repair",
     /// Taken out of an IMU and mounted again, there or elsewhere.
-    Reinstallation,
-    Transport,
-    Firmware,
-    Note,
+    Reinstallation = "reinstallation",
+    Transport = "transport",
+    Firmware = "firmware",
+    Note = "note",
     /// An environmental test: the gyro is judged before and after.
-    EnvironmentalTest,
+    EnvironmentalTest = "environmental_test",
     /// Taken out of use for good.
-    Retired,
+    Retired = "retired",
     /// Not to be calibrated until it comes back.
-    InStorage,
+    InStorage = "in_storage",
+}
 }
 
 impl Event {
-    pub const ALL: [Event; 9] = [
-        Event::Baseline,
-        Event::Repair,
-        Event::Reinstallation,
-        Event::Transport,
-        Event::Firmware,
-        Event::Note,
-        Event::EnvironmentalTest,
-        Event::Retired,
-        Event::InStorage,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Event::Baseline => "baseline",
-            Event::Repair => "repair",
-            Event::Reinstallation => "reinstallation",
-            Event::Transport => "transport",
-            Event::Firmware => "firmware",
-            Event::Note => "note",
-            Event::EnvironmentalTest => "environmental_test",
-            Event::Retired => "retired",
-            Event::InStorage => "in_storage",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|event| event.name() == name)
-    }
-
     /// Whether the next records form a new baseline.
     pub fn resets_baseline(self) -> bool {
         matches!(self, Event::Baseline | Event::Repair | Event::Reinstallation)

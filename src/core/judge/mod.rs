@@ -2,14 +2,13 @@
 //!
 //! A verdict judges one record of one gyro by one rule. Rules are pure functions of a bounded stretch of history
 //! ([`history::Need`] says how much), so a record that arrives late, or is voided, is dealt with by judging the records
-//! after it again. No words are made while judging: [`Verdict::reason`] makes them when somebody reads.
+//! after it again. No words are made here: [`Verdict::messages`] says what there is to say, by code and parameters.
 
 pub mod history;
 pub mod limits;
 
 mod cells;
 mod decide;
-mod decimal;
 mod extremes;
 mod finding;
 mod noise;
@@ -26,9 +25,10 @@ pub use history::{
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
 pub use reason::{digits, sd_digits, turn_arcmin};
-pub use rules::{Source, SourcedResult, agreement, overdue, requirement};
+pub use rules::{LimitKind, Rule, Source, SourcedResult, Unit, agreement, overdue, requirement};
 pub use series::Series;
 
+use super::named::named;
 use cells::Window;
 use rules::Case;
 
@@ -77,110 +77,6 @@ impl Coefficient {
     }
 }
 
-/// A criterion. Several may watch the same coefficient.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Rule {
-    /// |x_k - median of the three before|.
-    Step,
-    /// max - min over the newest records.
-    Range,
-    /// |x_k - baseline|.
-    Baseline,
-    /// A straight course, carried forward to the budget.
-    Trend,
-    /// Two-sided cumulative sum, in verdicts and alerts of earlier versions; [`Rule::Shift`] has taken its place.
-    Cusum,
-    /// Root mean square of successive differences.
-    RmsSuccessive,
-    /// The closure moved from its baseline.
-    Closure,
-    /// Range over the methods that measured the gyro.
-    Agreement,
-    /// E or G outside its requirement (Tables 3 and 4).
-    Requirement,
-    /// Not calibrated for longer than the interval.
-    Overdue,
-    /// The newest three weeks with records against the level before.
-    Shift,
-    /// The first records after an environmental test against the last one before.
-    BeforeAfter,
-}
-
-/// Which kind of limit a rule holds a gyro to; the two are never mixed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum LimitKind {
-    /// What the gyro must do: a budget or a requirement.
-    Specification,
-    /// What this gyro usually does: a statistical limit, calibrated by its rate of false alarms.
-    Control,
-}
-
-impl Rule {
-    pub const ALL: [Rule; 12] = [
-        Rule::Step,
-        Rule::Range,
-        Rule::Baseline,
-        Rule::Trend,
-        Rule::Cusum,
-        Rule::RmsSuccessive,
-        Rule::Closure,
-        Rule::Agreement,
-        Rule::Requirement,
-        Rule::Overdue,
-        Rule::Shift,
-        Rule::BeforeAfter,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Rule::Step => "step",
-            Rule::Range => "range",
-            Rule::Baseline => "baseline",
-            Rule::Trend => "trend",
-            Rule::Cusum => "cusum",
-            Rule::RmsSuccessive => "rms_successive",
-            Rule::Closure => "closure",
-            Rule::Agreement => "agreement",
-            Rule::Requirement => "requirement",
-            Rule::Overdue => "overdue",
-            Rule::Shift => "shift",
-            Rule::BeforeAfter => "before_after",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|rule| rule.name() == name)
-    }
-
-    pub fn limit_kind(self) -> LimitKind {
-        match self {
-            Rule::Cusum | Rule::Shift | Rule::Trend => LimitKind::Control,
-            _ => LimitKind::Specification,
-        }
-    }
-
-    /// Unit of what it compares with its limit.
-    pub fn unit(self, coefficient: Coefficient) -> &'static str {
-        match (self, coefficient) {
-            (Rule::Overdue, _) => "days",
-            (Rule::Cusum, _) => "standard deviations",
-            (Rule::Requirement, Coefficient::E) => "pulse/arcsec",
-            (Rule::Requirement, _) => "pulse/(s g0)",
-            _ => "deg/(h g0)",
-        }
-    }
-
-    /// Whether a second campaign can confirm what the rule says.
-    pub fn can_be_confirmed(self) -> bool {
-        match self {
-            Rule::Step | Rule::Range | Rule::Baseline | Rule::Closure | Rule::Agreement | Rule::BeforeAfter => true,
-            // An alert does, where the gyro's next record says the same.
-            Rule::Requirement => true,
-            Rule::Trend | Rule::Cusum | Rule::Shift | Rule::RmsSuccessive | Rule::Overdue => false,
-        }
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum State {
     Within,
@@ -205,59 +101,31 @@ impl State {
     }
 }
 
+named! {
 /// What a verdict comes to, in the words of a quality engineer. The worst last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Status {
-    InTolerance,
+pub enum Status("status_") {
+    InTolerance = "in_tolerance",
     /// Too few records to judge.
-    NotEnoughData,
+    NotEnoughData = "not_enough_data",
     /// Not even a figure in the middle of its tolerance would be known to lie within it.
-    TooUncertain,
+    TooUncertain = "too_uncertain",
     /// The uncertainty straddles the limit.
-    Borderline,
+    Borderline = "borderline",
     /// Not calibrated in its interval.
-    Overdue,
+    Overdue = "overdue",
     /// Within its specification; a control rule speaks.
-    Drifting,
+    Drifting = "drifting",
     /// Beyond a specification limit in one campaign; a second one is to confirm it.
-    Unconfirmed,
+    Unconfirmed = "unconfirmed",
     /// Beyond a specification limit, by a rule that sees several campaigns or none.
-    OutOfTolerance,
+    OutOfTolerance = "out_of_tolerance",
     /// Beyond a specification limit, and a second campaign agrees.
-    Confirmed,
+    Confirmed = "confirmed",
+}
 }
 
 impl Status {
-    pub const ALL: [Status; 9] = [
-        Status::InTolerance,
-        Status::NotEnoughData,
-        Status::TooUncertain,
-        Status::Borderline,
-        Status::Overdue,
-        Status::Drifting,
-        Status::Unconfirmed,
-        Status::OutOfTolerance,
-        Status::Confirmed,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Status::InTolerance => "in_tolerance",
-            Status::NotEnoughData => "not_enough_data",
-            Status::TooUncertain => "too_uncertain",
-            Status::Borderline => "borderline",
-            Status::Overdue => "overdue",
-            Status::Drifting => "drifting",
-            Status::Unconfirmed => "unconfirmed",
-            Status::OutOfTolerance => "out_of_tolerance",
-            Status::Confirmed => "confirmed",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|status| status.name() == name)
-    }
-
     /// Where nothing is known but the worst state of what was judged.
     pub fn of_state(state: Option<State>) -> Self {
         match state {
@@ -290,25 +158,12 @@ impl Status {
 /// lie beyond it.
 const TOO_UNCERTAIN: f64 = 0.5;
 
+named! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Severity {
-    Warning,
-    Critical,
+pub enum Severity("severity_") {
+    Warning = "warning",
+    Critical = "critical",
 }
-
-impl Severity {
-    pub const ALL: [Severity; 2] = [Severity::Warning, Severity::Critical];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Severity::Warning => "warning",
-            Severity::Critical => "critical",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|severity| severity.name() == name)
-    }
 }
 
 /// One record of one gyro judged by one rule.
@@ -343,7 +198,7 @@ impl Verdict {
     }
 
     /// Unit of the value and the limit.
-    pub fn unit(&self) -> &'static str {
+    pub fn unit(&self) -> Unit {
         self.rule.unit(self.coefficient)
     }
 

@@ -1,39 +1,11 @@
-//! Reasons in words that stand up in a review board: the result, then the number, then what it was compared with.
+//! Why a verdict is what it is: the finding, the limit, whether a second campaign says so, and how certain it is.
 
-use std::fmt::{self, Display, Formatter, Write as _};
+use std::fmt::{self, Display, Formatter};
 
-use super::decimal::Decimal;
-use super::rules::Source;
 use super::{Finding, Rule, State, Status, Verdict};
-use crate::core::time::UtcMicros;
+use crate::core::message::{Message, figure, text};
 use crate::core::units::degrees;
-
-impl Verdict {
-    /// Why the verdict is what it is, in a few short sentences.
-    pub fn reason(&self) -> String {
-        // Room for nearly all of them: growing piece by piece costs more than the words.
-        let mut words = String::with_capacity(256);
-        write!(words, "{self}").expect("writing to a string cannot fail");
-        words
-    }
-}
-
-impl Display for Verdict {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        self.write_finding(f)?;
-        if self.value.is_none() {
-            return Ok(());
-        }
-        self.write_limit(f)?;
-        if self.confirmed {
-            f.write_str(match self.rule {
-                Rule::Range | Rule::Agreement => " Not due to a single result.",
-                _ => " Confirmed by a second campaign.",
-            })?;
-        }
-        self.write_certainty(f)
-    }
-}
+use crate::message;
 
 /// Decimals that show a hundredth of the limit.
 pub fn digits(limit: f64) -> usize {
@@ -47,217 +19,88 @@ pub fn sd_digits(sd: f64, limit: f64) -> usize {
 }
 
 impl Verdict {
-    fn write_finding(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let (name, p) = (self.coefficient.name(), digits(self.limit));
-        match self.finding {
-            Finding::TooFew { have, need } => {
-                let what = match self.rule {
-                    Rule::Agreement => "results",
-                    Rule::Shift | Rule::Trend => "weeks with records",
-                    _ => "records",
-                };
-                write!(f, "{name}: not enough data for {}. It needs {need} {what} and has {have}.", self.rule.name())
-            }
-            Finding::FewWithin { have, need, days } => {
-                write!(f, "{name}: not enough data for {}. ", self.rule.name())?;
-                write!(f, "It needs {need} results within {days} days and has {have}.")
-            }
-            Finding::Moved { since, have, need } => {
-                write!(f, "{name}: the gyro was moved to another IMU or slot before {}. ", since.date())?;
-                write!(f, "Its level there needs {need} records and has {have}.")
-            }
-            Finding::Step { level, now } => {
-                self.write_departure(f, now - level)?;
-                write!(f, " the records before (median {:.p$}).", Decimal(level))
-            }
-            Finding::Range { records, since, lowest, highest } => {
-                write!(f, "{name} spans ")?;
-                self.write_value(f)?;
-                write!(f, " over {records} records since {}: ", since.date())?;
-                write!(f, "{:.p$} on {} ", Decimal(lowest.1), lowest.0.date())?;
-                write!(f, "and {:.p$} on {}.", Decimal(highest.1), highest.0.date())
-            }
-            Finding::Baseline { level, since, now } => {
-                self.write_departure(f, now - level)?;
-                write!(f, " its baseline {:.p$}", Decimal(level))?;
-                write_origin(f, since)
-            }
-            Finding::Closure { level, since, moved, now, d_s } => {
-                self.write_departure(f, now - level)?;
-                write!(f, " its baseline {:.p$}", Decimal(level))?;
-                write_origin(f, since)?;
-                if moved {
-                    f.write_str(" That level began when the gyro was moved to another IMU or slot.")?;
-                }
-                if let Some(turn) = turn_arcmin(now - level, d_s) {
-                    write!(f, " A turn of {turn:+.1} arcmin about the input axis does the same.")?;
-                }
-                // What lies within its limit is not said to have a cause.
-                f.write_str(match self.state {
-                    State::Exceeded => " Likely the mounting or an output-axis term, not D_I or D_S.",
-                    State::Within | State::Indeterminate => "",
-                })
-            }
-            Finding::NoTrend { cells, since, step } => {
-                write!(f, "{name}: no trend in the {cells} weekly means since {}", since.date())?;
-                match step {
-                    Some(at) => write!(f, "; a step on {} fits better.", at.date()),
-                    None => f.write_str("."),
-                }
-            }
-            Finding::Trend { .. } => self.write_trend(f),
-            Finding::Shift { level, before, since, now, .. } => {
-                write!(f, "{name}: the newest three weekly means, since {}, are ", since.date())?;
-                self.write_value(f)?;
-                let side = if now >= level { "above" } else { "below" };
-                write!(f, " {side} the level {:.p$} of the {before} before.", Decimal(level))
-            }
-            Finding::RmsSuccessive { since, explained } => {
-                write!(f, "{name}: the rms of successive differences since {} is ", since.date())?;
-                self.write_value(f)?;
-                f.write_str(", without the most deviating record.")?;
-                let Some(explained) = explained else { return Ok(()) };
-                write!(f, " Stated standard deviations explain {:.p$}.", Decimal(explained))
-            }
-            Finding::BeforeAfter { before, from, until, now } => {
-                self.write_departure(f, now - before.1)?;
-                write!(
-                    f,
-                    " its last record before the environmental test ({:.p$} on {}). ",
-                    Decimal(before.1),
-                    before.0.date()
-                )?;
-                write!(f, "The test took from {} to {}.", from.date(), until.date())
-            }
-            Finding::Agreement { results, lowest, highest } => {
-                let of = |(source, at, result): (Source, UtcMicros, f64)| {
-                    format!("{:.p$} ({} on {})", Decimal(result), source.name(), at.date())
-                };
-                write!(f, "{name} spans ")?;
-                self.write_value(f)?;
-                write!(f, " over {results} results: {} and {}.", of(lowest), of(highest))
-            }
-            Finding::Requirement { figure, low, high, others } => {
-                let value = self.value.unwrap_or(0.0);
-                let place = if (low..=high).contains(&value) { "inside" } else { "outside" };
-                write!(f, "{figure} = ")?;
-                self.write_value(f)?;
-                write!(f, " is {place} {:.p$} to {:.p$}.", Decimal(low), Decimal(high))?;
-                for (k, other) in others.iter().flatten().enumerate() {
-                    write!(f, "{}{other}", if k == 0 { " Also outside: " } else { ", " })?;
-                }
-                f.write_str(if others[0].is_some() { "." } else { "" })
-            }
-            Finding::Overdue { last } => {
-                write!(f, "Last calibrated on {}, {:.1} days ago.", last.date(), Decimal(self.value.unwrap_or(0.0)))
-            }
+    /// What there is to say, sentence by sentence, the finding first.
+    ///
+    /// Of what is within its limit one phrase without figures: a record has some forty of them, and value, limit and probability stand beside
+    /// it. A slope is told all the same, for its figures stand nowhere else.
+    pub fn messages(&self) -> Vec<Message> {
+        if let Some(phrase) = self.phrase() {
+            return vec![phrase];
+        }
+        let mut said = self.finding_messages();
+        if self.value.is_none() {
+            return said;
+        }
+        said.push(self.limit_message());
+        if self.confirmed {
+            said.push(match self.rule {
+                Rule::Range | Rule::Agreement => message!("not_a_single_result"),
+                _ => message!("second_campaign"),
+            });
+        }
+        said.extend(self.certainty());
+        said
+    }
+
+    /// All that there is to say, where that has no figures.
+    pub fn phrase(&self) -> Option<Message> {
+        match (self.state, self.finding) {
+            (State::Within, Finding::NoTrend { .. }) => self.finding_messages().pop(),
+            (State::Within, Finding::Trend { .. }) => None,
+            (State::Within, _) => Some(message!("in_tolerance")),
+            _ => None,
         }
     }
 
-    fn write_trend(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } =
-            self.finding
-        else {
-            return Ok(());
-        };
-        let (name, p, unit) = (self.coefficient.name(), digits(self.limit), self.unit());
-        let sd = per_year.sd.unwrap_or(0.0);
-        write!(f, "{name} drifts by {:+.p$} +- {:.p$} {unit} a year ", Decimal(per_year.value), Decimal(sd))?;
-        write!(f, "({cells} weekly means from {} to {}). ", since.date(), until.date())?;
-        // Whoever reads this may do so long after: no date is said to lie ahead.
-        match reach {
-            [_, Some(middle), _] if middle <= until => f.write_str("It has passed its budget. ")?,
-            [Some(first), Some(middle), last] => {
-                write!(f, "It reaches its budget about {} (95 %: {} to ", middle.date(), first.date())?;
-                match last {
-                    Some(last) => write!(f, "{}). ", last.date())?,
-                    None => f.write_str("never). ")?,
-                }
+    /// The value with its standard deviation and unit.
+    pub(super) fn measured(&self) -> Message {
+        let (value, unit) = (figure(self.value.unwrap_or(0.0), digits(self.limit)), self.unit().word());
+        match self.sd {
+            Some(sd) => {
+                let sd = figure(sd, sd_digits(sd, self.limit));
+                message!("measured_with_sd", value = value, sd = sd, unit = unit)
             }
-            _ => {}
+            None => message!("measured", value = value, unit = unit),
         }
-        write!(f, "Its deviation from the baseline is {:+.p$} and will be ", Decimal(deviation))?;
-        self.write_value(f)?;
-        write!(f, " after {horizon_days:.0} days.")?;
-        if provisional {
-            f.write_str(" Dates are provisional: the course is younger than 24 weekly means.")?;
-        }
-        if !of_fleet {
-            f.write_str(" The noise constants are defaults, not the fleet's.")?;
-        }
-        Ok(())
     }
 
-    /// `D_I is 0.0251 +- 0.0007 deg/(h g0) above`.
-    fn write_departure(&self, f: &mut Formatter<'_>, difference: f64) -> fmt::Result {
-        write!(f, "{} is ", self.coefficient.name())?;
-        self.write_value(f)?;
-        f.write_str(if difference < 0.0 { " below" } else { " above" })
-    }
-
-    fn write_value(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let p = digits(self.limit);
-        write!(f, "{:.p$}", Decimal(self.value.unwrap_or(0.0)))?;
-        if let Some(sd) = self.sd {
-            let p = sd_digits(sd, self.limit);
-            write!(f, " +- {:.p$}", Decimal(sd))?;
-        }
-        write!(f, " {}", self.unit())
-    }
-
-    fn write_limit(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let p = digits(self.limit);
-        let limit = Decimal(self.limit);
+    fn limit_message(&self) -> Message {
+        let from = text(self.limit_from);
+        let limit = message!("measured", value = figure(self.limit, digits(self.limit)), unit = self.unit().word());
+        let percent = 100.0 * self.value.unwrap_or(0.0) / self.limit;
         match self.finding {
             // Its bounds were named.
-            Finding::Requirement { .. } => write!(f, " Limits from {}.", self.limit_from),
+            Finding::Requirement { .. } => message!("limits_from", from = from),
             Finding::Shift { least, .. } if self.limit > least => {
-                write!(f, " Limit {limit:.p$} {} (three standard deviations; least {})", self.unit(), self.limit_from)?;
-                f.write_str(".")
+                message!("limit_of_three_sd", limit = limit, from = from)
             }
-            _ => {
-                write!(f, " Limit {limit:.p$} {} ({})", self.unit(), self.limit_from)?;
-                let percent = 100.0 * self.value.unwrap_or(0.0) / self.limit;
-                if self.state == State::Exceeded && percent < 1e5 {
-                    write!(f, ": {percent:.0} %")?;
-                }
-                f.write_str(".")
+            _ if self.state == State::Exceeded && percent < 1e5 => {
+                message!("limit_exceeded", limit = limit, from = from, percent = figure(percent, 0))
             }
+            _ => message!("limit_is", limit = limit, from = from),
         }
     }
 
-    fn write_certainty(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn certainty(&self) -> Option<Message> {
         let by_clock_or_chart = matches!(self.rule, Rule::Shift | Rule::Trend | Rule::Overdue | Rule::Cusum);
         match (self.status(), self.sd, self.probability) {
-            (Status::TooUncertain, ..) if self.rule == Rule::Shift => {
-                f.write_str(" Too uncertain to judge: three standard deviations are more than the budget.")
-            }
+            (Status::TooUncertain, ..) if self.rule == Rule::Shift => Some(message!("too_uncertain_for_shift")),
             (Status::TooUncertain, Some(sd), _) => {
-                let p = sd_digits(sd, self.limit);
-                let limit = Decimal(self.limit);
-                write!(
-                    f,
-                    " Too uncertain to judge: standard deviation {:.p$} against a limit of {limit:.p$}.",
-                    Decimal(sd)
-                )
+                let limit = figure(self.limit, digits(self.limit));
+                Some(message!("too_uncertain", sd = figure(sd, sd_digits(sd, self.limit)), limit = limit))
             }
-            (_, _, Some(probability)) => {
-                f.write_str(" P(out of tolerance) ")?;
-                write_percent(f, probability)?;
-                f.write_str(".")
-            }
-            (_, None, None) if !by_clock_or_chart => {
-                f.write_str(" No standard deviation is known: compared as it stands.")
-            }
-            _ => Ok(()),
+            (_, _, Some(probability)) => Some(message!("probability_beyond", percent = percent(probability))),
+            (_, None, None) if !by_clock_or_chart => Some(message!("no_standard_deviation")),
+            _ => None,
         }
     }
 }
 
-fn write_origin(f: &mut Formatter<'_>, since: Option<UtcMicros>) -> fmt::Result {
-    match since {
-        Some(at) => write!(f, " (median of three records from {}).", at.date()),
-        None => f.write_str(" (fixed)."),
+/// For logs and for programmers.
+impl Display for Verdict {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let said: Vec<String> = self.messages().iter().map(ToString::to_string).collect();
+        f.write_str(&said.join("; "))
     }
 }
 
@@ -271,10 +114,10 @@ pub fn turn_arcmin(moved: f64, d_s: Option<f64>) -> Option<f64> {
         .filter(|turn| (0.05..=LARGEST_TURN_ARCMIN).contains(&turn.abs()))
 }
 
-fn write_percent(f: &mut Formatter<'_>, probability: f64) -> fmt::Result {
+fn percent(probability: f64) -> String {
     match probability {
-        p if p > 0.999 => f.write_str("> 99.9 %"),
-        p if p < 0.001 => f.write_str("< 0.1 %"),
-        p => write!(f, "= {:.1} %", 100.0 * p),
+        p if p > 0.999 => "> 99.9".to_owned(),
+        p if p < 0.001 => "< 0.1".to_owned(),
+        p => format!("= {:.1}", 100.0 * p),
     }
 }

@@ -1,36 +1,22 @@
 //! Every word of the pages, in both languages side by side: what is missing in one does not compile.
 
 mod effects;
-pub(super) mod reason;
 mod sentences;
 mod words;
 
 pub(super) use words::Text;
 
 use crate::core::access::Role;
+use crate::core::bench::BenchMethod;
 use crate::core::judge::{Coefficient, Event, Rule, Severity, Status};
+use crate::core::message::Message;
+use crate::message;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Language {
-    English,
-    Chinese,
-}
+pub(super) use crate::words::Language;
 
 impl Language {
-    /// By its tag (RFC 5646).
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name.to_ascii_lowercase().as_str() {
-            "en" => Some(Self::English),
-            "zh" => Some(Self::Chinese),
-            _ => None,
-        }
-    }
-
-    pub fn name(self) -> &'static str {
-        self.text().tag
-    }
-
-    pub fn text(self) -> &'static Text {
+    /// What the pages say besides.
+    pub(in crate::pages) fn text(self) -> &'static Text {
         match self {
             Self::English => &words::ENGLISH,
             Self::Chinese => &words::CHINESE,
@@ -39,49 +25,29 @@ impl Language {
 }
 
 impl Text {
+    fn language(&self) -> Language {
+        Language::from_tag(self.tag).unwrap_or_default()
+    }
+
+    /// A rule, an event, a status, a severity, a method: words without parameters.
+    pub fn word(&self, message: &Message) -> &'static str {
+        self.language().word(&message.code)
+    }
+
     pub fn rule(&self, rule: Rule) -> &'static str {
-        match rule {
-            Rule::Step => self.rule_step,
-            Rule::Range => self.rule_range,
-            Rule::Baseline => self.rule_baseline,
-            Rule::Trend => self.rule_trend,
-            Rule::Cusum => self.rule_cusum,
-            Rule::RmsSuccessive => self.rule_rms_successive,
-            Rule::Closure => self.rule_closure,
-            Rule::Agreement => self.rule_agreement,
-            Rule::Requirement => self.rule_requirement,
-            Rule::Overdue => self.rule_overdue,
-            Rule::Shift => self.rule_shift,
-            Rule::BeforeAfter => self.rule_before_after,
-        }
+        self.word(&rule.word())
     }
 
     pub fn event(&self, event: Event) -> &'static str {
-        match event {
-            Event::Baseline => self.event_baseline,
-            Event::Repair => self.event_repair,
-            Event::Reinstallation => self.event_reinstallation,
-            Event::Transport => self.event_transport,
-            Event::Firmware => self.event_firmware,
-            Event::Note => self.event_note,
-            Event::EnvironmentalTest => self.event_environmental_test,
-            Event::Retired => self.event_retired,
-            Event::InStorage => self.event_in_storage,
-        }
+        self.word(&event.word())
     }
 
     pub fn status(&self, status: Status) -> &'static str {
-        match status {
-            Status::InTolerance => self.in_tolerance,
-            Status::NotEnoughData => self.not_enough_data,
-            Status::TooUncertain => self.too_uncertain,
-            Status::Borderline => self.borderline,
-            Status::Overdue => self.overdue,
-            Status::Drifting => self.drifting,
-            Status::Unconfirmed => self.unconfirmed,
-            Status::OutOfTolerance => self.out_of_tolerance,
-            Status::Confirmed => self.confirmed,
-        }
+        self.word(&status.word())
+    }
+
+    pub fn severity(&self, severity: Severity) -> &'static str {
+        self.word(&severity.word())
     }
 
     /// How an alert stands, by its name on the wire.
@@ -91,13 +57,6 @@ impl Text {
             "silenced" => self.alert_silenced,
             "resolved" => self.alert_resolved,
             _ => self.alert_firing,
-        }
-    }
-
-    pub fn severity(&self, severity: Severity) -> &'static str {
-        match severity {
-            Severity::Warning => self.warning,
-            Severity::Critical => self.severity_critical,
         }
     }
 
@@ -123,11 +82,10 @@ impl Text {
 
     /// A method by its name on the wire.
     pub fn method(&self, name: &str) -> &'static str {
-        match name {
-            "published" => self.method_published,
-            "torque_feedback" => self.method_torque_feedback,
-            "turntable_servo" => self.method_turntable_servo,
-            _ => self.method_rigid,
+        match (name, BenchMethod::from_name(name)) {
+            (_, Some(method)) => self.word(&method.word()),
+            ("published", _) => self.word(&message!("method_published")),
+            _ => self.word(&message!("method_rigid")),
         }
     }
 

@@ -8,18 +8,14 @@
 mod commanded;
 mod diagnosis;
 mod faults;
-mod notes;
 mod refusals;
-mod verdicts;
 
 use super::Text;
 use crate::core::effects::Effect;
 
 type Sentence = (&'static str, &'static str);
 
-const ALL: [&[Sentence]; 6] = [
-    verdicts::SENTENCES,
-    notes::SENTENCES,
+const ALL: [&[Sentence]; 4] = [
     diagnosis::SENTENCES,
     commanded::SENTENCES,
     faults::SENTENCES,

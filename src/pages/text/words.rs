@@ -41,55 +41,20 @@ catalogue! {
     meaning_g: "g-sensitive terms", "与g有关的项";
     meaning_all: "the gyro as a whole", "整个陀螺";
 
-    // Statuses, rules, events, methods.
+    // How things stand.
     status_word: "Status", "状态";
-    in_tolerance: "in tolerance", "合格";
-    not_enough_data: "not enough data", "数据不足";
-    too_uncertain: "too uncertain", "不确定度过大";
-    borderline: "borderline", "临界";
-    overdue: "overdue", "超期";
-    drifting: "drifting", "漂移预警";
-    unconfirmed: "unconfirmed", "待复测";
-    out_of_tolerance: "out of tolerance", "超差";
-    confirmed: "confirmed", "已证实";
     beyond: "beyond a specification limit", "超出指标限值";
     limit: "Limit", "限值";
     limit_within: "limit", "限值";
     stop: ".", "。";
     colon: ": ", "：";
     slot: "Slot", "位置";
-    warning: "warning", "预警";
     no_record: "not calibrated", "未标定";
-    rule_step: "step", "相邻变化";
-    rule_range: "range", "极差";
-    rule_baseline: "distance from baseline", "偏离基线";
-    rule_trend: "trend", "趋势";
-    rule_cusum: "cumulative sum", "累积和";
-    rule_shift: "shift of level", "持续偏移";
-    rule_before_after: "before and after a test", "试验前后";
-    rule_rms_successive: "scatter", "离散";
-    rule_closure: "closure", "闭合差";
-    rule_agreement: "agreement of methods", "方法一致性";
-    rule_requirement: "requirement", "指标要求";
-    rule_overdue: "overdue", "超期";
-    event_baseline: "new baseline", "新基线";
-    event_repair: "repair", "修理";
-    event_reinstallation: "re-installation", "重新安装";
-    event_transport: "transport", "运输";
-    event_firmware: "firmware", "固件更新";
-    event_note: "note", "备注";
-    event_environmental_test: "environmental test", "环境试验";
-    event_retired: "retired", "退役";
-    event_in_storage: "in storage", "入库";
     event_test_kind: "Of an environmental test: which", "环境试验的种类";
     event_test_to: "Of an environmental test: when it was over (RFC 3339)", "环境试验的结束时间（RFC 3339）";
     moved: "moved", "更换位置";
     other_station: "other station", "更换测试站";
-    method_rigid: "rigid", "刚体法";
-    method_published: "published, eqs. (8)-(13)", "论文公式(8)-(13)";
     method_bench: "bench", "单表测试";
-    method_torque_feedback: "torque feedback", "力矩反馈";
-    method_turntable_servo: "turntable servo", "转台伺服";
 
     // The fleet.
     search: "Search", "搜索";
@@ -364,7 +329,6 @@ catalogue! {
     alert_silenced: "silenced", "已静默";
     alert_resolved: "resolved", "已恢复";
     severity: "Severity", "级别";
-    severity_critical: "critical", "严重";
     rule_word: "Rule", "规则";
     any: "any", "不限";
     since: "Since", "起始时间";

@@ -5,6 +5,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::store::{AlertRow, Changes, Figures, Id, StoreError, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
+use crate::wire::reason::Reason;
 use crate::wire::time;
 
 /// Where the judged figures come from.
@@ -57,10 +58,10 @@ impl Naming<'_> {
         FindingBody {
             value: verdict.value,
             limit: verdict.limit,
-            unit: verdict.unit().into(),
+            unit: verdict.unit().name().into(),
             sd: verdict.sd,
             probability: verdict.probability,
-            reason: verdict.reason(),
+            reason: Reason::of(verdict),
             record: origin.item.map(|id| id.to_string()),
             calibrated_at: Some(time::format(origin.at)),
             imu: origin.imu.map(|number| self.imu(number)),
@@ -132,9 +133,4 @@ pub fn status_of(row: &AlertRow, finding: &FindingBody) -> Status {
 
 fn added(names: &[(u32, String)], number: u32) -> Option<&str> {
     names.iter().find(|(added, _)| *added == number).map(|(_, name)| name.as_str())
-}
-
-/// As it is stored.
-pub fn text(body: &impl serde::Serialize) -> String {
-    serde_json::to_string(body).expect("names, numbers and times can always be written as JSON")
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::body::{Naming, Origin, text};
+use super::body::{Naming, Origin};
 use super::silences::Silences;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
@@ -130,7 +130,7 @@ impl AlertBook {
         let arrival = Arrival { record_at: origin.at, now: pen.now, late: pen.late, muted_until };
         let decision = alert_decision::hear(earlier.map(|row| &row.alert), verdict, &arrival, &self.policy);
         let Some(alert) = decision.alert else { return };
-        let finding = || text(&naming.finding(verdict, origin));
+        let finding = || naming.finding(verdict, origin).kept();
         let (place, began) = match (place, earlier) {
             (Some(place), Some(row)) => {
                 // How long a calibration is overdue changes by itself: that is no news.
@@ -199,7 +199,7 @@ impl AlertBook {
             // The world was told before the silence; a hook that came during it was not.
             if silence_ended && decision.action == Action::Silent {
                 let row = self.alerts[&at.0][at.1].clone();
-                let body = pen.naming.alert(&row, pen.now).map(|body| text(&body)).unwrap_or_default();
+                let body = pen.naming.alert(&row, pen.now).map(|body| body.kept()).unwrap_or_default();
                 self.tell(&row, Action::Silent, None, body, pen);
             }
         }
@@ -298,7 +298,7 @@ impl AlertBook {
         pen: &mut Pen<'_>,
     ) -> (Id, String) {
         // The finding was written by this program, in this run or an earlier one; the next look at the alert names the damage.
-        let body = pen.naming.alert(row, pen.now).map(|body| text(&body)).unwrap_or_default();
+        let body = pen.naming.alert(row, pen.now).map(|body| body.kept()).unwrap_or_default();
         let id = pen.writer.next_id(pen.now);
         self.steps.push(StepRow {
             id,

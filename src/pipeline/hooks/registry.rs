@@ -172,7 +172,7 @@ pub(crate) fn introduce(ear: &Ear, heard: &HashMap<Id, Severity>, alerts: &[Stan
         };
         let ends = action == Action::Resolve;
         if ends || ear.filter.wants(body) {
-            let body = serde_json::to_string(body).expect("names, numbers and times can always be written as JSON");
+            let body = body.kept();
             let part = Part { alert: *id, action: action.name(), step: None, body: Some(body) };
             told.push(Told { severity: alert.severity, action, part });
             scribe.outbox.heard.push((ear.hook, *id, (!ends).then_some(alert.severity)));

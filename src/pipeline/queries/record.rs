@@ -5,6 +5,7 @@ use crate::core::fault::Faults;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
 use crate::core::name::Name;
+use crate::message;
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::campaign::CampaignFit;
@@ -14,6 +15,7 @@ use crate::store::{AuditRow, Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
 use crate::wire::history_note;
+use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
 
 /// A stored record with its answer.
@@ -116,8 +118,12 @@ impl Pipeline {
         calibration: &Calibration,
     ) -> Result<(Vec<VerdictBody>, Vec<Option<Verdict>>), StoreError> {
         let mut bodies = Vec::new();
-        let why = if row.voided && self.store.is_set_aside(row.id).await? { SET_ASIDE } else { VOIDED };
         let counts = !row.voided;
+        let why = match counts {
+            false if self.store.is_set_aside(row.id).await? => message!("does_not_count_yet"),
+            _ => message!("does_not_count"),
+        };
+        let uncounted = |body: VerdictBody| VerdictBody { reason: body.reason.and(why.clone()), ..body };
         for (number, stored) in &row.verdicts.0 {
             let serial = self.store.names().read().gyros.name(*number).cloned();
             let Some(serial) = serial else {
@@ -138,7 +144,7 @@ impl Pipeline {
             let mut again = line.judge_newest(&limits, Older::NONE);
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
             let in_words = stored.iter().map(|verdict| in_words(&serial, verdict, &again));
-            bodies.extend(in_words.map(|(body, seen)| (if counts { body } else { uncounted(body, why) }, seen)));
+            bodies.extend(in_words.map(|(body, seen)| (if counts { body } else { uncounted(body) }, seen)));
         }
         Ok(bodies.into_iter().unzip())
     }
@@ -148,16 +154,6 @@ fn closures_of(calibration: &Calibration) -> ClosureDiagnosis {
     closures(calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))
 }
 
-/// What is said where judging again finds other figures.
-const CHANGED: &str = "As it was decided when the record was judged; the limits or the history have changed since.";
-const VOIDED: &str = "It does not count any more: the record was voided or revised.";
-
-const SET_ASIDE: &str = "It does not count: the record is set aside until somebody confirms its time.";
-
-/// With the words that it does not count.
-fn uncounted(body: VerdictBody, why: &str) -> VerdictBody {
-    VerdictBody { reason: format!("{} {why}", body.reason), ..body }
-}
 
 fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {
     let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
@@ -175,7 +171,7 @@ fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (Verdict
             sd: stored.sd,
             probability: stored.probability,
             confirmed: stored.confirmed,
-            reason: CHANGED.into(),
+            reason: Reason::Sentences(vec![message!("decided_before")]),
         },
     };
     (body, seen)

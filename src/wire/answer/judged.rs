@@ -7,6 +7,8 @@ use std::io;
 use serde::Serialize;
 
 use crate::core::judge::Verdict;
+use crate::wire::reason::Reason;
+use crate::words::asked;
 
 /// Three gyros with all their verdicts take about 17 kB; growing would copy them again and again.
 pub const CAPACITY: usize = 20 * 1024;
@@ -40,7 +42,7 @@ pub fn with_verdicts<'v>(
     Ok(text)
 }
 
-/// All but the serial. Names and reasons are the program's own words, in which nothing has to be escaped.
+/// All but the serial. Names and fixed phrases are the program's own words, in which nothing has to be escaped.
 fn write_rest(verdict: &Verdict, text: &mut Vec<u8>) -> io::Result<()> {
     let words: [(&[u8], &str); 4] = [
         (b",\"coefficient\":\"", verdict.coefficient.name()),
@@ -59,10 +61,19 @@ fn write_rest(verdict: &Verdict, text: &mut Vec<u8>) -> io::Result<()> {
     write_figure(b",\"probability\":", verdict.probability, text)?;
     text.extend_from_slice(b",\"confirmed\":");
     text.extend_from_slice(if verdict.confirmed { b"true" } else { b"false" });
-    text.extend_from_slice(b",\"reason\":\"");
-    write!(Words(text), "{verdict}").map_err(io::Error::other)?;
-    text.extend_from_slice(b"\"}");
-    Ok(())
+    match verdict.phrase() {
+        Some(phrase) => {
+            let words = asked().word(&phrase.code);
+            write!(Words(text), ",\"code\":\"{}\",\"parameters\":{{}},\"reason\":\"{words}\"}}", phrase.code)
+                .map_err(io::Error::other)
+        }
+        None => {
+            let reason = serde_json::to_vec(&Reason::of(verdict))?;
+            text.push(b',');
+            text.extend_from_slice(&reason[1..]);
+            Ok(())
+        }
+    }
 }
 
 fn write_figure(before: &[u8], figure: Option<f64>, text: &mut Vec<u8>) -> io::Result<()> {

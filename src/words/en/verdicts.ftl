@@ -1,1 +1,93 @@
-# verdicts
+# Why a verdict is what it is: what the rule saw, then the limit, then how certain it is.
+
+# Within the limit: short, without figures.
+in_tolerance = In tolerance.
+no_trend = No trend.
+no_trend_but_step = No trend: a step fits better.
+
+# Not enough data.
+too_few = { $name }: not enough data for { $rule }. It needs { $need } { $of ->
+    [results] results
+    [weeks] weeks with records
+   *[records] records
+} and has { $have }.
+too_few_within = { $name }: not enough data for { $rule }. It needs { $need } results within { $days } days and has { $have }.
+too_few_since_moved = { $name }: the gyro was moved to another IMU or slot before { $since }. Its level there needs { $need } records and has { $have }.
+
+# What each rule saw.
+step = { $name } is { $value } { $side ->
+    [below] below
+   *[above] above
+} the records before (median { $level }).
+range = { $name } spans { $value } over { $records } records since { $since }: { $lowest } on { $lowest_at } and { $highest } on { $highest_at }.
+baseline = { $name } is { $value } { $side ->
+    [below] below
+   *[above] above
+} its baseline { $level } ({ $origin }).
+level_from = median of three records from { $since }
+level_fixed = fixed
+closure = { $name } is { $value } { $side ->
+    [below] below
+   *[above] above
+} its baseline { $level } ({ $origin }).
+closure_moved = That level began when the gyro was moved to another IMU or slot.
+closure_turn = A turn of { $turn } arcmin about the input axis does the same.
+closure_cause = Likely the mounting or an output-axis term, not D_I or D_S.
+trend = { $name } drifts by { $rate } a year ({ $cells } weekly means from { $since } to { $until }).
+trend_passed = It has passed its budget.
+trend_reaches = It reaches its budget about { $at } (95 %: { $first } to { $last }).
+never = never
+trend_ahead = Its deviation from the baseline is { $deviation } and will be { $value } after { $days } days.
+trend_provisional = Dates are provisional: the course is younger than 24 weekly means.
+trend_default_noise = The noise constants are defaults, not the fleet's.
+shift = { $name }: the newest three weekly means, since { $since }, are { $value } { $side ->
+    [below] below
+   *[above] above
+} the level { $level } of the { $before } before.
+rms_successive = { $name }: the rms of successive differences since { $since } is { $value }, without the most deviating record.
+rms_explained = Stated standard deviations explain { $explained }.
+before_after = { $name } is { $value } { $side ->
+    [below] below
+   *[above] above
+} its last record before the environmental test ({ $level } on { $at }). The test took from { $from } to { $until }.
+agreement = { $name } spans { $value } over { $results } results: { $lowest } and { $highest }.
+result_of_method = { $value } ({ $method } on { $at })
+requirement = { $figure } = { $value } is { $place ->
+    [inside] inside
+   *[outside] outside
+} { $low } to { $high }.
+requirement_others = Also outside: { $figures }.
+overdue = Last calibrated on { $last }, { $days } days ago.
+
+# The limit.
+limit_is = Limit { $limit } ({ $from }).
+limit_exceeded = Limit { $limit } ({ $from }): { $percent } %.
+limit_of_three_sd = Limit { $limit } (three standard deviations; least { $from }).
+limits_from = Limits from { $from }.
+
+# How certain it is.
+second_campaign = Confirmed by a second campaign.
+not_a_single_result = Not due to a single result.
+too_uncertain = Too uncertain to judge: standard deviation { $sd } against a limit of { $limit }.
+too_uncertain_for_shift = Too uncertain to judge: three standard deviations are more than the budget.
+probability_beyond = P(out of tolerance) { $percent } %.
+no_standard_deviation = No standard deviation is known: compared as it stands.
+
+# Of a stored verdict.
+decided_before = As it was decided when the record was judged; the limits or the history have changed since.
+does_not_count = It does not count any more: the record was voided or revised.
+does_not_count_yet = It does not count: the record is set aside until its time is confirmed.
+
+# The rules.
+rule_step = step
+rule_range = range
+rule_baseline = distance from baseline
+rule_trend = trend
+rule_cusum = cumulative sum
+rule_rms_successive = scatter
+rule_closure = closure
+rule_agreement = agreement of methods
+rule_requirement = requirement
+rule_overdue = overdue
+rule_shift = shift of level
+rule_before_after = before and after a test

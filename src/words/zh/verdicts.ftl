@@ -1,1 +1,86 @@
-# verdicts
+# 判定的理由：先是规则所见，再是限值，最后是确定程度。
+
+in_tolerance = 合格。
+no_trend = 未见趋势。
+no_trend_but_step = 未见趋势，阶跃更能解释。
+
+too_few = { $name }：“{ $rule }”数据不足，需要{ $need }{ $of ->
+    [results] 个结果
+    [weeks] 个有记录的周
+   *[records] 个记录
+}，现有{ $have }个。
+too_few_within = { $name }：“{ $rule }”数据不足，需要{ $days }天内{ $need }个结果，现有{ $have }个。
+too_few_since_moved = { $name }：陀螺在{ $since }之前换到另一惯组或位置。新水平需要{ $need }个记录，现有{ $have }个。
+
+step = { $name }比此前记录（中位数{ $level }）{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }。
+range = { $name }自{ $since }以来{ $records }个记录的极差为{ $value }：{ $lowest }（{ $lowest_at }）与{ $highest }（{ $highest_at }）。
+baseline = { $name }比基线{ $level }（{ $origin }）{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }。
+level_from = 自{ $since }起三个记录的中位数
+level_fixed = 固定
+closure = { $name }比基线{ $level }（{ $origin }）{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }。
+closure_moved = 该水平自陀螺换到另一惯组或位置起算。
+closure_turn = 相当于绕输入轴转动{ $turn }角分。
+closure_cause = 更可能是安装变化或输出轴项，而非D_I或D_S。
+trend = { $name }每年漂移{ $rate }（{ $since }至{ $until }的{ $cells }个周平均值）。
+trend_passed = 已超出允许范围。
+trend_reaches = 约在{ $at }达到允许范围（95 %：{ $first }至{ $last }）。
+never = 永不
+trend_ahead = 现偏离基线{ $deviation }，{ $days }天后为{ $value }。
+trend_provisional = 日期为暂定：变化过程短于24个周平均值。
+trend_default_noise = 噪声常数为默认值，并非由本机群拟合。
+shift = { $name }：自{ $since }起最近三个周平均值比此前{ $before }个的水平{ $level }{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }。
+rms_successive = { $name }：自{ $since }以来去掉偏离最大的一个记录后，相邻差的均方根为{ $value }。
+rms_explained = 给出的标准差可解释{ $explained }。
+before_after = { $name }比环境试验前最后一个记录（{ $level }，{ $at }）{ $side ->
+    [below] 低
+   *[above] 高
+}{ $value }。试验自{ $from }至{ $until }。
+agreement = { $name }的{ $results }个结果极差为{ $value }：{ $lowest }与{ $highest }。
+result_of_method = { $value }（{ $method }，{ $at }）
+requirement = { $figure } = { $value }，{ $place ->
+    [inside] 在
+   *[outside] 超出
+}{ $low }至{ $high }范围。
+requirement_others = 同样超出：{ $figures }。
+overdue = 上次标定于{ $last }，距今{ $days }天。
+
+limit_is = 限值为{ $limit }（{ $from }）。
+limit_exceeded = 限值为{ $limit }（{ $from }），为其{ $percent } %。
+limit_of_three_sd = 限值为{ $limit }（三倍标准差；下限来自{ $from }）。
+limits_from = 限值来自{ $from }。
+
+second_campaign = 第二次标定已证实。
+not_a_single_result = 并非由单个结果造成。
+too_uncertain = 不确定度过大，无法判断：标准差{ $sd }，限值{ $limit }。
+too_uncertain_for_shift = 不确定度过大，无法判断：三倍标准差大于允许范围。
+probability_beyond = 超差概率{ $percent } %。
+no_standard_deviation = 标准差未知，按数值直接比较。
+
+decided_before = 按当时判定；此后限值或履历已变化。
+does_not_count = 不再计入：该记录已作废或修订。
+does_not_count_yet = 暂不计入：待确认其时间。
+
+rule_step = 相邻变化
+rule_range = 极差
+rule_baseline = 偏离基线
+rule_trend = 趋势
+rule_cusum = 累积和
+rule_rms_successive = 离散
+rule_closure = 闭合差
+rule_agreement = 方法一致性
+rule_requirement = 指标要求
+rule_overdue = 超期
+rule_shift = 持续偏移
+rule_before_after = 试验前后

@@ -5,7 +5,9 @@ use crate::core::judge::decide::widest;
 use crate::core::judge::history::Measured;
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
+use crate::message;
 
 /// Where a figure comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,6 +22,13 @@ impl Source {
         match self {
             Source::Separation => "separation",
             Source::Bench(method) => method.name(),
+        }
+    }
+
+    pub fn word(self) -> Message {
+        match self {
+            Source::Separation => message!("method_separation"),
+            Source::Bench(method) => method.word(),
         }
     }
 }

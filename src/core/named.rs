@@ -1,0 +1,30 @@
+//! Enums whose values have a name on the wire and words: [`Rule::Step`](crate::core::judge::Rule) is `step`, its words are those of `rule_step`.
+
+/// `named! { pub enum Rule("rule_") { Step = "step", ... } }`: the enum with `ALL`, `name`, `from_name` and `word`.
+macro_rules! named {
+    ($(#[$on_all:meta])* pub enum $of:ident($prefix:literal) { $($(#[$on_one:meta])* $one:ident = $name:literal,)* }) => {
+        $(#[$on_all])*
+        pub enum $of { $($(#[$on_one])* $one),* }
+
+        impl $of {
+            pub const ALL: [$of; [$($name),*].len()] = [$($of::$one),*];
+
+            /// Its name in answers and in the database; never changes once it has been given out.
+            pub fn name(self) -> &'static str {
+                match self { $($of::$one => $name),* }
+            }
+
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
+            }
+
+            /// What people read.
+            pub fn word(self) -> $crate::core::message::Message {
+                let code = match self { $($of::$one => concat!($prefix, $name)),* };
+                $crate::core::message::Message::new(code, Vec::new())
+            }
+        }
+    };
+}
+
+pub(crate) use named;

@@ -33,7 +33,14 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 
+use crate::core::fault::Faults;
+use crate::core::time::UtcMicros;
+use crate::pipeline::Refused;
+use crate::wire::problem::summary;
+use crate::wire::time;
+use crate::words;
 use clap::{Parser, Subcommand};
+use std::error::Error;
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -93,11 +100,31 @@ impl Cli {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("gyrowatch: {error:#}");
+                eprintln!("gyrowatch: {}", in_words(&error));
                 if error.is::<Usage>() { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }
             }
         }
     }
+}
+
+/// The error and its causes; what is a message in the language of the environment.
+fn in_words(error: &anyhow::Error) -> String {
+    let language = words::asked();
+    let said = |cause: &(dyn Error + 'static)| {
+        if let Some(faults) = cause.downcast_ref::<Faults>() {
+            return summary(&faults.0, language);
+        }
+        match cause.downcast_ref::<Refused>() {
+            Some(refused) => language.words(&refused.message()),
+            None => cause.to_string(),
+        }
+    };
+    error.chain().map(said).collect::<Vec<_>>().join(": ")
+}
+
+/// A time in an argument.
+fn instant(text: &str) -> Result<UtcMicros, String> {
+    time::parse(text).map_err(|why| words::asked().words(&why))
 }
 
 /// What clap ends with, too.

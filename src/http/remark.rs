@@ -4,8 +4,10 @@ use axum::http::StatusCode;
 
 use super::App;
 use crate::core::fault::Faults;
+use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{Accepted, GyroEvent, Id, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;
@@ -19,7 +21,7 @@ pub struct Said {
 
 impl Said {
     /// Checked; `blank` is what is told of a reason that says nothing. Without a time, now.
-    pub fn read(self, app: &App, blank: &str, faults: &mut Faults) -> (String, UtcMicros, Option<String>) {
+    pub fn read(self, app: &App, blank: Message, faults: &mut Faults) -> (String, UtcMicros, Option<String>) {
         if self.reason.trim().is_empty() {
             faults.push("/reason", blank);
         }
@@ -41,12 +43,10 @@ pub fn gyro_named(serial: &str) -> Result<Name, Problem> {
 }
 
 /// 201 and the identifier of what is new, 200 where it was there in the same words; `otherwise` is told where it was in others.
-pub async fn submit(app: &App, event: GyroEvent, otherwise: &str) -> Result<(StatusCode, Id), Problem> {
+pub async fn submit(app: &App, event: GyroEvent, otherwise: Message) -> Result<(StatusCode, Id), Problem> {
     match app.pipeline.submit(Submission::Event(event)).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id)),
         Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id)),
-        Accepted::There { id, .. } => {
-            Err(Problem::new(409, "Already stored with other content", otherwise).with_existing(id))
-        }
+        Accepted::There { id, .. } => Err(Problem::new(409, message!("title_differs"), otherwise).with_existing(id)),
     }
 }

@@ -1,8 +1,12 @@
 //! Words for people: messages of the core and the edges in English and in Chinese (Project Fluent).
 //!
+//! Which language is asked for is known to the task: [`asked`]. The outermost middleware of the service says it for each request, by the cookie of
+//! the pages or by `Accept-Language`; on the command line the environment says it. Elsewhere it is English.
+//!
 //! One message a code, in `en/*.ftl` and `zh/*.ftl`; `tests/words.rs` proves that both languages have the same codes with the same parameters.
 
-use std::sync::LazyLock;
+use std::env;
+use std::sync::{LazyLock, OnceLock};
 
 use fluent_bundle::concurrent::FluentBundle;
 use fluent_bundle::{FluentArgs, FluentResource, FluentValue};
@@ -14,6 +18,29 @@ pub enum Language {
     #[default]
     English,
     Chinese,
+}
+
+tokio::task_local! {
+    static ASKED: Language;
+}
+
+static OF_PROCESS: OnceLock<Language> = OnceLock::new();
+
+/// The language that whoever waits for this task has asked for.
+pub fn asked() -> Language {
+    ASKED.try_with(|language| *language).unwrap_or_else(|_| OF_PROCESS.get().copied().unwrap_or_default())
+}
+
+/// Does `work` for somebody who has asked for this language.
+pub async fn asked_in<T>(language: Language, work: impl Future<Output = T>) -> T {
+    ASKED.scope(language, work).await
+}
+
+/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process.
+pub fn speak_as_the_environment() {
+    let set = ["LC_ALL", "LANG"].into_iter().filter_map(|name| env::var(name).ok()).find(|value| !value.is_empty());
+    let language = set.and_then(|locale| Language::from_tag(&locale.replace(['_', '.'], "-")));
+    OF_PROCESS.get_or_init(|| language.unwrap_or_default());
 }
 
 /// The sources of each language, by file.

@@ -14,6 +14,8 @@ mod verdicts;
 
 use super::Text;
 use crate::core::effects::Effect;
+use crate::core::message::{Message, Parameter};
+use crate::words::Language;
 
 type Sentence = (&'static str, &'static str);
 
@@ -27,6 +29,15 @@ const ALL: [&[Sentence]; 6] = [
 ];
 
 impl Text {
+    /// A message in this language. A text that is not ours may have a form that is known.
+    pub fn words(&self, message: &Message) -> String {
+        let language = if self.tag == "zh" { Language::Chinese } else { Language::English };
+        match message.parameter("text") {
+            Some(Parameter::Text(text)) if message.code == "verbatim" => self.spoken(text),
+            _ => language.words(message),
+        }
+    }
+
     /// Words of the service in this language.
     pub fn spoken(&self, english: &str) -> String {
         if self.tag == "zh" { in_chinese(english) } else { english.to_owned() }

@@ -5,6 +5,7 @@ use tokio::sync::oneshot;
 use super::program;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::access::Actor;
 use crate::pipeline::{Accepted, Job, Pipeline, Refused};
 use crate::store::{
@@ -143,8 +144,11 @@ impl Pipeline {
     pub(super) fn campaign_filter(&self, asked: &WhichBody, faults: &mut Faults) -> CampaignFilter {
         let mut known = |what: &str, name: &Option<String>, number: Option<u32>| {
             if let (Some(name), None) = (name, number) {
-                let kind = if what == "imu" { "IMU" } else { "station" };
-                faults.push(format!("/{what}"), format!("no {kind} with the name {name} is known"));
+                let unknown = match what {
+                    "imu" => message!("unknown_imu", imu = name.clone()),
+                    _ => message!("unknown_station", station = name.clone()),
+                };
+                faults.push(format!("/{what}"), unknown);
             }
             number
         };
@@ -160,7 +164,7 @@ impl Pipeline {
         let from = instant("/since", &asked.since, Span::EVER.from);
         let to = instant("/until", &asked.until, Span::EVER.to);
         if faults.is_empty() && from > to {
-            faults.push("/until", "must not lie before `since`");
+            faults.push("/until", message!("until_before_since"));
         }
         CampaignFilter { imu, station, measured: Span { from, to } }
     }

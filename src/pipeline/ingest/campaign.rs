@@ -7,6 +7,7 @@ use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::Verdict;
+use crate::message;
 use crate::pipeline::Pipeline;
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::ingest::submission::{
@@ -203,7 +204,7 @@ impl Pipeline {
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
-                Err(Fault { pointer: "/test".to_owned(), detail: "is no bench test".to_owned() }.into())
+                Err(Fault { pointer: "/test".to_owned(), message: message!("is_no_bench_test") }.into())
             }
         }
     }

@@ -10,6 +10,7 @@ use utoipa::ToSchema;
 use super::App;
 use crate::core::message::Message;
 use crate::message;
+use crate::pipeline::Refused;
 use crate::wire::problem::Problem;
 
 /// How long the writer may take to answer: a group commit on a slow disk, and one before it.
@@ -28,6 +29,14 @@ pub async fn healthz() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") })
 }
 
+/// What the operator is told of a write that failed, in the store's own words.
+fn unwritten(refused: &Refused) -> Message {
+    match refused {
+        Refused::Store(error) => Message::verbatim(error),
+        other => other.message(),
+    }
+}
+
 /// Readiness: the database can be read and written, and the writer and the delivery worker are at work.
 #[utoipa::path(get, path = "/readyz", tag = "service", responses(
     (status = 200, description = "ready", body = Health),
@@ -40,7 +49,7 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
         .await
         .map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {
-        Ok(probed) => probed.map_err(|refused| not_ready(message!("not_writing", why = refused.message())))?,
+        Ok(probed) => probed.map_err(|refused| not_ready(message!("not_writing", why = unwritten(&refused))))?,
         Err(_) => {
             return Err(not_ready(message!(
                 "not_writing",

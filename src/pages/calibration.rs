@@ -134,7 +134,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
-            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (t.spoken(&gyro.reason)) } }
+            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (gyro.reason) } }
         }
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
         section {

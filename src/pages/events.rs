@@ -13,7 +13,6 @@ use super::layout::{Section, encoded};
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
-use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::message;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
@@ -66,7 +65,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     said.word.check(viewer, &mut faults);
     let event = Event::from_name(&said.event);
     if event.is_none() {
-        faults.push("event", Message::verbatim(Event::ALL.map(Event::name).join(", ")));
+        faults.push("event", message!("event_needed"));
     }
     let at = match said.at.trim() {
         "" => pages.clock.now(),

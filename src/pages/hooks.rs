@@ -69,7 +69,7 @@ fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
     let t = viewer.text();
     html! {
         @if hook.enabled { span.badge.within { (t.enabled) } } @else { span.badge.exceeded { (t.disabled) } }
-        @if let Some(why) = &hook.disabled_because { br; span.quiet { (t.spoken(why)) } }
+        @if let Some(why) = &hook.disabled_because { br; span.quiet { (why) } }
     }
 }
 

@@ -13,7 +13,9 @@ use crate::store::{
     TaskCounts, Writer,
 };
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, WhichBody};
+use crate::wire::message::from_stored;
 use crate::wire::{cursor, json, text, time};
+use crate::words;
 
 /// Which campaigns somebody wants diagnosed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -213,7 +215,7 @@ impl Pipeline {
             campaign: task.record.to_string(),
             imu: tables.imus.name(task.imu).map_or_else(String::new, |name| name.to_string()),
             measured_at: time::format(task.measured_at),
-            reason: task.reason,
+            reason: words::asked().words(&from_stored(&task.reason)),
         };
         Ok(Some(JobDetailBody { job, failures: failed.into_iter().map(failure).collect(), next }))
     }

@@ -200,6 +200,11 @@ no_http_answer = no HTTP answer: { $why }
 stored_message_unreadable = the stored message cannot be read: { $why }
 header_control_character = a header would contain a control character
 
+## Diagnoses and events
+
+computation_broke_off = its computation broke off; the service's log says why
+event_needed = choose an event
+
 ## Several at once
 
 several = { $faults }

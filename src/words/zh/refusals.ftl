@@ -200,6 +200,11 @@ no_http_answer = 没有HTTP答复：{ $why }
 stored_message_unreadable = 存储的消息无法读取：{ $why }
 header_control_character = 请求头含有控制字符
 
+## Diagnoses and events
+
+computation_broke_off = 计算中断，原因见服务日志
+event_needed = 请选择事件
+
 ## Several at once
 
 several = { $faults }

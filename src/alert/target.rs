@@ -2,10 +2,11 @@
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 
-use crate::core::message::Message;
-use crate::message;
 use ipnet::IpNet;
 use url::{Host, Url};
+
+use crate::core::message::Message;
+use crate::message;
 
 /// Longest address of a target, in characters.
 pub const MAX_URL_CHARS: usize = 2048;

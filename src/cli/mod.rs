@@ -8,6 +8,7 @@ mod backup;
 mod blindcheck;
 mod calibrate;
 mod client;
+mod codes;
 mod config;
 mod copy;
 mod demo;
@@ -28,10 +29,12 @@ mod simulate;
 mod token;
 mod verify;
 
+use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
 use anyhow::Context;
+use clap::{Parser, Subcommand};
 
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
@@ -39,8 +42,6 @@ use crate::pipeline::Refused;
 use crate::wire::problem::summary;
 use crate::wire::time;
 use crate::words;
-use clap::{Parser, Subcommand};
-use std::error::Error;
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -68,6 +69,7 @@ enum Command {
     Token(token::Token),
     Verify(verify::Verify),
     Config(config::Show),
+    Codes(codes::Codes),
 }
 
 impl Command {
@@ -89,6 +91,7 @@ impl Command {
             Self::Token(token) => token.run(),
             Self::Verify(verify) => verify.run(),
             Self::Config(show) => show.run(),
+            Self::Codes(codes) => codes.run(),
         }
     }
 }

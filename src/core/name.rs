@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
-use crate::core::message::Message;
-use crate::message;
 use unicode_normalization::UnicodeNormalization;
 use unicode_properties::{GeneralCategory, UnicodeGeneralCategory};
 use unicode_security::confusable_detection::skeleton;
+
+use crate::core::message::Message;
+use crate::message;
 
 /// Longest identifier (IMU, station, serial, operator, campaign) in characters.
 pub const MAX_NAME_CHARS: usize = 64;

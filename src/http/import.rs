@@ -19,6 +19,7 @@ use bytes::Bytes;
 use futures::future::BoxFuture;
 use futures::stream::Peekable;
 use futures::{FutureExt, StreamExt};
+use lines::{Line, Longest, lines};
 use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
@@ -37,7 +38,6 @@ use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::{Problem, ProblemBody};
 use crate::words;
-use lines::{Line, Longest, lines};
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(post_import))

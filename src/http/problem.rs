@@ -1,7 +1,6 @@
 //! Every error leaves as problem details (RFC 9457).
 
-use axum::body::Body;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, RETRY_AFTER};
+use axum::http::header::{CONTENT_LANGUAGE, CONTENT_LENGTH, CONTENT_TYPE, RETRY_AFTER, VARY};
 use axum::http::{HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use http_body_util::{BodyExt, Limited};
@@ -22,8 +21,10 @@ const MAX_DETAIL_BYTES: usize = 4096;
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let body = serde_json::to_vec(&self.body(words::asked())).unwrap_or_default();
-        let mut response = (status, [(CONTENT_TYPE, PROBLEM_JSON)], body).into_response();
+        let language = words::asked();
+        let body = serde_json::to_vec(&self.body(language)).unwrap_or_default();
+        let headers = [(CONTENT_TYPE, PROBLEM_JSON), (CONTENT_LANGUAGE, language.tag()), (VARY, "accept-language")];
+        let mut response = (status, headers, body).into_response();
         if status == StatusCode::SERVICE_UNAVAILABLE {
             response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static(RETRY_AFTER_S));
         }
@@ -56,10 +57,14 @@ pub async fn in_form(response: Response, longest_body: usize) -> Response {
         Ok(collected) => String::from_utf8_lossy(&collected.to_bytes()).trim().to_owned(),
         Err(_) => String::new(),
     };
-    parts.headers.insert(CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
-    parts.headers.remove(CONTENT_LENGTH);
-    let problem = problem_of(status, text, longest_body);
-    Response::from_parts(parts, Body::from(serde_json::to_vec(&problem.body(words::asked())).unwrap_or_default()))
+    let (problem, headers) = (problem_of(status, text, longest_body).into_response(), &mut parts.headers);
+    headers.remove(CONTENT_LENGTH);
+    for name in [CONTENT_TYPE, CONTENT_LANGUAGE, VARY] {
+        if let Some(value) = problem.headers().get(&name) {
+            headers.insert(name, value.clone());
+        }
+    }
+    Response::from_parts(parts, problem.into_body())
 }
 
 /// What a refusal that says no more than `text` means.

@@ -23,6 +23,7 @@ mod hooks;
 mod ingest;
 mod queries;
 
+use std::fmt;
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
@@ -39,7 +40,6 @@ use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 use crate::wire::differences::Differences;
-use std::fmt;
 
 pub use crate::pipeline::alerts::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder};
 pub use crate::pipeline::diagnoses::models::{Adoption, InForce};

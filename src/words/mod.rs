@@ -36,6 +36,14 @@ pub async fn asked_in<T>(language: Language, work: impl Future<Output = T>) -> T
     ASKED.scope(language, work).await
 }
 
+/// Every message of a language as its sources have it: a line a code, with the names of its parameters.
+pub fn sources(language: Language) -> &'static [&'static str] {
+    match language {
+        Language::English => ENGLISH,
+        Language::Chinese => CHINESE,
+    }
+}
+
 /// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process.
 pub fn speak_as_the_environment() {
     let set = ["LC_ALL", "LANG"].into_iter().filter_map(|name| env::var(name).ok()).find(|value| !value.is_empty());
@@ -78,8 +86,8 @@ impl Language {
         let mut wanted: Vec<(f32, Self)> = accepted
             .split(',')
             .filter_map(|part| {
-                let (tag, weight) = part.split_once(";q=").map_or((part, "1"), |(tag, weight)| (tag, weight));
-                let weight: f32 = weight.trim().parse().ok()?;
+                let (tag, weight) = part.split_once(';').unwrap_or((part, ""));
+                let weight: f32 = weight.trim().strip_prefix("q=").map_or(Some(1.0), |weight| weight.parse().ok())?;
                 (weight > 0.0).then_some((weight, Self::from_tag(tag)?))
             })
             .collect();
@@ -131,15 +139,11 @@ impl Language {
     }
 
     fn bundle(self) -> FluentBundle<FluentResource> {
-        let sources = match self {
-            Self::English => ENGLISH,
-            Self::Chinese => CHINESE,
-        };
         let tag = self.tag().parse().expect("the tags are well-formed");
         let mut bundle = FluentBundle::new_concurrent(vec![tag]);
         // Marks around what is filled in would get into JSON, CSV and what people copy.
         bundle.set_use_isolating(false);
-        for source in sources {
+        for source in sources(self) {
             let resource = FluentResource::try_new((*source).to_owned()).expect("tests read every source");
             bundle.add_resource(resource).expect("tests know that no code is said twice");
         }
@@ -158,7 +162,9 @@ mod tests {
         for (accepted, language) in [
             ("zh-CN,zh;q=0.9,en;q=0.8", Language::Chinese),
             ("en-GB,zh;q=0.9", Language::English),
-            ("fr, zh;q=0.2", Language::Chinese),
+            ("fr, zh-TW; q=0.3, en;q=0.2", Language::Chinese),
+            ("en;q=0, zh;q=0.1", Language::Chinese),
+            ("de", Language::English),
             ("zh;q=0", Language::English),
             ("", Language::English),
         ] {

@@ -13,6 +13,7 @@ use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use rules::Least;
 
 use super::App;
 use super::edge::{Forwarded, NO_STORE};
@@ -20,7 +21,6 @@ use crate::core::access::Role;
 use crate::message;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
-use rules::Least;
 
 /// Lets a request through to its handler as its caller, or answers it 401, 403, 421 or 429.
 pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {

@@ -7,6 +7,5 @@ use gyrowatch::cli::Cli;
 
 fn main() -> ExitCode {
     gyrowatch::system::install_crypto();
-    gyrowatch::words::speak_as_the_environment();
     Cli::parse().run()
 }

@@ -294,6 +294,36 @@ async fn a_bad_record_is_refused_at_its_place_and_nothing_is_kept() {
 }
 
 #[tokio::test]
+async fn a_problem_is_said_in_the_language_asked_for_and_has_the_same_codes_in_each() {
+    let server = Server::start().await;
+    let record = changed_text(paper(), "/imu", json!("x".repeat(65)));
+    let asked = |language: &'static str| {
+        let (headers, body) = ([("content-type", "application/json"), ("accept-language", language)], record.clone());
+        let server = &server;
+        async move { server.call("POST", "/v1/records", &headers, body).await.json() }
+    };
+    let (english, chinese) = (asked("fr, en;q=0.5").await, asked("zh-CN, en;q=0.5").await);
+    for (problem, title, detail) in [
+        (&english, "Cannot be stored as it is", "must have at most 64 characters, has 65"),
+        (&chinese, "不能按原样存储", "最多64个字符，实有65个"),
+    ] {
+        let place = json!({ "pointer": "/imu", "code": "too_many_characters", "parameters": { "most": 64, "have": 65 }, "detail": detail });
+        assert_eq!((&problem["title"], &problem["code"]), (&json!(title), &json!("faults_in_document")));
+        assert_eq!(problem["errors"], json!([place]), "{problem}");
+    }
+    let answer = server.call("GET", "/v1/gyros/GL-1", &[("accept-language", "zh")], "").await;
+    let problem = answer.json();
+    assert_eq!(
+        (answer.headers["content-language"].to_str().unwrap(), &problem["code"]),
+        ("zh", &json!("unknown_gyro"))
+    );
+    assert_eq!(
+        (&problem["parameters"], &problem["detail"]),
+        (&json!({ "serial": "GL-1" }), &json!("没有编号为GL-1的陀螺"))
+    );
+}
+
+#[tokio::test]
 async fn a_bad_bench_result_is_refused_at_its_place_and_nothing_is_kept() {
     refuse(&Server::start().await, "/v1/bench-results", bench_results()).await;
 }

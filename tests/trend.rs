@@ -361,6 +361,6 @@ async fn periods_come_as_csv_and_a_wrong_period_is_named() {
     assert_eq!(lines.len(), 3);
     let wrong = lab.get("/v1/gyros/A/trend?every=year").await;
     assert_eq!(wrong.status, 400);
-    assert!(wrong.text.contains("every must be day, week or month, is year"), "{}", wrong.text);
+    assert!(wrong.text.contains("every must be one of day, week, month, is year"), "{}", wrong.text);
     assert_eq!(lab.get("/v1/gyros/A/trend?every=day&voided=include").await.status, 400);
 }

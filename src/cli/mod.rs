@@ -99,6 +99,9 @@ impl Command {
 impl Cli {
     /// Runs the subcommand; a failure is reported once, here, on standard error.
     pub fn run(self) -> ExitCode {
+        if !matches!(self.command, Command::Serve(_) | Command::Demo(_)) {
+            words::speak_as_the_environment();
+        }
         match self.command.run() {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,

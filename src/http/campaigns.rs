@@ -37,6 +37,7 @@ use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
 use crate::wire::time;
+use crate::words;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(post_campaign)).routes(routes!(get_campaign)).routes(routes!(get_diagnosis))
@@ -89,7 +90,7 @@ async fn post_campaign(
     let Dwells(bytes, form) = body;
     let key = idempotency_key(&headers)?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
-    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
+    let read = words::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, message!("title_internal_error"), message!("not_fitted")))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, message!("title_cannot_be_stored"), faults),

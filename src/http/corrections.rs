@@ -25,6 +25,7 @@ use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::{json, text, time};
+use crate::words;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
@@ -272,7 +273,7 @@ async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: D
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
-    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read = words::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
     let read = read.map_err(|_| Problem::new(500, message!("title_internal_error"), message!("not_fitted")))?;
     let read = read.and_then(|read| match read.fitted {
         Fitted::Calibration(calibration) => Ok(*calibration),

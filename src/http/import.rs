@@ -155,7 +155,7 @@ async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataSt
     let pipeline = app.pipeline.clone();
     let read = lines.ready_chunks(LINES_AT_ONCE).map(move |chunk| {
         let (pipeline, caller) = (pipeline.clone(), caller.clone());
-        tokio::task::spawn_blocking(move || Chunk::read(chunk, &pipeline, &caller))
+        words::spawn_blocking(move || Chunk::read(chunk, &pipeline, &caller))
     });
     let pipeline = app.pipeline.clone();
     // Queued one after the other, so that of two lines with the same key the first is the one that counts.

@@ -23,11 +23,19 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
-        let Query(parameters) = Query::from_request_parts(parts, state)
-            .await
-            .map_err(|rejection| bad(Message::verbatim(rejection.body_text())))?;
+        let Query(parameters) =
+            Query::from_request_parts(parts, state).await.map_err(|rejection| bad(of_form(&rejection.body_text())))?;
         Ok(Self(parameters))
     }
+}
+
+/// What axum says of a query that it cannot read.
+fn of_form(text: &str) -> Message {
+    let what = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(text);
+    let Some(names) = what.strip_prefix("unknown field `") else { return Message::verbatim(what) };
+    let mut names = names.split('`').step_by(2).map(str::to_owned);
+    let parameter = names.next().unwrap_or_default();
+    message!("unknown_parameter", parameter = parameter, known = list(names.filter(|name| !name.is_empty())))
 }
 
 /// The answer to a parameter that cannot be used.

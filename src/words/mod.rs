@@ -36,6 +36,12 @@ pub async fn asked_in<T>(language: Language, work: impl Future<Output = T>) -> T
     ASKED.scope(language, work).await
 }
 
+/// As tokio's, for whoever this task is for.
+pub fn spawn_blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> tokio::task::JoinHandle<T> {
+    let language = asked();
+    tokio::task::spawn_blocking(move || ASKED.sync_scope(language, work))
+}
+
 /// Every message of a language as its sources have it: a line a code, with the names of its parameters.
 pub fn sources(language: Language) -> &'static [&'static str] {
     match language {
@@ -44,7 +50,7 @@ pub fn sources(language: Language) -> &'static [&'static str] {
     }
 }
 
-/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process.
+/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process. Not for a service: what it stores is not its operator's.
 pub fn speak_as_the_environment() {
     let set = ["LC_ALL", "LANG"].into_iter().filter_map(|name| env::var(name).ok()).find(|value| !value.is_empty());
     let language = set.and_then(|locale| Language::from_tag(&locale.replace(['_', '.'], "-")));

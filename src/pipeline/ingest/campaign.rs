@@ -21,6 +21,7 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::history_note;
+use crate::words;
 
 /// A campaign that can be stored.
 #[derive(Debug, Clone)]
@@ -126,7 +127,7 @@ impl Pipeline {
     /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
     pub(crate) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
         let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
-        let work = tokio::task::spawn_blocking(move || {
+        let work = words::spawn_blocking(move || {
             let (campaign, outcome) = evaluated(&body, &model)?;
             Ok(CampaignFit { campaign, outcome, model: model.id })
         });

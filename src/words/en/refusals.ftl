@@ -141,6 +141,7 @@ content_type = Content-Type must be { $wanted }, is { $found }
 content_encoding = Content-Encoding { $encoding } is not accepted; send the body uncompressed
 idempotency_key_form = must be 1 to 255 visible ASCII characters
 parameter_one_of = { $parameter } must be one of { $known }, is { $value }
+unknown_parameter = unknown parameter `{ $parameter }`; the parameters are { $known }
 parameter_range = { $parameter } must be { $least } to { $most }, is { $value }
 parameter_fault = { $parameter }: { $fault }
 every_counts_only = every cannot be used with voided=include

@@ -141,6 +141,7 @@ content_type = Content-Type应为{ $wanted }，实为{ $found }
 content_encoding = 不接受Content-Encoding { $encoding }；请按原样发送
 idempotency_key_form = 应为1至255个可见ASCII字符
 parameter_one_of = { $parameter }应为{ $known }之一，实为{ $value }
+unknown_parameter = 未知的参数`{ $parameter }`；可用的参数为“{ $known }”
 parameter_range = { $parameter }应为{ $least }至{ $most }，实为{ $value }
 parameter_fault = { $parameter }：{ $fault }
 every_counts_only = every只用于有效记录，不能与voided=include同用

@@ -81,6 +81,11 @@ pub fn text(value: impl Display) -> Parameter {
     Parameter::Text(value.to_string().into())
 }
 
+/// What somebody sent, with its control characters escaped. Its words put it in quotes.
+pub fn sent(text: &str) -> Parameter {
+    Parameter::Text(text.escape_debug().to_string().into())
+}
+
 /// Several, in the reader's way of listing them.
 pub fn list<T: Into<Parameter>>(of: impl IntoIterator<Item = T>) -> Parameter {
     Parameter::List(of.into_iter().map(Into::into).collect())

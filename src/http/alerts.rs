@@ -200,7 +200,7 @@ fn read_id(id: &str) -> Result<Id, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::new(404, message!("title_unknown_alert"), message!("unknown_alert", id = text(id)))
+    Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = text(id)))
 }
 
 /// Who knows, and why it may go on firing.

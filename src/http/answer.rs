@@ -38,7 +38,7 @@ fn json(written: std::io::Result<Vec<u8>>) -> Response {
         Ok(body) => ([(CONTENT_TYPE, "application/json")], body).into_response(),
         Err(error) => {
             tracing::error!(%error, "an answer could not be put into JSON");
-            Problem::new(500, message!("title_internal_error"), message!("service_failed")).into_response()
+            Problem::new(500, "title_internal_error", message!("service_failed")).into_response()
         }
     }
 }

@@ -106,8 +106,7 @@ async fn get_audit(
     let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
-        let text = as_csv(&rows)
-            .ok_or_else(|| Problem::new(500, message!("title_internal_error"), message!("not_written")))?;
+        let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
         return Ok((link, [(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
     }
     let lines = rows.into_iter().map(line).collect::<Result<_, _>>()?;
@@ -115,8 +114,7 @@ async fn get_audit(
 }
 
 fn line(row: AuditRow) -> Result<AuditLine, Problem> {
-    let damaged =
-        |_| Problem::new(500, message!("title_damaged_database"), message!("audit_not_json", id = row.id.to_string()));
+    let damaged = |_| Problem::new(500, "title_damaged_database", message!("audit_not_json", id = row.id.to_string()));
     let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
     Ok(AuditLine {
         before: json(row.before)?,

@@ -106,8 +106,7 @@ async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Res
     let no_such = || Problem::no_such_bench_result(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let row = app.pipeline.store().bench_result(number).await?.ok_or_else(no_such)?;
-    let damaged =
-        || Problem::new(500, message!("title_damaged_database"), message!("body_unreadable", id = id.to_string()));
+    let damaged = || Problem::new(500, "title_damaged_database", message!("body_unreadable", id = id.to_string()));
     let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
     let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {
         DocumentKind::Campaign => {

@@ -91,9 +91,9 @@ async fn post_campaign(
     let key = idempotency_key(&headers)?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
     let read = words::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
-    let read = read.map_err(|_| Problem::new(500, message!("title_internal_error"), message!("not_fitted")))?;
+    let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
-        Form::Csv => Problem::of_faults(422, message!("title_cannot_be_stored"), faults),
+        Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
     let is_bench = matches!(fitted, Fitted::Bench(_));
@@ -163,9 +163,8 @@ struct StoredCampaignBody {
 async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
-    let campaign = RawValue::from_string(row.body.to_string()).map_err(|_| {
-        Problem::new(500, message!("title_damaged_database"), message!("body_not_json", id = id.to_string()))
-    })?;
+    let campaign = RawValue::from_string(row.body.to_string())
+        .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
     let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
     let received_at = time::format(row.received_at);
     Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
@@ -208,7 +207,7 @@ async fn get_diagnosis(
                 diagnosis.reference = Some(against(&app, number, &diagnosis, &reference).await?);
                 Ok(Json(diagnosis).into_response())
             }
-            (Err(why), _) => Err(Problem::new(422, message!("title_nothing_to_diagnose"), Message::verbatim(why))),
+            (Err(why), _) => Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
         },
     }
 }
@@ -232,7 +231,7 @@ async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) 
     let number: Id = reference.parse().map_err(|_| unknown())?;
     app.pipeline.split(id, diagnosis, number).await.map_err(|why| match why {
         NotSplit::NoSuchReference(_) => unknown(),
-        NotSplit::NoReference(why) => Problem::new(422, message!("title_no_reference"), Message::verbatim(why)),
+        NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", Message::verbatim(why)),
         NotSplit::Store(error) => error.into(),
     })
 }

@@ -274,7 +274,7 @@ async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: D
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
     let read = words::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
-    let read = read.map_err(|_| Problem::new(500, message!("title_internal_error"), message!("not_fitted")))?;
+    let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let read = read.and_then(|read| match read.fitted {
         Fitted::Calibration(calibration) => Ok(*calibration),
         Fitted::Bench(_) => {

@@ -186,5 +186,5 @@ fn number(id: &str) -> Result<Id, Problem> {
 }
 
 fn no_such(id: &str) -> Problem {
-    Problem::new(404, message!("title_no_such_diagnoses"), message!("no_such_diagnoses", id = text(id)))
+    Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id)))
 }

@@ -41,9 +41,9 @@ impl Document {
     /// The answer to a document with faults: 400 where it is no JSON at all, 422 where it says what cannot be.
     pub fn problem(bytes: &[u8], faults: Faults) -> Problem {
         if is_json(bytes) {
-            Problem::of_faults(422, message!("title_cannot_be_stored"), faults)
+            Problem::of_faults(422, "title_cannot_be_stored", faults)
         } else {
-            Problem::of_faults(400, message!("title_not_json"), faults)
+            Problem::of_faults(400, "title_not_json", faults)
         }
     }
 }
@@ -67,7 +67,7 @@ pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Resul
 }
 
 fn unsupported(message: Message) -> Problem {
-    Problem::new(415, message!("title_unsupported_media_type"), message)
+    Problem::new(415, "title_unsupported_media_type", message)
 }
 
 /// The `Idempotency-Key` header, at most 255 visible characters.
@@ -75,5 +75,5 @@ pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
     let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
     key.map(|key| Some(key.to_owned()))
-        .ok_or_else(|| Problem::new(400, message!("title_bad_idempotency_key"), message!("idempotency_key_form")))
+        .ok_or_else(|| Problem::new(400, "title_bad_idempotency_key", message!("idempotency_key_form")))
 }

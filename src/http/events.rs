@@ -14,7 +14,7 @@ use super::document::Document;
 use super::query;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
-use crate::core::message::list;
+use crate::core::message::{list, sent};
 use crate::core::record::Name;
 use crate::http::remark::{Said, gyro_named, submit};
 use crate::message;
@@ -141,7 +141,7 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let mut faults = Faults::default();
     let event = named(&event).unwrap_or_else(|| {
         let known = list(Event::ALL.map(Event::name));
-        faults.push("/event", message!("must_be_one_of", known = known, value = format_args!("{event:?}")));
+        faults.push("/event", message!("must_be_one_of", known = known, value = sent(&event)));
         Event::Note
     });
     let (reason, at, author) = Said { reason, at, author }.read(app, message!("empty_text"), &mut faults);

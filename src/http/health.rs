@@ -42,7 +42,7 @@ fn unwritten(refused: &Refused) -> Message {
     (status = 200, description = "ready", body = Health),
     (status = 503, description = "not ready, and why", body = Problem, content_type = "application/problem+json")))]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
-    let not_ready = |why: Message| Problem::new(503, message!("title_not_ready"), why);
+    let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
     app.pipeline
         .store()
         .ping()

@@ -201,9 +201,9 @@ fn delivery_id(text: &str) -> Result<Id, Problem> {
 }
 
 fn no_such_hook(id: &impl std::fmt::Display) -> Problem {
-    Problem::new(404, message!("title_no_such_hook"), message!("no_such_hook", id = text(id)))
+    Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)))
 }
 
 fn no_such_delivery(id: &impl std::fmt::Display) -> Problem {
-    Problem::new(404, message!("title_no_such_delivery"), message!("no_such_delivery", id = text(id)))
+    Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = text(id)))
 }

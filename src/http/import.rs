@@ -229,9 +229,9 @@ impl Chunk {
                 (Some(problem), _) => Err(problem),
                 (None, Some(origin)) => match replies.next() {
                     Some(reply) => settled(reply, &origin, pipeline).await,
-                    None => Err(Problem::new(500, message!("title_internal_error"), message!("line_not_answered"))),
+                    None => Err(Problem::new(500, "title_internal_error", message!("line_not_answered"))),
                 },
-                (None, None) => Err(Problem::new(500, message!("title_internal_error"), message!("line_not_read"))),
+                (None, None) => Err(Problem::new(500, "title_internal_error", message!("line_not_read"))),
             };
             let answer = match outcome {
                 Ok((status, id, notes)) => LineAnswer { line: line.number, status, id: Some(id), error: None, notes },

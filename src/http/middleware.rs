@@ -56,11 +56,11 @@ fn doubt(version: Version, headers: &HeaderMap) -> Option<Response> {
     let mut codings = headers.get_all(TRANSFER_ENCODING).iter();
     let known = codings.next().is_none_or(|coding| coding.as_bytes().eq_ignore_ascii_case(b"chunked"));
     let problem = if !known || codings.next().is_some() {
-        Problem::new(501, message!("title_unknown_transfer_coding"), message!("transfer_coding"))
+        Problem::new(501, "title_unknown_transfer_coding", message!("transfer_coding"))
     } else if headers.get_all(HOST).iter().count() > 1 {
-        Problem::new(400, message!("title_two_hosts"), message!("one_host"))
+        Problem::new(400, "title_two_hosts", message!("one_host"))
     } else if version == Version::HTTP_11 && !headers.contains_key(HOST) {
-        Problem::new(400, message!("title_no_host"), message!("host_needed"))
+        Problem::new(400, "title_no_host", message!("host_needed"))
     } else {
         return None;
     };

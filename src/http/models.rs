@@ -48,8 +48,8 @@ struct AdoptedBody {
         (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
 async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.models(&imu).await?;
-    let models = models
-        .ok_or_else(|| Problem::new(404, message!("title_unknown_imu"), message!("unknown_imu", imu = imu.clone())))?;
+    let models =
+        models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
     let adopted = |row: ModelRow, model: ModelBody| AdoptedBody {
         id: row.id.to_string(),
         adopted_at: time::format(row.adopted_at),
@@ -92,5 +92,5 @@ async fn post_model(
     let adopted = now.history.into_iter().find(|adopted| adopted.id == id.to_string());
     adopted
         .map(|adopted| (status, Json(adopted)))
-        .ok_or_else(|| Problem::new(500, message!("title_internal_error"), message!("model_lost")))
+        .ok_or_else(|| Problem::new(500, "title_internal_error", message!("model_lost")))
 }

@@ -34,11 +34,11 @@ impl IntoResponse for Problem {
 
 /// Something is longer than the configuration allows.
 pub fn too_large(message: Message) -> Problem {
-    Problem::new(413, message!("title_too_large"), message)
+    Problem::new(413, "title_too_large", message)
 }
 
 pub async fn no_such_path(uri: Uri) -> Problem {
-    Problem::new(404, message!("title_no_such_path"), message!("no_such_path", path = uri.path().to_owned()))
+    Problem::new(404, "title_no_such_path", message!("no_such_path", path = uri.path().to_owned()))
 }
 
 /// Puts refusals that are not ours (of axum's extractors and of the layers) into the common form. Headers such as
@@ -81,5 +81,6 @@ fn problem_of(status: StatusCode, text: String, longest_body: usize) -> Problem 
         (true, StatusCode::SERVICE_UNAVAILABLE) => message!("answer_took_too_long"),
         (true, _) => Message::verbatim(title),
     };
-    Problem::new(status.as_u16(), Message::verbatim(title), message)
+    // A title that is no code is said as it is.
+    Problem::new(status.as_u16(), title, message)
 }

@@ -32,7 +32,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
 /// What axum says of a query that it cannot read.
 fn of_form(text: &str) -> Message {
     let what = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(text);
-    let Some(names) = what.strip_prefix("unknown field `") else { return Message::verbatim(what) };
+    let Some((_, names)) = what.split_once("unknown field `") else { return Message::verbatim(what) };
     let mut names = names.split('`').step_by(2).map(str::to_owned);
     let parameter = names.next().unwrap_or_default();
     message!("unknown_parameter", parameter = parameter, known = list(names.filter(|name| !name.is_empty())))
@@ -40,7 +40,7 @@ fn of_form(text: &str) -> Message {
 
 /// The answer to a parameter that cannot be used.
 pub fn bad(message: Message) -> Problem {
-    Problem::new(400, message!("title_bad_query"), message)
+    Problem::new(400, "title_bad_query", message)
 }
 
 /// The answer to a parameter that must be one of those that are known.

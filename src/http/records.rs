@@ -133,9 +133,8 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
     if row.kind == Kind::Campaign {
         return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
     }
-    let record = RawValue::from_string(row.body.to_string()).map_err(|_| {
-        Problem::new(500, message!("title_damaged_database"), message!("body_not_json", id = id.to_string()))
-    })?;
+    let record = RawValue::from_string(row.body.to_string())
+        .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
     let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
     let received_at = time::format(row.received_at);
     Ok(Json(StoredRecordBody { answer, standing, received_at, sent_by, record }).into_response())

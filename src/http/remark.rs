@@ -7,7 +7,6 @@ use crate::core::fault::Faults;
 use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
-use crate::message;
 use crate::pipeline::{Accepted, GyroEvent, Id, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;
@@ -47,6 +46,6 @@ pub async fn submit(app: &App, event: GyroEvent, otherwise: Message) -> Result<(
     match app.pipeline.submit(Submission::Event(event)).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id)),
         Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id)),
-        Accepted::There { id, .. } => Err(Problem::new(409, message!("title_differs"), otherwise).with_existing(id)),
+        Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),
     }
 }

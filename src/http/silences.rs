@@ -16,7 +16,7 @@ use super::document::Document;
 use super::query::{Parameters, not_one_of};
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
-use crate::core::message::text;
+use crate::core::message::{sent, text};
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::{Id, Matchers, SilenceOrder};
@@ -98,7 +98,7 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
         [("serial", serial), ("imu", imu), ("station", station)].map(|(of, name)| matched(of, name));
     let known = rule.as_deref().and_then(Rule::from_name);
     if let Some(rule) = rule.filter(|_| known.is_none()) {
-        faults.push("/matchers/rule", message!("unknown_rule", rule = format_args!("{rule:?}")));
+        faults.push("/matchers/rule", message!("unknown_rule", rule = sent(&rule)));
     }
     Matchers { serial, imu, station, rule: known }
 }
@@ -118,7 +118,7 @@ async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::new(404, message!("title_unknown_silence"), message!("unknown_silence", id = text(id)))
+    Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = text(id)))
 }
 
 /// Who ends a silence before its time, and why.

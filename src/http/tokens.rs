@@ -14,7 +14,7 @@ use super::App;
 use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
-use crate::core::message::list;
+use crate::core::message::{list, sent};
 use crate::message;
 use crate::pipeline::{AccessOrder, Id, NewToken, TokenRow};
 use crate::wire::problem::Problem;
@@ -95,7 +95,7 @@ struct NewTokenBody {
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let lost = || Problem::new(500, message!("title_internal_error"), message!("token_lost"));
+    let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.order_access(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
     let rows = app.pipeline.tokens().await?;
     let row = rows.iter().find(|row| row.id == secret.id).ok_or_else(lost)?;
@@ -110,9 +110,8 @@ async fn post_token(State(app): State<App>, body: Document) -> Result<Response, 
         (status = 404, description = "no such token", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
-    let id: Id = id
-        .parse()
-        .map_err(|_| Problem::new(404, message!("title_no_such_token"), message!("no_such_token", id = id.clone())))?;
+    let id: Id =
+        id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
     app.pipeline.order_access(AccessOrder::Revoke(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -122,7 +121,7 @@ fn read(app: &App, bytes: &[u8]) -> Result<NewToken, Faults> {
     let mut faults = Faults::default();
     let role = Role::from_name(&role).unwrap_or_else(|| {
         let known = list(Role::ALL.map(Role::name));
-        faults.push("/role", message!("must_be_one_of", known = known, value = format_args!("{role:?}")));
+        faults.push("/role", message!("must_be_one_of", known = known, value = sent(&role)));
         Role::Station
     });
     let name = text::required_short("/name", name, &mut faults);

@@ -340,7 +340,7 @@ impl Request {
             next: next.clone(),
         };
         let text = if self.csv { csv::written(&trend, self.voided) } else { json::written(&trend) };
-        let text = text.ok_or_else(|| Problem::new(500, message!("title_internal_error"), message!("not_written")))?;
+        let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
         Ok(Written { text, csv: self.csv, next })
     }
 }

@@ -274,9 +274,8 @@ enum Doing {
 impl Doing {
     /// By its name in the address.
     fn of(deed: &str) -> Result<Self, Problem> {
-        let unknown = || {
-            Problem::new(404, message!("title_no_such_page"), message!("not_done_to_alerts", action = deed.to_owned()))
-        };
+        let unknown =
+            || Problem::new(404, "title_no_such_page", message!("not_done_to_alerts", action = deed.to_owned()));
         [Self::Acknowledge, Self::Unacknowledge, Self::Silence]
             .into_iter()
             .find(|one| one.name() == deed)
@@ -293,7 +292,7 @@ impl Doing {
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    let unknown = || Problem::new(404, message!("title_unknown_alert"), message!("unknown_alert", id = id.to_owned()));
+    let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alert(number).await?.ok_or_else(unknown)?.alert))
 }

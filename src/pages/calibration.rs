@@ -159,7 +159,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
 }
 
 fn unreadable(id: &Id) -> Problem {
-    Problem::new(500, message!("title_damaged_database"), message!("body_unreadable", id = text(id)))
+    Problem::new(500, "title_damaged_database", message!("body_unreadable", id = text(id)))
 }
 
 fn judged<'a>(

@@ -67,7 +67,7 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
     let row = store.record(number).await?.ok_or_else(unknown)?;
     if !store.is_set_aside(number).await? {
         let detail = message!("not_set_aside", id = text(number));
-        return Err(Problem::new(409, message!("title_not_set_aside"), detail));
+        return Err(Problem::new(409, "title_not_set_aside", detail));
     }
     let t = viewer.text();
     let tables = store.names().read();

@@ -158,7 +158,7 @@ async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
     if aside || pages.pipeline.counts(id).await? {
         return Ok(());
     }
-    Err(Problem::new(409, message!("title_already_corrected"), message!("already_corrected", id = text(id))))
+    Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))
 }
 
 fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {

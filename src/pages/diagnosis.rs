@@ -19,7 +19,6 @@ use super::viewer::Viewer;
 use crate::core::effects::Effect;
 use crate::core::message::Message;
 use crate::core::mounting::Slot;
-use crate::message;
 use crate::pages::reference;
 use crate::pages::reference::Against;
 use crate::pipeline::{Asked, StoredCampaign};
@@ -61,7 +60,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {
             Ok(diagnosis) => diagnosis.clone(),
-            Err(why) => return Err(Problem::new(422, message!("title_nothing_to_diagnose"), Message::verbatim(why))),
+            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
         },
     };
     let slots: Vec<(String, String)> = stored

@@ -88,7 +88,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
         }
         Accepted::There { id, .. } => {
             let detail = message!("event_there");
-            Err(Problem::new(409, message!("title_differs"), detail).with_existing(id))
+            Err(Problem::new(409, "title_differs", detail).with_existing(id))
         }
     }
 }

@@ -105,7 +105,7 @@ fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
 
 /// The hook of that identifier.
 async fn known(pages: &Pages, id: &str) -> Result<(Id, HookBody), Problem> {
-    let unknown = || Problem::new(404, message!("title_no_such_hook"), message!("no_such_hook", id = text(id)));
+    let unknown = || Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)));
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.hook(number, None).await?.ok_or_else(unknown)?))
 }

@@ -37,9 +37,8 @@ pub(super) struct Facts {
 impl Facts {
     pub async fn of(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Self, Problem> {
         let number = pages.pipeline.store().names().read().imus.number(imu);
-        let number = number.ok_or_else(|| {
-            Problem::new(404, message!("title_unknown_imu"), message!("unknown_imu", imu = text(imu)))
-        })?;
+        let number =
+            number.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = text(imu))))?;
         let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
         let seats = pages.pipeline.seated_in(number).await?;
         let parameters = match records.first() {

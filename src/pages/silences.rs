@@ -130,8 +130,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) 
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
-    let unknown =
-        || Problem::new(404, message!("title_unknown_silence"), message!("unknown_silence", id = id.to_owned()));
+    let unknown = || Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = id.to_owned()));
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.silence(number).await?.ok_or_else(unknown)?))
 }

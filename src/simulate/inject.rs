@@ -11,7 +11,7 @@ use super::detectability::norm;
 use super::outside::Outside;
 use super::scenario::{EffectChoice, fault, slot_named};
 use super::world::World;
-use crate::core::message::text;
+use crate::core::message::{sent, text};
 use crate::message;
 
 /// A response of which less than this share is left over by the model cannot be seen.
@@ -29,8 +29,7 @@ impl World {
             Particulars { time_h: choice.time_h, dwell: choice.dwell, direction: choice.direction.map(Vector3::from) };
         self.check_particulars(choice, pointer)?;
         let unknown = || {
-            let effect = format_args!("{:?}", choice.effect);
-            let unknown = message!("unknown_effect", effect = effect, effects = known());
+            let unknown = message!("unknown_effect", effect = sent(&choice.effect), effects = known());
             fault(&format!("{pointer}/effect"), unknown)
         };
         let (kind, typical) = match choice.effect.strip_prefix("outside:") {

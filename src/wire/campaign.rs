@@ -9,7 +9,7 @@ use crate::core::campaign::commanded::Part;
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind, check_dwells};
 use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
-use crate::core::message::{figure, list};
+use crate::core::message::{figure, list, sent};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::units::radians;
@@ -165,7 +165,7 @@ pub fn terms_from_names<S: AsRef<str>>(names: &[S]) -> Result<Terms, Faults> {
                 faults.push(format!("/{i}"), message!("named_twice", name = format_args!("{name}")))
             }
             Some(term) => terms.push(term),
-            None => faults.push(format!("/{i}"), message!("unknown_term", value = format_args!("{name:?}"))),
+            None => faults.push(format!("/{i}"), message!("unknown_term", value = sent(name))),
         }
     }
     if names.is_empty() {
@@ -207,7 +207,7 @@ impl CampaignBody {
         let measured_at = text::instant("/measured_at", &self.measured_at, faults);
         let test = self.test(faults);
         if let Some(rates) = self.rates.as_deref().filter(|rates| !matches!(*rates, INERTIAL | TABLE)) {
-            faults.push("/rates", message!("rates_inertial_or_table", value = format_args!("{rates:?}")));
+            faults.push("/rates", message!("rates_inertial_or_table", value = sent(rates)));
         }
         let gyros = self.gyros(test != TestKind::Imu, faults);
         let geometry = self.geometry.to_core().unwrap_or_else(|part| {
@@ -250,7 +250,7 @@ impl CampaignBody {
     fn test(&self, faults: &mut Faults) -> TestKind {
         let name = self.test.as_deref().unwrap_or(TestKind::Imu.name());
         let Some(test) = TestKind::from_name(name) else {
-            faults.push("/test", message!("unknown_test", value = format_args!("{name:?}")));
+            faults.push("/test", message!("unknown_test", value = sent(name)));
             return TestKind::Imu;
         };
         if test != TestKind::Imu && self.gyros.len() != 1 {
@@ -288,7 +288,7 @@ impl CampaignGyroBody {
                 Slot::ALL[i]
             }
             Some(text) => Slot::from_name(text).unwrap_or_else(|| {
-                faults.push(place, message!("unknown_slot", value = format_args!("{text:?}")));
+                faults.push(place, message!("unknown_slot", value = sent(text)));
                 Slot::ALL[i]
             }),
         };
@@ -327,10 +327,7 @@ impl DwellBody {
         let before = faults.0.len();
         let phase = Phase::from_name(&self.phase);
         if phase.is_none() {
-            faults.push(
-                format!("/dwells/{i}/phase"),
-                message!("unknown_phase", value = format_args!("{:?}", self.phase)),
-            );
+            faults.push(format!("/dwells/{i}/phase"), message!("unknown_phase", value = sent(&self.phase)));
         }
         in_range(self.start_s, format_args!("/dwells/{i}/start_s"), faults);
         in_range(self.duration_s, format_args!("/dwells/{i}/duration_s"), faults);

@@ -9,7 +9,7 @@ use super::alert::AlertBody;
 use super::message::MessageBody;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
-use crate::core::message::{Message, text};
+use crate::core::message::{Message, sent, text};
 use crate::core::name::{Name, normal_form};
 use crate::message;
 
@@ -141,7 +141,7 @@ impl FilterBody {
     pub fn check(&self, pointer: &str, faults: &mut Faults) {
         for (i, rule) in self.rules.iter().enumerate() {
             if Rule::from_name(rule).is_none() {
-                faults.push(format!("{pointer}/rules/{i}"), message!("unknown_rule", rule = format_args!("{rule:?}")));
+                faults.push(format!("{pointer}/rules/{i}"), message!("unknown_rule", rule = sent(rule)));
             }
         }
         for (i, serial) in self.gyros.iter().enumerate() {

@@ -11,7 +11,7 @@ use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
 use crate::core::diagnose::{Adopted, Estimate};
 use crate::core::effects::{self, Effect, Scope, Shape};
 use crate::core::fault::Faults;
-use crate::core::message::{Parameter, list, text};
+use crate::core::message::{Parameter, list, sent, text};
 use crate::core::mounting::Slot;
 use crate::message;
 
@@ -183,8 +183,7 @@ impl KnownEffectBody {
         let place = format!("/effects/{i}");
         let before = faults.0.len();
         let Some(effect) = Effect::from_id(&self.effect) else {
-            let message =
-                message!("unknown_effect", effect = format_args!("{:?}", self.effect), effects = effects::known());
+            let message = message!("unknown_effect", effect = sent(&self.effect), effects = effects::known());
             faults.push(format!("{place}/effect"), message);
             return None;
         };
@@ -208,8 +207,7 @@ impl KnownEffectBody {
                     faults.push(format!("{place}/gyros/{k}"), message!("named_twice", name = text(name)));
                 }
                 Some(slot) => slots.push(slot),
-                None => faults
-                    .push(format!("{place}/gyros/{k}"), message!("unknown_slot", value = format_args!("{name:?}"))),
+                None => faults.push(format!("{place}/gyros/{k}"), message!("unknown_slot", value = sent(name))),
             }
         }
         if self.gyros.is_empty() {
@@ -237,28 +235,21 @@ impl KnownEstimateBody {
         };
         if !known {
             let wanted = if common { "all".into() } else { Parameter::from(message!("a_gyro_of_the_effect")) };
-            faults.push(
-                format!("{place}/slot"),
-                message!("must_be", wanted = wanted, value = format_args!("{:?}", self.slot)),
-            );
+            faults.push(format!("{place}/slot"), message!("must_be", wanted = wanted, value = sent(&self.slot)));
         }
         let coefficients = (entry.coefficients)(shape);
         let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
             let names: Vec<&str> = coefficients.iter().map(|c| c.name).collect();
             faults.push(
                 format!("{place}/name"),
-                message!("must_be_one_of", known = list(names), value = format_args!("{:?}", self.name)),
+                message!("must_be_one_of", known = list(names), value = sent(&self.name)),
             );
             return None;
         };
         if self.unit != coefficient.unit {
             faults.push(
                 format!("{place}/unit"),
-                message!(
-                    "must_be",
-                    wanted = format_args!("{:?}", coefficient.unit),
-                    value = format_args!("{:?}", self.unit)
-                ),
+                message!("must_be", wanted = sent(coefficient.unit), value = sent(&self.unit)),
             );
         }
         in_range(self.value, format_args!("{place}/value"), faults);

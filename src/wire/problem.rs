@@ -18,8 +18,8 @@ use crate::words::Language;
 pub struct Problem {
     /// The HTTP status.
     pub status: u16,
-    /// Short, the same for every occurrence.
-    pub title: Message,
+    /// The code of its title: short, the same for every occurrence.
+    pub title: &'static str,
     /// What happened this time.
     pub message: Message,
     /// The places in the body at fault, where there are any.
@@ -61,37 +61,37 @@ pub struct Place {
 }
 
 impl Problem {
-    pub fn new(status: u16, title: Message, message: Message) -> Self {
+    pub fn new(status: u16, title: &'static str, message: Message) -> Self {
         Self { status, title, message, places: Vec::new(), existing: None }
     }
 
     pub fn unknown_gyro(serial: &str) -> Self {
-        Self::new(404, message!("title_unknown_gyro"), message!("unknown_gyro", serial = serial.to_owned()))
+        Self::new(404, "title_unknown_gyro", message!("unknown_gyro", serial = serial.to_owned()))
     }
 
     pub fn no_such_record(id: impl Display) -> Self {
-        Self::new(404, message!("title_no_such_record"), message!("no_such_record", id = text(id)))
+        Self::new(404, "title_no_such_record", message!("no_such_record", id = text(id)))
     }
 
     pub fn no_such_campaign(id: impl Display) -> Self {
-        Self::new(404, message!("title_no_such_campaign"), message!("no_such_campaign", id = text(id)))
+        Self::new(404, "title_no_such_campaign", message!("no_such_campaign", id = text(id)))
     }
 
     pub fn no_such_bench_result(id: impl Display) -> Self {
-        Self::new(404, message!("title_no_such_bench_result"), message!("no_such_bench_result", id = text(id)))
+        Self::new(404, "title_no_such_bench_result", message!("no_such_bench_result", id = text(id)))
     }
 
     pub fn no_such_reference(id: impl Display) -> Self {
-        Self::new(404, message!("title_no_such_reference"), message!("no_such_reference", id = text(id)))
+        Self::new(404, "title_no_such_reference", message!("no_such_reference", id = text(id)))
     }
 
     /// A body that is no JSON (400) or says what cannot be stored (422): the faults at their places.
-    pub fn of_faults(status: u16, title: Message, faults: Faults) -> Self {
+    pub fn of_faults(status: u16, title: &'static str, faults: Faults) -> Self {
         Self { places: faults.0, ..Self::new(status, title, message!("faults_in_document")) }
     }
 
     pub fn internal(message: Message) -> Self {
-        Self::new(500, message!("title_internal_error"), message)
+        Self::new(500, "title_internal_error", message)
     }
 
     pub fn with_existing(mut self, id: impl ToString) -> Self {
@@ -118,7 +118,7 @@ impl Problem {
             language.words(&self.message)
         };
         let message = MessageBody::of(&self.message, language);
-        let (title, existing) = (language.words(&self.title), self.existing.clone());
+        let (title, existing) = (language.word(self.title), self.existing.clone());
         ProblemBody { title, status: self.status, message, detail, errors, existing }
     }
 }

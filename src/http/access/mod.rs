@@ -69,10 +69,7 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
             return unproven(role).into_response();
         }
         let detail = message!("role_needed", needed = role.name(), role = caller.role.name());
-        return challenged(
-            Problem::new(403, message!("title_not_allowed"), detail),
-            "Bearer error=\"insufficient_scope\"",
-        );
+        return challenged(Problem::new(403, "title_not_allowed", detail), "Bearer error=\"insufficient_scope\"");
     }
     request.extensions_mut().insert(caller.clone());
     let mut response = caller.during(next.run(request)).await;
@@ -110,7 +107,7 @@ impl Origin {
 }
 
 fn foreign() -> Problem {
-    Problem::new(403, message!("title_foreign_page"), message!("foreign_page"))
+    Problem::new(403, "title_foreign_page", message!("foreign_page"))
 }
 
 /// Whether a request is for this machine by the name it uses. Any site can let its own name lead here, and to a browser its page is then
@@ -124,13 +121,13 @@ fn names_this_machine(headers: &HeaderMap) -> bool {
 }
 
 fn misnamed() -> Problem {
-    Problem::new(421, message!("title_other_name"), message!("other_name"))
+    Problem::new(421, "title_other_name", message!("other_name"))
 }
 
 /// Nobody has shown who they are, and this takes more than being on this machine: a proxy on it lets everybody in.
 fn unproven(role: Role) -> Response {
     let detail = message!("first_token_needed", role = role.name());
-    challenged(Problem::new(401, message!("title_token_needed"), detail), "Bearer realm=\"gyrowatch\"")
+    challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
 }
 
 /// The token of `Authorization: Bearer`.
@@ -170,20 +167,16 @@ fn denied_response(denied: &Denied) -> Response {
     let detail = denied.message();
     match denied {
         Denied::NoToken | Denied::SignedOut => {
-            challenged(Problem::new(401, message!("title_token_needed"), detail), "Bearer realm=\"gyrowatch\"")
+            challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
         }
         Denied::Wrong | Denied::Revoked | Denied::Expired => challenged(
-            Problem::new(401, message!("title_token_not_valid"), detail),
+            Problem::new(401, "title_token_not_valid", detail),
             "Bearer realm=\"gyrowatch\", error=\"invalid_token\"",
         ),
-        Denied::NotHere | Denied::Proxied => Problem::new(403, message!("title_not_allowed"), detail).into_response(),
-        Denied::TooManyFailures { wait } => {
-            later(Problem::new(429, message!("title_too_many_wrong_tokens"), detail), *wait)
-        }
-        Denied::TooManyRequests { wait } => {
-            later(Problem::new(429, message!("title_too_many_requests"), detail), *wait)
-        }
-        Denied::Unreadable => Problem::new(503, message!("title_try_again"), detail).into_response(),
+        Denied::NotHere | Denied::Proxied => Problem::new(403, "title_not_allowed", detail).into_response(),
+        Denied::TooManyFailures { wait } => later(Problem::new(429, "title_too_many_wrong_tokens", detail), *wait),
+        Denied::TooManyRequests { wait } => later(Problem::new(429, "title_too_many_requests", detail), *wait),
+        Denied::Unreadable => Problem::new(503, "title_try_again", detail).into_response(),
     }
 }
 

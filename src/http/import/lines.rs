@@ -127,7 +127,7 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
                 (self.read > most).then(|| problem::too_large(message!("too_long_import", most = most, key = key)))
             }
             Some(Err(error)) => {
-                Some(Problem::new(400, message!("title_broken_off"), message!("body_broke_off", why = text(error))))
+                Some(Problem::new(400, "title_broken_off", message!("body_broke_off", why = text(error))))
             }
         };
         match failed {

@@ -63,8 +63,7 @@ pub(in crate::pages) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Fo
 
 pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let canceled = async {
-        let unknown =
-            || Problem::new(404, message!("title_no_such_diagnoses"), message!("no_such_diagnoses", id = id.clone()));
+        let unknown = || Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = id.clone()));
         let number: Id = id.parse().map_err(|_| unknown())?;
         pages.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number)).await?;
         Ok(see_other("/diagnoses#orders"))

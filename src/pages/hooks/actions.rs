@@ -192,7 +192,7 @@ pub(crate) async fn switch(
         let (number, _) = known(&pages, &id).await?;
         let document = json!({"enabled": switch.enabled == "true"}).to_string();
         let patch = pages.pipeline.read_hook_patch(document.as_bytes());
-        let patch = patch.map_err(|faults| Problem::of_faults(422, message!("title_cannot_be_stored"), faults))?;
+        let patch = patch.map_err(|faults| Problem::of_faults(422, "title_cannot_be_stored", faults))?;
         pages.pipeline.order(Order::Change(number, patch)).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };
@@ -205,9 +205,8 @@ pub(crate) async fn redeliver(
     Path((id, delivery)): Path<(String, String)>,
 ) -> Response {
     let sent = async {
-        let unknown = || {
-            Problem::new(404, message!("title_no_such_delivery"), message!("no_such_delivery", id = delivery.clone()))
-        };
+        let unknown =
+            || Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = delivery.clone()));
         pages.pipeline.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
         known(&pages, &id).await?;
         Ok(see_other(&format!("/hooks/{id}")))

@@ -4,7 +4,7 @@ use crate::alert::HookKind;
 use crate::alert::sign::Secret;
 use crate::alert::target::TargetPolicy;
 use crate::core::fault::Faults;
-use crate::core::message::{list, text};
+use crate::core::message::{list, sent, text};
 use crate::core::record::Name;
 use crate::message;
 use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
@@ -62,7 +62,7 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, F
     let kind = HookKind::from_name(&body.kind);
     if kind.is_none() {
         let kinds = list(HookKind::ALL.map(HookKind::name));
-        faults.push("/kind", message!("must_be_one_of", known = kinds, value = format_args!("{:?}", body.kind)));
+        faults.push("/kind", message!("must_be_one_of", known = kinds, value = sent(&body.kind)));
     }
     let kind = kind.unwrap_or(HookKind::StandardWebhooks);
     check_name(body.name.as_deref(), &mut faults);

@@ -1,7 +1,7 @@
 //! The table: a header that names columns, and rows whose cells are read by it.
 
 use crate::core::fault::Faults;
-use crate::core::message::{Message, Parameter, list};
+use crate::core::message::{Message, Parameter, list, sent};
 use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
@@ -92,7 +92,7 @@ impl Columns {
                 Some((field, part)) if places[field][part].is_some() => {
                     faults.push(
                         format!("/dwells/0/{}", FIELDS[field].0),
-                        at(message!("second_column", name = format_args!("{name:?}"))),
+                        at(message!("second_column", name = sent(name))),
                     );
                 }
                 Some((field, part)) => places[field][part] = Some(index),
@@ -255,9 +255,9 @@ fn unknown(name: &str) -> Message {
     let nearest = known.map(|k| (edits(&name.to_lowercase(), &k), k)).min();
     match nearest {
         Some((distance, known)) if distance <= 1 + known.len() / 3 => {
-            message!("unknown_column_like", name = format_args!("{name:?}"), known = format_args!("{known:?}"))
+            message!("unknown_column_like", name = sent(name), known = sent(&known))
         }
-        _ => message!("unknown_column", name = format_args!("{name:?}")),
+        _ => message!("unknown_column", name = sent(name)),
     }
 }
 
@@ -282,10 +282,8 @@ pub(super) fn number(text: &str) -> Result<f64, Message> {
     let parsed = text.parse::<f64>().ok();
     match parsed {
         Some(value) if value.is_finite() => Ok(value),
-        Some(_) => Err(message!("not_finite", value = format_args!("{text:?}"))),
-        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => {
-            Err(message!("decimal_comma", value = format_args!("{text:?}")))
-        }
-        None => Err(message!("not_a_number", value = format_args!("{text:?}"))),
+        Some(_) => Err(message!("not_finite", value = sent(text))),
+        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => Err(message!("decimal_comma", value = sent(text))),
+        None => Err(message!("not_a_number", value = sent(text))),
     }
 }

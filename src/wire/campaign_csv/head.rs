@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::core::fault::Faults;
-use crate::core::message::{Message, list};
+use crate::core::message::{Message, list, sent};
 use crate::message;
 
 /// What stands above the table.
@@ -77,7 +77,7 @@ impl Head {
         let Some((pointer, kind)) = meaning(key) else {
             let of_gyros = ["slot_1", "serial_1", "known_e_pulse_per_arcsec_1"];
             let known = list(KEYS.iter().map(|(key, ..)| *key).chain(of_gyros));
-            let unknown = message!("unknown_key", key = format_args!("{key:?}"), known = known);
+            let unknown = message!("unknown_key", key = sent(key), known = known);
             faults.push(format!("/{key}"), message!("at_line", line = number, fault = unknown));
             return;
         };
@@ -146,9 +146,8 @@ fn read_value(text: &str, kind: Kind) -> Result<Value, Message> {
 /// `G1 LFG-0101`, `G1=LFG-0101` or `G1:LFG-0101`.
 fn gyro(text: &str) -> Result<Value, Message> {
     let text = text.trim();
-    let (slot, serial) = text
-        .split_once([' ', '=', ':'])
-        .ok_or_else(|| message!("not_slot_and_serial", text = format_args!("{text:?}")))?;
+    let (slot, serial) =
+        text.split_once([' ', '=', ':']).ok_or_else(|| message!("not_slot_and_serial", text = sent(text)))?;
     Ok(json!({"slot": slot.trim(), "serial": serial.trim_start_matches(['=', ':', ' ']).trim()}))
 }
 

@@ -4,10 +4,10 @@
 
 no_table = no table: expected a header row and one row per dwell below the "# key: value" lines
 table_unreadable = the table cannot be read: { $why }
-not_a_number = { $value } is not a number
-decimal_comma = { $value } has a decimal comma; write decimals with a point
-not_finite = must be a finite number, is { $value }
-not_slot_and_serial = { $text } is not a slot and a serial, such as G1 LFG-0101
+not_a_number = "{ $value }" is not a number
+decimal_comma = "{ $value }" has a decimal comma; write decimals with a point
+not_finite = must be a finite number, is "{ $value }"
+not_slot_and_serial = "{ $text }" is not a slot and a serial, such as G1 LFG-0101
 utf16 = the file is UTF-16; save it as UTF-8 ("CSV UTF-8" in a spreadsheet)
 not_utf8_text = not UTF-8 text
 not_utf8_from = not UTF-8 from byte { $byte } on
@@ -59,19 +59,19 @@ slot_taken = { $slot } is already taken by { $place }
 serial_taken = { $serial } is already named by { $place }
 named_twice = { $name } is named twice
 no_axes_for = the geometry names no axes for { $slot }
-unknown_slot = must be G1, G2 or G3, is { $value }
-unknown_test = unknown test { $value }; the tests are imu, torque_feedback and turntable_servo
+unknown_slot = must be G1, G2 or G3, is "{ $value }"
+unknown_test = unknown test "{ $value }"; the tests are imu, torque_feedback and turntable_servo
 bench_one_gyro = a { $test } test has one gyro, here are { $have }
-unknown_term = unknown term { $value }; the terms are bias, g_linear, g_squared and scale
+unknown_term = unknown term "{ $value }"; the terms are bias, g_linear, g_squared and scale
 no_terms = must name at least one term
-unknown_phase = must be static or rate, is { $value }
+unknown_phase = must be static or rate, is "{ $value }"
 no_dwells = must have at least one dwell
 out_of_time_order = out of time order: starts at { $start } s, { $place } at { $earlier } s
 overlaps = overlaps { $place }: starts at { $start } s, that ends at { $end } s
 force_not_gravity = its length is { $length } g0 in a static dwell; the { $reference } is { $gravity } g0 and { $percent } % off is accepted
 static_too_fast = { $rate } arcsec/s is too fast for a static dwell (the Earth turns at 15.04); is the phase rate?
 attitude_contradicts_force = contradicts the specific force: the vertical that it gives is { $angle } deg from specific_force_g0 (v_body = C(q) v_nav, nav = East-North-Up)
-rates_inertial_or_table = must be inertial or table, is { $value }
+rates_inertial_or_table = must be inertial or table, is "{ $value }"
 earth_rate_needs = the service adds the Earth's rate where site and attitude are known; missing: { $missing }
 attitudes_missing = attitude in { $count } static dwells, the first { $first }
 missing_member = `{ $member }` is missing
@@ -87,10 +87,10 @@ is_bench_test = is a bench test and cannot replace a campaign
 
 ## Models
 
-unknown_effect = unknown effect { $effect }; the catalogue has { $effects }
+unknown_effect = unknown effect "{ $effect }"; the catalogue has { $effects }
 no_gyros_named = must name at least one gyro
-must_be = must be { $wanted }, is { $value }
-must_be_one_of = must be one of { $known }, is { $value }
+must_be = must be { $wanted }, is "{ $value }"
+must_be_one_of = must be one of { $known }, is "{ $value }"
 shape_for = must be { $wanted } for { $effect }
 shape_not_finite = must be finite, and a time constant or period positive
 
@@ -104,7 +104,7 @@ which_test = must name the test, such as vibration or thermal cycling
 test_end = must be the end of the test
 end_before_begin = is before the beginning of the test
 silence_matches_nothing = must name at least one of serial, imu, station, rule: all alerts at once cannot be silenced
-unknown_rule = there is no rule { $rule }
+unknown_rule = there is no rule "{ $rule }"
 not_in_future = must be in the future
 until_before_since = must not be before `since`
 
@@ -137,10 +137,10 @@ size_or_detectability = must have either a finite size or a positive detectabili
 not_positive_time = { $value } is not a positive time
 beyond_last_dwell = { $dwell } is beyond the last of { $dwells } dwells
 names_no_gyro = names no gyro of this campaign
-unknown_geometry = { $value } is neither skewed nor orthogonal
-unknown_model_term = { $value } is not a term of the model
-scenario_test = { $value } is not imu, torque_feedback or turntable_servo
-scenario_slot = { $value } is not a slot; the slots are G1, G2 and G3
+unknown_geometry = "{ $value }" is neither skewed nor orthogonal
+unknown_model_term = "{ $value }" is not a term of the model
+scenario_test = "{ $value }" is not imu, torque_feedback or turntable_servo
+scenario_slot = "{ $value }" is not a slot; the slots are G1, G2 and G3
 scenario_latitude = { $value } is not between -90 and 90
 has_no_direction = has no direction
 not_positive_gravity = { $value } is not a positive gravity
@@ -156,15 +156,15 @@ at_line_key = line { $line } ({ $key }): { $fault }
 at_cell = line { $line }, column { $column } ({ $name }): { $fault }
 at_column = line { $line }, column { $column }: { $fault }
 at_head_line = head line "# { $key }: ...": { $fault }
-unknown_column = unknown column { $name }
-unknown_column_like = unknown column { $name }; did you mean { $known }?
-second_column = a second column { $name }
+unknown_column = unknown column "{ $name }"
+unknown_column_like = unknown column "{ $name }"; did you mean "{ $known }"?
+second_column = a second column "{ $name }"
 missing_columns = no column { $names }
 columns_and_gyros = { $columns } columns of { $field }, but { $gyros } gyros in the head
 cells_under_columns = { $cells } cells under { $columns } columns
 cells_decimal_comma = { $cells } cells under { $columns } columns; is { $number } a number with a decimal comma? Write decimals with a point
 empty_cell = empty
-unknown_key = unknown key { $key }; the keys are { $known }
+unknown_key = unknown key "{ $key }"; the keys are { $known }
 key_twice = { $key } is given twice
 
 ## Parts of other messages

@@ -4,10 +4,10 @@
 
 no_table = 没有表格：“# 键: 值”各行之下应有一行列名，其后每个测点一行
 table_unreadable = 表格无法读取：{ $why }
-not_a_number = { $value }不是数
-decimal_comma = { $value }用逗号作小数点；小数点请用“.”
-not_finite = 应为有限数，实为{ $value }
-not_slot_and_serial = { $text }不是“位置 编号”的形式，例如 G1 LFG-0101
+not_a_number = “{ $value }”不是数
+decimal_comma = “{ $value }”用逗号作小数点；小数点请用“.”
+not_finite = 应为有限数，实为“{ $value }”
+not_slot_and_serial = “{ $text }”不是“位置 编号”的形式，例如 G1 LFG-0101
 utf16 = 文件为UTF-16；请另存为UTF-8（表格软件中的“CSV UTF-8”）
 not_utf8_text = 不是UTF-8文本
 not_utf8_from = 从第{ $byte }字节起不是UTF-8
@@ -59,19 +59,19 @@ slot_taken = { $slot }已被{ $place }占用
 serial_taken = { $serial }已在{ $place }中列出
 named_twice = { $name }重复列出
 no_axes_for = 构型没有给出{ $slot }的轴
-unknown_slot = 应为G1、G2或G3，实为{ $value }
-unknown_test = 未知的试验{ $value }；试验种类为imu、torque_feedback、turntable_servo
+unknown_slot = 应为G1、G2或G3，实为“{ $value }”
+unknown_test = 未知的试验“{ $value }”；试验种类为imu、torque_feedback、turntable_servo
 bench_one_gyro = { $test }试验只有一个陀螺，此处有{ $have }个
-unknown_term = 未知的项{ $value }；可用的项为bias、g_linear、g_squared、scale
+unknown_term = 未知的项“{ $value }”；可用的项为bias、g_linear、g_squared、scale
 no_terms = 至少应列出一项
-unknown_phase = 应为static或rate，实为{ $value }
+unknown_phase = 应为static或rate，实为“{ $value }”
 no_dwells = 至少应有一个测点
 out_of_time_order = 时间次序有误：始于{ $start } s，而{ $place }始于{ $earlier } s
 overlaps = 与{ $place }重叠：始于{ $start } s，而后者终于{ $end } s
 force_not_gravity = 静态测点中其长度为{ $length } g0；{ $reference }为{ $gravity } g0，允许偏差{ $percent } %
 static_too_fast = { $rate } arcsec/s对静态测点过快（地球自转为15.04）；阶段是否应为rate？
 attitude_contradicts_force = 与比力矛盾：由它得到的垂线偏离specific_force_g0 { $angle }°（v_body = C(q) v_nav，导航系为东北天）
-rates_inertial_or_table = 应为inertial或table之一，实为{ $value }
+rates_inertial_or_table = 应为inertial或table之一，实为“{ $value }”
 earth_rate_needs = 已知测试站位置与姿态时，服务才能加上地球自转；缺少：{ $missing }
 attitudes_missing = { $count }个静态测点的姿态，首个为{ $first }
 missing_member = 缺少`{ $member }`
@@ -87,10 +87,10 @@ is_bench_test = 是单表测试，不能代替系统级标定试验
 
 ## Models
 
-unknown_effect = 目录中没有效应{ $effect }；可选：{ $effects }
+unknown_effect = 目录中没有效应“{ $effect }”；可选：{ $effects }
 no_gyros_named = 至少应列出一个陀螺
-must_be = 应为{ $wanted }，实为{ $value }
-must_be_one_of = 应为{ $known }之一，实为{ $value }
+must_be = 应为{ $wanted }，实为“{ $value }”
+must_be_one_of = 应为{ $known }之一，实为“{ $value }”
 shape_for = { $effect }应为{ $wanted }
 shape_not_finite = 应为有限数，且时间常数或周期应为正
 
@@ -104,7 +104,7 @@ which_test = 应说明是哪种试验，如振动或温度循环
 test_end = 应给出试验结束时间
 end_before_begin = 早于试验开始时间
 silence_matches_nothing = 至少应给出serial、imu、station、rule之一：不能一次静默全部告警
-unknown_rule = 没有规则{ $rule }
+unknown_rule = 没有规则“{ $rule }”
 not_in_future = 应为将来的时间
 until_before_since = 不应早于起始时间
 
@@ -137,10 +137,10 @@ size_or_detectability = 应给出有限的大小或为正的可检测性
 not_positive_time = { $value }不是正的时间
 beyond_last_dwell = { $dwell }超出{ $dwells }个测点的范围
 names_no_gyro = 没有列出本次试验的陀螺
-unknown_geometry = { $value }既非skewed也非orthogonal
-unknown_model_term = { $value }不是模型的项
-scenario_test = { $value }不是imu、torque_feedback或turntable_servo
-scenario_slot = { $value }不是位置；位置为G1、G2、G3
+unknown_geometry = “{ $value }”既非skewed也非orthogonal
+unknown_model_term = “{ $value }”不是模型的项
+scenario_test = “{ $value }”不是imu、torque_feedback或turntable_servo
+scenario_slot = “{ $value }”不是位置；位置为G1、G2、G3
 scenario_latitude = { $value }不在-90与90之间
 has_no_direction = 没有方向
 not_positive_gravity = { $value }不是正的重力
@@ -156,15 +156,15 @@ at_line_key = 第{ $line }行（{ $key }）：{ $fault }
 at_cell = 第{ $line }行第{ $column }列（{ $name }）：{ $fault }
 at_column = 第{ $line }行第{ $column }列：{ $fault }
 at_head_line = 表头“# { $key }: …”：{ $fault }
-unknown_column = 未知的列{ $name }
-unknown_column_like = 未知的列{ $name }；是否应为{ $known }？
-second_column = 重复的列{ $name }
+unknown_column = 未知的列“{ $name }”
+unknown_column_like = 未知的列“{ $name }”；是否应为“{ $known }”？
+second_column = 重复的列“{ $name }”
 missing_columns = 缺少列{ $names }
 columns_and_gyros = { $field }有{ $columns }列，而表头列出{ $gyros }个陀螺
 cells_under_columns = { $columns }列下有{ $cells }个单元格
 cells_decimal_comma = { $columns }列下有{ $cells }个单元格；{ $number }是否用逗号作小数点？小数点请用“.”
 empty_cell = 为空
-unknown_key = 未知的键{ $key }；可用的键为{ $known }
+unknown_key = 未知的键“{ $key }”；可用的键为{ $known }
 key_twice = { $key }重复给出
 
 ## Parts of other messages

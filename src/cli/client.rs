@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use bytes::Bytes;
-use reqwest::header::{CONTENT_TYPE, RETRY_AFTER};
+use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Method, StatusCode};
 use serde::Deserialize;
 use serde_json::Value;
@@ -15,6 +15,7 @@ use serde_json::Value;
 use crate::system;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::ProblemBody;
+use crate::words;
 
 pub const JSON: &str = "application/json";
 pub const NDJSON: &str = "application/x-ndjson";
@@ -140,6 +141,7 @@ impl Service {
 
     fn request(&self, method: Method, route: &str) -> reqwest::RequestBuilder {
         let request = self.http.request(method, format!("{}{route}", self.base));
+        let request = request.header(ACCEPT_LANGUAGE, words::asked().tag());
         match &self.token {
             Some(token) => request.bearer_auth(token),
             None => request,

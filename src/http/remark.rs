@@ -1,4 +1,4 @@
-//! What people say of a gyro, as an event or as a baseline: read and submitted alike, refused in words of their own.
+//! What people say of a gyro, as an event or as a baseline: read and submitted alike, each with messages of its own.
 
 use axum::http::StatusCode;
 

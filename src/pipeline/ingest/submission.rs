@@ -186,7 +186,7 @@ impl Pipeline {
     /// Separates one gyro and holds it to the requirements.
     ///
     /// # Errors
-    /// In words, why E and G cannot be separated.
+    /// Why E and G cannot be separated.
     pub fn calibrated(
         &self,
         Record { geometry, imu, .. }: &Record,

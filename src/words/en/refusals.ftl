@@ -73,7 +73,7 @@ no_such_diagnoses = there is no order of diagnoses { $id }
 unknown_alert = there is no alert { $id }
 unknown_silence = there is no silence { $id }
 no_such_path = nothing is served at { $path }
-not_done_to_alerts = an alert cannot be told to { $action }
+not_done_to_alerts = alerts have no action "{ $action }"
 
 ## What stands in the way
 
@@ -86,7 +86,7 @@ gyro_elsewhere = gyro { $serial } has another calibration at the same time (id {
 already_corrected = { $id } has been voided or revised already
 corrected_otherwise = { $id } has been voided or revised already: by another author, for another reason or by other content
 not_set_aside = { $id } is not set aside: there is nothing to confirm
-another_imu = is of another IMU than what it is to replace
+another_imu = belongs to another IMU than the item that it replaces
 time_taken = the IMU has another calibration at that time (id { $id })
 other_station = the token is only for the station { $station }
 setup_over = a token has been created, so the setup secret is no longer valid
@@ -107,7 +107,7 @@ busy = too many writes are waiting
 stopping = the service is stopping
 disk_full = the service's disk is full; nothing was stored
 cannot_write = the service's database cannot be written now; nothing was stored
-perhaps_stored = the database connection broke while this was stored, so it may or may not be stored. Measurements can be sent again. Of hooks, tokens and other orders, look first
+perhaps_stored = the database connection broke while this was stored, so it may or may not be stored. Measurements can be sent again. Before you repeat other orders (hooks, tokens), check whether they took effect
 disk_failed = the service's disk failed; nothing is accepted until it is repaired
 database_damaged = the database is damaged: { $what }
 service_failed = the service failed; its log says why

@@ -129,7 +129,7 @@ mod tests {
             sd: None,
             probability: None,
             confirmed: false,
-            reason: Reason::Sentences(vec![message!("decided_before")]),
+            reason: Reason(vec![message!("decided_before")]),
         };
         let said = Said { body, seen: None };
         let shown =

@@ -11,6 +11,8 @@ use super::detectability::norm;
 use super::outside::Outside;
 use super::scenario::{EffectChoice, fault, slot_named};
 use super::world::World;
+use crate::core::message::{sent, text};
+use crate::message;
 
 /// A response of which less than this share is left over by the model cannot be seen.
 const UNSEEN: f64 = 1e-5;
@@ -27,8 +29,8 @@ impl World {
             Particulars { time_h: choice.time_h, dwell: choice.dwell, direction: choice.direction.map(Vector3::from) };
         self.check_particulars(choice, pointer)?;
         let unknown = || {
-            let detail = format!("{:?} is no known effect; they are {}", choice.effect, known());
-            fault(&format!("{pointer}/effect"), detail)
+            let unknown = message!("unknown_effect", effect = sent(&choice.effect), effects = known());
+            fault(&format!("{pointer}/effect"), unknown)
         };
         let (kind, typical) = match choice.effect.strip_prefix("outside:") {
             Some(family) => (Kind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
@@ -44,18 +46,20 @@ impl World {
             (Some(size), None) if size.is_finite() => Ok(Cause { size, ..cause }),
             (None, Some(d)) if d.is_finite() && d > 0.0 => self.sized(cause, d, pointer),
             (None, None) => Ok(cause),
-            _ => Err(fault(pointer, "wants either a finite size or a positive detectability".into())),
+            _ => Err(fault(pointer, message!("size_or_detectability"))),
         }
     }
 
     fn check_particulars(&self, choice: &EffectChoice, pointer: &str) -> Result<(), Faults> {
         let mut faults = Faults::default();
         if let Some(time_h) = choice.time_h.filter(|t| !(t.is_finite() && *t > 0.0)) {
-            faults.push(format!("{pointer}/time_h"), format!("{time_h} is not a positive time"));
+            faults.push(format!("{pointer}/time_h"), message!("not_positive_time", value = text(time_h)));
         }
         if let Some(dwell) = choice.dwell.filter(|&k| k >= self.plan.len()) {
-            faults
-                .push(format!("{pointer}/dwell"), format!("{dwell} is beyond the last of {} dwells", self.plan.len()));
+            faults.push(
+                format!("{pointer}/dwell"),
+                message!("beyond_last_dwell", dwell = dwell, dwells = self.plan.len()),
+            );
         }
         faults.or(())
     }
@@ -78,7 +82,7 @@ impl World {
             }
         }
         if weights == [0.0; 3] {
-            return Err(fault(&format!("{pointer}/gyros"), "names no gyro of this campaign".into()));
+            return Err(fault(&format!("{pointer}/gyros"), message!("names_no_gyro")));
         }
         Ok(weights)
     }
@@ -89,8 +93,8 @@ impl World {
             let (seen, power) = self.detectability(std::slice::from_ref(&cause));
             let (seen, power) = (norm(&seen), norm(&power));
             if !is_visible(seen, power) {
-                let detail = format!("this design cannot see {}: give it a size instead", cause.label);
-                return Err(fault(&format!("{pointer}/detectability"), detail));
+                let unseen = message!("effect_not_seen", effect = cause.label.clone());
+                return Err(fault(&format!("{pointer}/detectability"), unseen));
             }
             cause.size *= d / seen;
         }

@@ -1,97 +1,70 @@
 //! Why a verdict is what it is, as answers show it and as the database keeps it.
 
-use std::borrow::Cow;
-
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, Serializer};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use utoipa::ToSchema;
 
+use super::message::{self, MessageBody};
 use crate::core::judge::Verdict;
-use crate::core::message::{Message, Parameter};
+use crate::core::message::Message;
 use crate::words::{Language, asked};
 
 /// The form of what is kept.
 const VERSION: u64 = 1;
 
-/// In answers `code`, `parameters` and `reason`, in the language that the request asks for. Kept as codes with parameters.
+/// Sentence by sentence. In answers `code` and `parameters` of the first, and `reason`, all of them in the language that the request asks for.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Reason {
-    Sentences(Vec<Message>),
-    /// In the words of another service, or of a version before 0.2: in no other language than its own.
-    Prose(String),
-}
-
-impl Reason {
-    pub fn of(verdict: &Verdict) -> Self {
-        Self::Sentences(verdict.messages())
-    }
-
-    /// With a sentence more.
-    #[must_use]
-    pub fn and(self, message: Message) -> Self {
-        match self {
-            Self::Sentences(mut sentences) => {
-                sentences.push(message);
-                Self::Sentences(sentences)
-            }
-            prose @ Self::Prose(_) => prose,
-        }
-    }
-
-    pub fn words(&self, language: Language) -> String {
-        match self {
-            Self::Sentences(sentences) => language.sentences(sentences),
-            Self::Prose(words) => words.clone(),
-        }
-    }
-
-    /// As the database keeps it, in place of words.
-    pub fn kept(&self) -> Value {
-        match self {
-            Self::Sentences(sentences) => {
-                json!({ "v": VERSION, "sentences": sentences.iter().map(message_value).collect::<Vec<_>>() })
-            }
-            Self::Prose(words) => words.as_str().into(),
-        }
-    }
-
-    fn read(value: Value) -> Option<Self> {
-        match value {
-            Value::String(words) => Some(Self::Prose(words)),
-            Value::Object(mut kept) => {
-                let Value::Array(sentences) = kept.remove("sentences")? else { return None };
-                Some(Self::Sentences(sentences.into_iter().map(message).collect::<Option<_>>()?))
-            }
-            _ => None,
-        }
-    }
-}
+pub struct Reason(pub Vec<Message>);
 
 /// The members of an answer that say why.
 #[derive(serde::Serialize, ToSchema)]
 #[schema(as = Reason)]
-pub struct ReasonBody<'a> {
-    /// What the rule saw: its first sentence, for programs. None where an earlier version kept words alone.
-    code: Option<Cow<'a, str>>,
-    /// What that sentence names, by parameter: figures as people read them, counts as numbers, what has words of its own as another code.
-    parameters: Map<String, Value>,
-    /// The verdict in words.
+struct ReasonBody {
+    /// What the rule saw, for programs; `verbatim` where an earlier version kept words alone. Figures are rounded as people read them: those to
+    /// go on with stand beside it.
+    #[serde(flatten)]
+    finding: MessageBody,
+    /// The same, the limit and how certain it is, in words.
+    #[schema(example = "In tolerance.")]
     reason: String,
+}
+
+impl Reason {
+    pub fn of(verdict: &Verdict) -> Self {
+        Self(verdict.messages())
+    }
+
+    /// With a sentence more.
+    #[must_use]
+    pub fn and(mut self, sentence: Message) -> Self {
+        self.0.push(sentence);
+        self
+    }
+
+    pub fn words(&self, language: Language) -> String {
+        language.sentences(&self.0)
+    }
+
+    /// As the database keeps it, in place of words.
+    pub fn kept(&self) -> Value {
+        json!({ "v": VERSION, "sentences": self.0.iter().map(message::to_part).collect::<Vec<_>>() })
+    }
+
+    /// Words are those of an earlier version, or of another service: they are said as they are.
+    fn read(kept: &Value) -> Option<Self> {
+        match kept {
+            Value::String(words) => Some(Self(vec![Message::verbatim(words)])),
+            kept => kept.get("sentences")?.as_array()?.iter().map(message::read).collect::<Option<_>>().map(Self),
+        }
+    }
 }
 
 impl Serialize for Reason {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let first = match self {
-            Self::Sentences(sentences) => sentences.first(),
-            Self::Prose(_) => None,
-        };
-        ReasonBody {
-            code: first.map(|first| first.code.as_ref().into()),
-            parameters: first.map(parameters).unwrap_or_default(),
-            reason: self.words(asked()),
-        }
-        .serialize(serializer)
+        let language = asked();
+        let finding = self.0.first().map_or_else(MessageBody::default, |first| MessageBody::of(first, language));
+        ReasonBody { finding, reason: self.words(language) }.serialize(serializer)
     }
 }
 
@@ -102,7 +75,7 @@ impl<'de> Deserialize<'de> for Reason {
             reason: Value,
         }
         let Read { reason } = Read::deserialize(deserializer)?;
-        Self::read(reason).ok_or_else(|| serde::de::Error::custom("reason: neither words nor sentences"))
+        Self::read(&reason).ok_or_else(|| serde::de::Error::custom("reason: neither words nor sentences"))
     }
 }
 
@@ -112,42 +85,9 @@ impl utoipa::PartialSchema for Reason {
     }
 }
 
-impl ToSchema for Reason {}
-
-/// The parameters of a message as JSON.
-pub fn parameters(message: &Message) -> Map<String, Value> {
-    message.parameters.iter().map(|(name, parameter)| (name.clone().into_owned(), parameter_value(parameter))).collect()
-}
-
-fn message_value(message: &Message) -> Value {
-    json!({ "code": message.code, "parameters": parameters(message) })
-}
-
-fn parameter_value(parameter: &Parameter) -> Value {
-    match parameter {
-        Parameter::Text(text) => text.as_ref().into(),
-        Parameter::Count(count) => (*count).into(),
-        Parameter::Message(message) => message_value(message),
-        Parameter::List(list) => list.iter().map(parameter_value).collect(),
-    }
-}
-
-fn message(value: Value) -> Option<Message> {
-    let Value::Object(mut members) = value else { return None };
-    let (Value::String(code), Value::Object(parameters)) = (members.remove("code")?, members.remove("parameters")?) else {
-        return None;
-    };
-    let parameters = parameters.into_iter().map(|(name, value)| Some((name.into(), parameter(value)?)));
-    Some(Message { code: code.into(), parameters: parameters.collect::<Option<_>>()? })
-}
-
-fn parameter(value: Value) -> Option<Parameter> {
-    match value {
-        Value::String(text) => Some(text.into()),
-        Value::Number(count) => count.as_u64().map(Parameter::Count),
-        Value::Object(_) => message(value).map(Parameter::Message),
-        Value::Array(list) => list.into_iter().map(parameter).collect::<Option<_>>().map(Parameter::List),
-        Value::Null | Value::Bool(_) => None,
+impl ToSchema for Reason {
+    fn schemas(schemas: &mut Vec<(String, utoipa::openapi::RefOr<utoipa::openapi::schema::Schema>)>) {
+        ReasonBody::schemas(schemas);
     }
 }
 
@@ -160,7 +100,7 @@ mod tests {
     fn reason() -> Reason {
         let value = message!("measured", value = "0.0123", unit = message!("unit_drift"));
         let step = message!("step", name = "D_I", value = value, side = "below", level = "3.0000");
-        Reason::Sentences(vec![step, message!("requirement_others", figures = list(["E_x", "E_y"]))])
+        Reason(vec![step, message!("requirement_others", figures = list(["E_x", "E_y"]))])
     }
 
     #[test]
@@ -176,32 +116,23 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_holds_code_parameters_and_words() {
-        let unit = json!({ "code": "unit_drift", "parameters": {} });
-        let value = json!({ "code": "measured", "parameters": { "value": "0.0123", "unit": unit } });
-        let said = serde_json::to_value(reason()).unwrap();
-        assert_eq!(said["code"], "step");
-        assert_eq!(
-            said["parameters"],
-            json!({ "name": "D_I", "value": value, "side": "below", "level": "3.0000" })
-        );
-        assert_eq!(said["reason"], reason().words(Language::English));
-    }
-
-    #[test]
     fn words_of_earlier_versions_stay_as_they_are() {
         let read: Reason = serde_json::from_value(json!({ "reason": "D_I has lain above." })).unwrap();
-        assert_eq!(read, Reason::Prose("D_I has lain above.".into()));
         assert_eq!(read.words(Language::Chinese), "D_I has lain above.");
-        assert_eq!(read.kept(), "D_I has lain above.");
+        assert_eq!(read, serde_json::from_value(json!({ "reason": read.kept() })).unwrap());
         for bad in [json!({}), json!({ "reason": 3 }), json!({ "reason": { "v": 1, "sentences": [{ "code": 1 }] } })] {
             assert!(serde_json::from_value::<Reason>(bad.clone()).is_err(), "{bad}");
         }
     }
 
     #[tokio::test]
-    async fn an_answer_is_in_the_language_that_is_asked_for() {
-        let said = crate::words::asking(Language::Chinese, async { serde_json::to_value(reason()).unwrap() }).await;
-        assert_eq!(said["reason"], reason().words(Language::Chinese));
+    async fn an_answer_holds_code_and_parameters_and_words_in_the_language_that_is_asked_for() {
+        for language in Language::ALL {
+            let said = crate::words::asked_in(language, async { serde_json::to_value(reason()).unwrap() }).await;
+            assert_eq!((&said["code"], &said["reason"]), (&json!("step"), &json!(reason().words(language))));
+            let parameters = &said["parameters"];
+            assert_eq!((&parameters["name"], &parameters["side"]), (&json!("D_I"), &json!("below")));
+            assert_eq!(parameters["value"]["code"], "measured");
+        }
     }
 }

@@ -11,6 +11,8 @@ use nalgebra::{Matrix6, Vector3};
 
 use super::mounting::{Geometry, Slot};
 use super::record::GyroParameters;
+use crate::core::message::{Message, figure};
+use crate::message;
 pub use published::{Branch, NotPublished, Published};
 pub use rigid::Rigid;
 
@@ -52,6 +54,17 @@ pub enum Unseparable {
         .0.to_degrees()
     )]
     PointsAway(f64),
+}
+
+impl Unseparable {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoAxes(slot) => message!("no_axes_for", slot = slot.name()),
+            Self::ZeroScale => message!("zero_scale"),
+            Self::NotFinite => message!("quotient_not_finite"),
+            Self::PointsAway(angle) => message!("points_away", angle = figure(angle.to_degrees(), 1)),
+        }
+    }
 }
 
 /// The measured input axis and G resolved per unit of scale: what both methods start from.

@@ -9,12 +9,14 @@ use crate::alert::HookKind;
 use crate::core::alert_decision::Status;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
 use crate::pipeline::{Actor, Refused};
 use crate::store::{
     AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
     Subject, Writer,
 };
+use crate::wire::message::to_stored;
 use crate::wire::time;
 
 /// Each hook costs a task and a queue.
@@ -296,7 +298,7 @@ impl HookDesk<'_> {
         let Some(url) = &attempted.gone else { return Ok(()) };
         // Who has changed the address meanwhile has heard already.
         if let Some(hook) = self.store.hook(attempted.hook).await?.filter(|hook| hook.url == *url) {
-            let because = format!("the target answered 410 Gone at {}", time::format(attempted.at));
+            let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
             changes.hooks.push(HookRow {
                 enabled: false,
                 disabled_because: Some(because),

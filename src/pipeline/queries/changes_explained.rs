@@ -6,6 +6,7 @@ use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_histor
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
 use crate::store::{Figures, Id, Span, StoreError};
+use crate::words;
 
 /// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the
 /// stations' offsets take one column a peer.
@@ -42,7 +43,7 @@ impl Pipeline {
                 break;
             }
         }
-        let explained = tokio::task::spawn_blocking(move || {
+        let explained = words::spawn_blocking(move || {
             let coefficients = diagnose_history(&history, &peers);
             ExplainedHistory { peers: peers.len(), coefficients }
         });

@@ -171,7 +171,7 @@ fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (Verdict
             sd: stored.sd,
             probability: stored.probability,
             confirmed: stored.confirmed,
-            reason: Reason::Sentences(vec![message!("decided_before")]),
+            reason: Reason(vec![message!("decided_before")]),
         },
     };
     (body, seen)

@@ -64,7 +64,7 @@ fn write_rest(verdict: &Verdict, text: &mut Vec<u8>) -> io::Result<()> {
     match verdict.phrase() {
         Some(phrase) => {
             let words = asked().word(&phrase.code);
-            write!(Words(text), ",\"code\":\"{}\",\"parameters\":{{}},\"reason\":\"{words}\"}}", phrase.code)
+            write!(Words(text), ",\"code\":\"{}\",\"reason\":\"{words}\"}}", phrase.code)
                 .map_err(io::Error::other)
         }
         None => {

@@ -96,7 +96,9 @@ mod tests {
                 unit: "deg/(h g0)".into(),
                 sd: None,
                 probability: None,
-                reason: "D_I changed, and how".into(),
+                reason: crate::wire::reason::Reason(vec![crate::core::message::Message::verbatim(
+                    "D_I changed, and how",
+                )]),
                 record: Some("9".into()),
                 calibrated_at: None,
                 imu: Some("IMU-1".into()),

@@ -183,6 +183,9 @@ impl Language {
 }
 
 #[cfg(test)]
+mod verdict_tests;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::core::message::{figure, list};

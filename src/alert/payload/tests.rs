@@ -4,7 +4,9 @@ use serde_json::Value;
 use super::*;
 use crate::alert::message::{Change, Event};
 use crate::core::alert_decision::Action;
+use crate::message;
 use crate::wire::alert::FindingBody;
+use crate::wire::reason::Reason;
 
 fn alert() -> AlertBody {
     AlertBody {
@@ -24,7 +26,7 @@ fn alert() -> AlertBody {
             unit: "deg/(h g0)".into(),
             sd: None,
             probability: None,
-            reason: "D_I changed.".into(),
+            reason: Reason(vec![message!("rms_explained", explained = "0.00720")]),
             record: Some("r1".into()),
             calibrated_at: Some("2026-02-28T08:00:00Z".into()),
             imu: Some("IMU-07".into()),
@@ -66,7 +68,13 @@ fn a_standard_webhook_holds_type_timestamp_and_the_alert() {
     let body = rendered(HookKind::StandardWebhooks, &message(Action::Fire));
     assert_eq!(body["type"], "alert.fired");
     assert_eq!(body["timestamp"], "2026-03-01T09:00:00Z");
-    assert_eq!(serde_json::from_value::<AlertBody>(body["data"].clone()).unwrap(), alert());
+    let told: AlertBody = serde_json::from_value(body["data"].clone()).unwrap();
+    assert_eq!(AlertBody { finding: alert().finding, ..told }, alert());
+    assert_eq!(
+        (&body["data"]["code"], &body["data"]["parameters"]["explained"]),
+        (&"rms_explained".into(), &"0.00720".into())
+    );
+    assert_eq!(body["data"]["reason"], "Stated standard deviations explain 0.00720.");
     assert_eq!(body["data"]["links"], serde_json::json!({ "gyro": "https://gyros.example/gyros/LFG%2001%2F01" }));
     assert_eq!(body["alerts"][0]["event"], "alert.fired");
     assert_eq!(body.as_object().unwrap().len(), 4);
@@ -97,7 +105,7 @@ fn a_pushed_alert_expires_when_pushes_stop() {
       {
         "annotations": {
           "calibrated_at": "2026-02-28T08:00:00Z",
-          "description": "D_I changed.",
+          "description": "Stated standard deviations explain 0.00720.",
           "imu": "IMU-07",
           "limit": "0.01 deg/(h g0)",
           "record": "r1",

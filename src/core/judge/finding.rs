@@ -245,8 +245,14 @@ impl Verdict {
                 let inside = self.value.is_some_and(|value| (low..=high).contains(&value));
                 let place = if inside { "inside" } else { "outside" };
                 let (low, high) = (shown(low), shown(high));
-                let mut said =
-                    vec![message!("requirement", figure = figure, value = value(), place = place, low = low, high = high)];
+                let mut said = vec![message!(
+                    "requirement",
+                    figure = figure,
+                    value = value(),
+                    place = place,
+                    low = low,
+                    high = high
+                )];
                 let others: Vec<&str> = others.into_iter().flatten().collect();
                 said.extend((!others.is_empty()).then(|| message!("requirement_others", figures = list(others))));
                 said

@@ -154,7 +154,6 @@ fn closures_of(calibration: &Calibration) -> ClosureDiagnosis {
     closures(calibration.gyros.iter().map(|gyro| (gyro.slot, &gyro.separation)))
 }
 
-
 fn in_words(serial: &str, stored: &StoredVerdict, again: &[Verdict]) -> (VerdictBody, Option<Verdict>) {
     let seen = again.iter().find(|verdict| StoredVerdict::from(*verdict) == *stored).copied();
     let body = match &seen {

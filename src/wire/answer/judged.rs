@@ -64,8 +64,7 @@ fn write_rest(verdict: &Verdict, text: &mut Vec<u8>) -> io::Result<()> {
     match verdict.phrase() {
         Some(phrase) => {
             let words = asked().word(&phrase.code);
-            write!(Words(text), ",\"code\":\"{}\",\"reason\":\"{words}\"}}", phrase.code)
-                .map_err(io::Error::other)
+            write!(Words(text), ",\"code\":\"{}\",\"reason\":\"{words}\"}}", phrase.code).map_err(io::Error::other)
         }
         None => {
             let reason = serde_json::to_vec(&Reason::of(verdict))?;

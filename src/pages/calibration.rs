@@ -141,7 +141,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
             h2 { (t.fit_quality) }
             (quality(viewer, fits))
             @for gyro in fits { (blind_directions(viewer, gyro)) }
-            @for note in &answer.notes { p.note { (t.spoken(&note.detail)) } }
+            @for note in &answer.notes { p.note { (note.detail) } }
         }
         section {
             h2 { (t.residuals_by_dwell) }

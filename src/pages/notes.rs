@@ -10,7 +10,7 @@ pub(super) fn noted(t: &Text, notes: &[NoteBody]) -> Markup {
         @if !notes.is_empty() {
             section.notes {
                 h3 { (t.notes) }
-                ul { @for note in notes { li { (t.spoken(&note.detail)) } } }
+                ul { @for note in notes { li { (note.detail) } } }
             }
         }
     }

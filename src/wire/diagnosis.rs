@@ -4,10 +4,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::located::WhereBody;
-use super::note::NoteBody;
+use super::note;
 use super::split::SplitBody;
 use crate::core::diagnose as core;
 use crate::core::effects::Effect;
+use crate::words::Language;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DiagnosisBody {
@@ -254,7 +255,12 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
             residuals: d.residuals.iter().map(ResidualBody::from).collect(),
-            notes: d.of_campaign.iter().map(|note| NoteBody::of(note).detail).chain(d.notes.iter().cloned()).collect(),
+            notes: d
+                .of_campaign
+                .iter()
+                .map(|it| note::words(it, Language::English))
+                .chain(d.notes.iter().cloned())
+                .collect(),
             reference: None,
         }
     }

@@ -7,7 +7,10 @@ use super::note::NoteBody;
 use super::record::SlotBody;
 use super::time;
 use crate::core::history_note::{HistoryNote, NameKind, Named, Quantity, Seat, TimeDoubt};
+use crate::core::message::{Message, figure, list, text};
 use crate::core::note::Note;
+use crate::message;
+use crate::words::asked;
 
 /// The form of what is kept.
 const VERSION: u64 = 1;
@@ -150,9 +153,9 @@ pub fn parameters(note: &HistoryNote) -> Map<String, Value> {
     members
 }
 
-/// The words for a reader.
-pub fn words(note: &HistoryNote) -> String {
-    Coded::from(note).words()
+/// What a reader is told.
+pub fn message(note: &HistoryNote) -> Message {
+    Coded::from(note).message()
 }
 
 /// The notes of a record as they are kept; nothing where there are none.
@@ -186,7 +189,8 @@ fn body(note: &Value) -> Option<NoteBody> {
     let mut parameters = note.as_object()?.clone();
     let code = parameters.remove("code")?.as_str()?.to_owned();
     parameters.retain(|_, value| !value.is_null());
-    let detail = serde_json::from_value::<Coded>(note.clone()).map_or_else(|_| code.clone(), |coded| coded.words());
+    let detail = serde_json::from_value::<Coded>(note.clone())
+        .map_or_else(|_| code.clone(), |coded| asked().words(&coded.message()));
     Some(NoteBody { code: code.into(), detail, parameters })
 }
 
@@ -195,77 +199,77 @@ fn day(time: &str) -> &str {
     time.split('T').next().unwrap_or(time)
 }
 
-fn list(names: &[String]) -> String {
-    names.join(", ")
-}
-
 impl Coded {
-    fn words(&self) -> String {
+    fn message(&self) -> Message {
+        let serials = |serials: &[String]| list(serials.iter().cloned());
         match self {
-            Self::TimeInDoubt { epoch: Some(epoch), .. } => format!(
-                "the time is near {}, where clocks that were never set begin: set aside until somebody confirms the time",
-                day(epoch)
-            ),
-            Self::TimeInDoubt { nearest, .. } => format!(
-                "the time is decades from the other records of its gyros, of which the nearest is of {}: set aside until somebody confirms the time",
-                nearest.as_deref().map_or("", day)
-            ),
+            Self::TimeInDoubt { epoch: Some(epoch), .. } => message!("time_near_epoch", epoch = text(day(epoch))),
+            Self::TimeInDoubt { nearest, .. } => {
+                message!("time_far_from_others", nearest = text(nearest.as_deref().map_or("", day)))
+            }
             Self::OthersSetAside { records } => {
-                let named: Vec<String> =
-                    records.iter().map(|it| format!("{} ({})", it.record, day(&it.calibrated_at))).collect();
-                format!(
-                    "earlier records are decades before this one and were set aside until somebody confirms their times: {}",
-                    list(&named)
-                )
+                let one = |it: &NamedBody| {
+                    message!("record_of_day", record = it.record.clone(), day = text(day(&it.calibrated_at)))
+                };
+                message!("others_set_aside", records = list(records.iter().map(one)))
             }
-            Self::AheadOfNow { hours } => {
-                format!("the time is {hours:.1} hours ahead of the service's clock: is the station's clock right?")
-            }
+            Self::AheadOfNow { hours } => message!("ahead_of_now", hours = figure(*hours, 1)),
             Self::NewSerial { slot, serial, had, nearest } => {
-                let slot = slot_name(*slot);
-                let head = format!("{serial} is new in {slot}, which had {had} before");
-                match nearest {
-                    Some(nearest) => format!("{head}; the nearest known serial is {nearest}"),
-                    None => head,
+                let (serial, slot, had) = (serial.clone(), slot_name(*slot), had.clone());
+                match nearest.clone() {
+                    None => message!("new_serial", serial = serial, slot = slot, had = had),
+                    Some(nearest) => {
+                        message!("new_serial_like", serial = serial, slot = slot, had = had, nearest = nearest)
+                    }
                 }
             }
-            Self::LookAlike { of, name, known } => match of {
-                KindBody::Imu => format!("the new IMU {name} looks like the known IMU {known}"),
-                KindBody::Station => format!("the new station {name} looks like the known station {known}"),
-                KindBody::Serial => format!("the new serial {name} looks like the known serial {known}"),
-            },
-            Self::SerialsExchanged { fits } => {
-                let pairs: Vec<String> =
-                    fits.iter().map(|fit| format!("{} has the figures of {}", fit.serial, fit.figures_of)).collect();
-                format!("serials are exchanged: {}", list(&pairs))
+            Self::LookAlike { of, name, known } => {
+                let of = match of {
+                    KindBody::Imu => "imu",
+                    KindBody::Station => "station",
+                    KindBody::Serial => "serial",
+                };
+                message!("look_alike", of = of, name = name.clone(), known = known.clone())
             }
-            Self::OtherUnit { serials, budgets } => format!(
-                "all gyros ({}) are off their last levels by more than {budgets:.0} budgets: are these the figures of another unit?",
-                list(serials)
-            ),
-            Self::IdenticalFigures { serials, record, calibrated_at } => format!(
-                "{}: identical to record {record} of {calibrated_at}; is it the same measurement with another time?",
-                list(serials)
-            ),
-            Self::UnitFactor { serials, quantity, factor, unit } => {
+            Self::SerialsExchanged { fits } => {
+                let one =
+                    |fit: &FitBody| message!("figures_of", serial = fit.serial.clone(), other = fit.figures_of.clone());
+                message!("serials_exchanged", fits = list(fits.iter().map(one)))
+            }
+            Self::OtherUnit { serials: of, budgets } => {
+                message!("other_unit", serials = serials(of), budgets = figure(*budgets, 0))
+            }
+            Self::IdenticalFigures { serials: of, record, calibrated_at } => {
+                let (record, at) = (record.clone(), calibrated_at.clone());
+                message!("identical_figures", serials = serials(of), record = record, at = at)
+            }
+            Self::UnitFactor { serials: of, quantity, factor, unit } => {
                 let quantity = match quantity {
                     QuantityBody::E => "E",
                     QuantityBody::G => "G",
                 };
                 let times = if *factor > 1.0 { format!("{factor:.6}") } else { format!("1/{:.6}", factor.recip()) };
-                let times = times.trim_end_matches('0').trim_end_matches('.');
-                let head = format!("{quantity} of {} is {times} times what it was before", list(serials));
-                match unit {
-                    Some(unit) => format!("{head}: is it in {unit}?"),
-                    None => format!("{head}: is it in another unit?"),
+                let times = text(times.trim_end_matches('0').trim_end_matches('.'));
+                match unit.clone() {
+                    None => message!("unit_factor", quantity = quantity, serials = serials(of), times = times),
+                    Some(unit) => {
+                        message!(
+                            "unit_factor_of",
+                            quantity = quantity,
+                            serials = serials(of),
+                            times = times,
+                            unit = unit
+                        )
+                    }
                 }
             }
-            Self::Moved { serial, from, to } => format!(
-                "{serial} was in {} {} in its last record and is in {} {} now",
-                from.imu,
-                slot_name(from.slot),
-                to.imu,
-                slot_name(to.slot)
+            Self::Moved { serial, from, to } => message!(
+                "moved",
+                serial = serial.clone(),
+                from_imu = from.imu.clone(),
+                from_slot = slot_name(from.slot),
+                to_imu = to.imu.clone(),
+                to_slot = slot_name(to.slot),
             ),
         }
     }

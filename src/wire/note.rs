@@ -7,7 +7,10 @@ use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
 use super::history_note;
+use crate::core::message::Message;
 use crate::core::note::Note;
+use crate::message;
+use crate::words::{Language, asked};
 
 mod campaign;
 
@@ -16,7 +19,7 @@ mod campaign;
 pub struct NoteBody {
     /// Which kind of note, for programs.
     pub code: Cow<'static, str>,
-    /// The same in words.
+    /// The same in words, in the language that the request asks for.
     pub detail: String,
     /// What the words name, by code: serials, figures, places.
     #[serde(flatten)]
@@ -30,16 +33,21 @@ impl NoteBody {
             Note::History(note) => history_note::parameters(note),
             _ => Map::new(),
         };
-        Self { code: note.code().into(), detail: detail(note), parameters }
+        Self { code: note.code().into(), detail: words(note, asked()), parameters }
     }
 }
 
-fn detail(note: &Note) -> String {
+pub fn words(note: &Note, language: Language) -> String {
+    language.words(&message(note))
+}
+
+/// What a reader is told.
+fn message(note: &Note) -> Message {
     match note {
-        Note::NoAttitudes => "no attitude column: specific force and rate were not checked against the attitude".into(),
-        Note::NoSite => "no site: the specific force of static dwells was checked against standard gravity".into(),
-        Note::NoTemperatures => "no temperature column: effects of temperature cannot be seen".into(),
-        Note::Campaign(note) => campaign::detail(note),
-        Note::History(note) => history_note::words(note),
+        Note::NoAttitudes => message!("no_attitudes"),
+        Note::NoSite => message!("no_site"),
+        Note::NoTemperatures => message!("no_temperatures"),
+        Note::Campaign(note) => campaign::message(note),
+        Note::History(note) => history_note::message(note),
     }
 }

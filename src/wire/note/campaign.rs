@@ -2,74 +2,68 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::core::calibrate::noise::overstated_note;
 use crate::core::campaign::{CampaignNote, Column, LeftOut};
+use crate::core::message::{Message, Parameter, figure, list, text};
 use crate::core::mounting::Slot;
+use crate::message;
 use crate::wire::campaign::commanded;
-use crate::words;
 
 /// Dwells that a sentence names before it counts.
 const NAMED: usize = 5;
 
-pub(super) fn detail(note: &CampaignNote) -> String {
+pub(super) fn message(note: &CampaignNote) -> Message {
     match note {
         CampaignNote::Missing { column, dwells, of } => {
-            let (n, which) = (dwells.len(), places(dwells));
+            let (count, of, dwells) = (dwells.len(), *of, places(dwells));
             match column {
-                Column::Attitude => {
-                    format!(
-                        "no attitude in {n} of {of} dwells ({which}): these were not checked against it, and effects of the station cannot be seen"
-                    )
+                Column::Attitude => message!("attitudes_missing", count = count, of = of, dwells = dwells),
+                Column::Temperature if 2 * count > of => {
+                    message!("temperatures_mostly_missing", count = count, of = of, dwells = dwells)
                 }
-                Column::Temperature if 2 * n > *of => format!(
-                    "no temperature in {n} of {of} dwells ({which}): with so few, effects of temperature cannot be seen"
-                ),
-                Column::Temperature => {
-                    format!("no temperature in {n} of {of} dwells ({which}): it is taken from the dwells beside them")
-                }
-                Column::StandardErrors => format!(
-                    "no standard errors in {n} of {of} dwells ({which}): they get the median of the others, scaled to their duration"
-                ),
+                Column::Temperature => message!("temperatures_missing", count = count, of = of, dwells = dwells),
+                Column::StandardErrors => message!("standard_errors_missing", count = count, of = of, dwells = dwells),
             }
         }
-        CampaignNote::TemperatureOutlier { dwell, celsius, median } => format!(
-            "the temperature of /dwells/{dwell} is {celsius} deg C where the campaign's median is {median:.2} deg C: taken for a fault value of \
-             the sensor and left out of temperature effects"
+        CampaignNote::TemperatureOutlier { dwell, celsius, median } => {
+            message!("temperature_outlier", dwell = text(dwell), celsius = text(celsius), median = figure(*median, 2),)
+        }
+        CampaignNote::Commanded(finding) => commanded::message(finding),
+        CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => message!(
+            "rate_not_of_attitude",
+            off = *off,
+            of = *of,
+            most = figure(*most_arcsec_s, 2),
+            dwell = text(dwell),
         ),
-        CampaignNote::Commanded(finding) => words::asked().words(&commanded::message(finding)),
-        CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => format!(
-            "rate_arcsec_s of {off} of {of} static dwells is not the Earth's at their attitude and the site's latitude: by \
-             {most_arcsec_s:.2} arcsec/s in /dwells/{dwell}"
-        ),
-        CampaignNote::NoStandardErrors => {
-            "no standard errors: all dwells have equal weight and the residuals give the noise".to_owned()
-        }
-        CampaignNote::NoRepeats => {
-            "no repeated dwells: nothing but the fit itself tells noise from what the model leaves out".to_owned()
-        }
-        CampaignNote::NoiseGrows { times } => {
-            format!("the residuals at the fastest rate are {times:.1} times those at rest; sigmas follow them")
-        }
+        CampaignNote::NoStandardErrors => message!("no_standard_errors"),
+        CampaignNote::NoRepeats => message!("no_repeats"),
+        CampaignNote::NoiseGrows { times } => message!("noise_grows_with_rate", times = figure(*times, 1)),
         CampaignNote::ErrorsOverstated { gyros } => {
-            overstated_note(gyros.iter().map(|(slot, times)| (slot.name(), *times))).unwrap_or_default()
+            let one = |(slot, times): &(Slot, f64)| match *times < 1e3 {
+                true => message!("overstated_times", slot = slot.name(), times = figure(*times, 1)),
+                false => message!("overstated_by_far", slot = slot.name()),
+            };
+            message!("standard_errors_overstated", gyros = list(gyros.iter().map(one)))
         }
         CampaignNote::ResidualsExceedNoise { gyros } => {
-            let gyros: Vec<&str> = gyros.iter().map(|slot| slot.name()).collect();
-            format!("{}: residuals exceed the noise; the model leaves something out (see diagnose)", gyros.join(", "))
+            message!("residuals_exceed_noise", slots = list(gyros.iter().map(|slot| slot.name())))
         }
         CampaignNote::EffectLeftOut { slot, effect, why } => {
-            let slot = slot.map_or_else(String::new, |slot| format!("{}: ", slot.name()));
             let why = match why {
-                LeftOut::Lacks(what) => what,
-                LeftOut::NotTold => "these dwells cannot tell it from the other terms",
+                LeftOut::Lacks(what) => Parameter::from(*what),
+                LeftOut::NotTold => message!("not_told_apart").into(),
             };
-            format!("{slot}{} is left out of the fit: {why}", effect.id())
+            match slot {
+                None => message!("effect_left_out", effect = effect.id(), why = why),
+                Some(slot) => {
+                    message!("effect_left_out_of_gyro", slot = slot.name(), effect = effect.id(), why = why)
+                }
+            }
         }
-        CampaignNote::EffectsLeftOut { why } => format!("the effects of the model are left out: {why}"),
-        CampaignNote::NominalAxis { slot, scale } => format!(
-            "{}: the campaign does not determine E; the nominal input axis and {scale:.4} pulse/arcsec are used",
-            slot.name()
-        ),
+        CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = text(why)),
+        CampaignNote::NominalAxis { slot, scale } => {
+            message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
+        }
     }
 }
 
@@ -117,8 +111,10 @@ pub(super) fn parameters(note: &CampaignNote) -> Map<String, Value> {
 }
 
 /// `/dwells/3, /dwells/7 and 12 more`.
-fn places(dwells: &[usize]) -> String {
-    let named: Vec<String> = dwells.iter().take(NAMED).map(|k| format!("/dwells/{k}")).collect();
-    let more = dwells.len().saturating_sub(NAMED);
-    if more > 0 { format!("{} and {more} more", named.join(", ")) } else { named.join(", ") }
+fn places(dwells: &[usize]) -> Parameter {
+    let named = list(dwells.iter().take(NAMED).map(|k| format!("/dwells/{k}")));
+    match dwells.len().saturating_sub(NAMED) {
+        0 => named,
+        more => message!("and_more", named = named, more = more).into(),
+    }
 }

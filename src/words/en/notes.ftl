@@ -1,1 +1,53 @@
-# notes
+# What to know before relying on an accepted item.
+
+no_attitudes = no attitude column: specific force and rate were not checked against the attitude
+no_site = no site: the specific force of static dwells was checked against standard gravity
+no_temperatures = no temperature column: effects of temperature cannot be seen
+
+## Of a campaign's dwells and their fit
+
+attitudes_missing = no attitude in { $count } of { $of } dwells ({ $dwells }): these were not checked against it, and effects of the station cannot be seen
+temperatures_missing = no temperature in { $count } of { $of } dwells ({ $dwells }): it is taken from the neighbouring dwells
+temperatures_mostly_missing = no temperature in { $count } of { $of } dwells ({ $dwells }): with so few, effects of temperature cannot be seen
+standard_errors_missing = no standard errors in { $count } of { $of } dwells ({ $dwells }): they get the median of the others, scaled to their duration
+and_more = { $named } and { $more } more
+temperature_outlier = the temperature of /dwells/{ $dwell } is { $celsius } deg C; the campaign's median is { $median } deg C. Taken for a fault value of the sensor and left out of temperature effects
+rate_not_of_attitude = rate_arcsec_s of { $off } of { $of } static dwells is not the Earth's at their attitude and the site's latitude: by { $most } arcsec/s in /dwells/{ $dwell }
+no_standard_errors = no standard errors: all dwells have equal weight and the residuals give the noise
+no_repeats = no repeated dwells: nothing but the fit itself tells noise from what the model leaves out
+noise_grows_with_rate = the residuals at the fastest rate are { $times } times those at rest; sigmas follow them
+standard_errors_overstated = the stated standard errors are larger than the scatter of the dwells ({ $gyros }). If they are wrong, sigmas that rest on them are too large and a small gap may not be seen
+overstated_times = { $slot } { $times } times
+overstated_by_far = { $slot } by far
+residuals_exceed_noise = { $slots }: residuals exceed the noise; the model leaves something out (see diagnose)
+effect_left_out = { $effect } is left out of the fit: { $why }
+effect_left_out_of_gyro = { $slot }: { $effect } is left out of the fit: { $why }
+effects_left_out = the effects of the model are left out: { $why }
+not_told_apart = these dwells cannot tell it from the other terms
+nominal_axis = { $slot }: the campaign does not determine E; the nominal input axis and { $scale } pulse/arcsec are used
+
+## Of a record beside the history of its IMU and gyros
+
+time_near_epoch = the time is near { $epoch }, where clocks that were never set begin: set aside until the time is confirmed
+time_far_from_others = the time is decades from the other records of its gyros (nearest: { $nearest }): set aside until the time is confirmed
+others_set_aside = earlier records are decades before this one and were set aside until their times are confirmed: { $records }
+record_of_day = { $record } ({ $day })
+ahead_of_now = the time is { $hours } hours ahead of the service's clock: is the station's clock right?
+new_serial = { $serial } is new in { $slot }, which had { $had } before
+new_serial_like = { $serial } is new in { $slot }, which had { $had } before; the nearest known serial is { $nearest }
+look_alike = the new { $of ->
+    [imu] IMU
+    [station] station
+   *[serial] serial
+} { $name } looks like the known { $of ->
+    [imu] IMU
+    [station] station
+   *[serial] serial
+} { $known }
+serials_exchanged = serials are exchanged: { $fits }
+figures_of = { $serial } has the figures of { $other }
+other_unit = all gyros ({ $serials }) are off their last levels by more than { $budgets } budgets: are these the figures of another IMU?
+identical_figures = { $serials }: identical to record { $record } of { $at }; is it the same measurement with another time?
+unit_factor = { $quantity } of { $serials } is { $times } times what it was before: is it in another unit?
+unit_factor_of = { $quantity } of { $serials } is { $times } times what it was before: is it in { $unit }?
+moved = { $serial } was in { $from_imu } { $from_slot } in its last record and is in { $to_imu } { $to_slot } now

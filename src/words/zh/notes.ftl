@@ -1,1 +1,45 @@
-# notes
+# 采用前须知。
+
+no_attitudes = 没有姿态列：比力与角速度未与姿态核对
+no_site = 未给出测试站位置：静态测点的比力按标准重力核对
+no_temperatures = 没有温度列：看不到温度效应
+
+attitudes_missing = { $of }个测点中有{ $count }个没有姿态（{ $dwells }）：这些测点未与姿态核对，且看不到测试站的效应
+temperatures_missing = { $of }个测点中有{ $count }个没有温度（{ $dwells }）：取自相邻测点
+temperatures_mostly_missing = { $of }个测点中有{ $count }个没有温度（{ $dwells }）：有温度的测点过少，看不到温度效应
+standard_errors_missing = { $of }个测点中有{ $count }个没有标准误差（{ $dwells }）：取其余测点的中位数，并按时长换算
+and_more = { $named }，另有{ $more }个
+temperature_outlier = /dwells/{ $dwell }的温度为{ $celsius } °C，而本次试验的中位数为{ $median } °C：视为传感器的故障值，不计入温度效应
+rate_not_of_attitude = { $of }个静态测点中有{ $off }个的rate_arcsec_s不等于该姿态与测试站纬度下的地球自转角速度：/dwells/{ $dwell }处相差{ $most } arcsec/s
+no_standard_errors = 没有标准误差：各测点等权，噪声由残差给出
+no_repeats = 没有重复测点：只能凭拟合本身区分噪声与模型未含的部分
+noise_grows_with_rate = 最高角速度下的残差为静止时的{ $times }倍；标准差随之变化
+standard_errors_overstated = 给定的标准误差大于测点的实际散布（{ $gyros }）：若其有误，以其为据的标准差偏大，且小的差异可能无法发现
+overstated_times = { $slot }为{ $times }倍
+overstated_by_far = { $slot }远大于
+residuals_exceed_noise = { $slots }：残差大于噪声，模型有所遗漏（见诊断）
+effect_left_out = { $effect }未参与拟合：{ $why }
+effect_left_out_of_gyro = { $slot }：{ $effect }未参与拟合：{ $why }
+effects_left_out = 模型中的附加效应未计入：{ $why }
+not_told_apart = 这些测点不能将其与其他项区分
+nominal_axis = { $slot }：本次试验不能确定E；采用标称输入轴与{ $scale } pulse/arcsec
+
+time_near_epoch = 时间接近{ $epoch }，即未校时时钟的起点：暂不计入，待确认时间
+time_far_from_others = 时间与其陀螺的其他记录相差数十年（最近的记录为{ $nearest }）：暂不计入，待确认时间
+others_set_aside = 更早的记录比本记录早数十年，已暂不计入，待确认其时间：{ $records }
+record_of_day = { $record }（{ $day }）
+ahead_of_now = 时间比服务时钟超前{ $hours }小时：测试站时钟是否正确？
+new_serial = { $serial }首次出现于{ $slot }，该位置此前为{ $had }
+new_serial_like = { $serial }首次出现于{ $slot }，该位置此前为{ $had }；最接近的已知编号为{ $nearest }
+look_alike = { $of ->
+    [imu] 新惯组编号{ $name }与已知惯组编号{ $known }形似
+    [station] 新测试站名{ $name }与已知测试站名{ $known }形似
+   *[serial] 新陀螺编号{ $name }与已知陀螺编号{ $known }形似
+}
+serials_exchanged = 陀螺编号互换：{ $fits }
+figures_of = { $serial }的数据属于{ $other }
+other_unit = 全部陀螺（{ $serials }）同时偏离各自上次水平{ $budgets }个允许值以上：是否为另一套惯组的数据？
+identical_figures = { $serials }：与{ $at }的记录{ $record }逐位相同；是否为同一次测量改了时间？
+unit_factor = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否有误？
+unit_factor_of = { $serials }的{ $quantity }为此前的{ $times }倍：单位是否为{ $unit }？
+moved = { $serial }上次记录时在{ $from_imu } { $from_slot }，现在{ $to_imu } { $to_slot }

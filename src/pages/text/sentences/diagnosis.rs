@@ -171,6 +171,38 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "未给出测试站位置：静态位置段的比力按标准重力核对",
     ),
     ("no temperature column: effects of temperature cannot be seen", "没有温度列：看不到温度效应"),
+    // Notes of its campaign: a diagnosis keeps them in English.
+    (
+        "no attitude in {} of {} dwells ({}): these were not checked against it, and effects of the station cannot be seen",
+        "{1}个测点中有{0}个没有姿态（{2}）：这些测点未与姿态核对，且看不到测试站的效应",
+    ),
+    (
+        "no temperature in {} of {} dwells ({}): it is taken from the dwells beside them",
+        "{1}个测点中有{0}个没有温度（{2}）：取自相邻测点",
+    ),
+    (
+        "no temperature in {} of {} dwells ({}): with so few, effects of temperature cannot be seen",
+        "{1}个测点中有{0}个没有温度（{2}）：有温度的测点过少，看不到温度效应",
+    ),
+    (
+        "no standard errors in {} of {} dwells ({}): they get the median of the others, scaled to their duration",
+        "{1}个测点中有{0}个没有标准误差（{2}）：取其余测点的中位数，并按时长换算",
+    ),
+    ("{} and {} more", "{0}，另有{1}个"),
+    (
+        "the temperature of {} is {} deg C where the campaign's median is {} deg C: taken for a fault value of the sensor and left \
+         out of temperature effects",
+        "{0}的温度为{1} °C，而本次试验的中位数为{2} °C：视为传感器的故障值，不计入温度效应",
+    ),
+    (
+        "no temperature in {} of {} dwells ({}): it is taken from the neighbouring dwells",
+        "{1}个测点中有{0}个没有温度（{2}）：取自相邻测点",
+    ),
+    (
+        "the temperature of {} is {} deg C; the campaign's median is {} deg C.",
+        "{0}的温度为{1} °C，而本次试验的中位数为{2} °C：",
+    ),
+    ("Taken for a fault value of the sensor and left out of temperature effects", "视为传感器的故障值，不计入温度效应"),
     // Notes of a fit.
     (
         "no standard errors: all dwells have equal weight and the residuals give the noise",
@@ -241,10 +273,5 @@ pub(super) const SENTENCES: &[Sentence] = &[
     (
         "the input and spin directions of equations (8) to (13) coincide for this E",
         "对此E，公式(8)-(13)的输入轴与电机轴方向重合",
-    ),
-    // What stands instead of a verdict's words.
-    (
-        "As it was decided when the record was judged; the limits or the history have changed since.",
-        "按当时的判定；此后限值或历史已改变。",
     ),
 ];

@@ -16,7 +16,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         CampaignNote::Missing { column, dwells, of } => {
             let (count, of, dwells) = (dwells.len(), *of, places(dwells));
             match column {
-                Column::Attitude => message!("attitudes_missing", count = count, of = of, dwells = dwells),
+                Column::Attitude => message!("some_attitudes_missing", count = count, of = of, dwells = dwells),
                 Column::Temperature if 2 * count > of => {
                     message!("temperatures_mostly_missing", count = count, of = of, dwells = dwells)
                 }

@@ -6,7 +6,7 @@ no_temperatures = no temperature column: effects of temperature cannot be seen
 
 ## Of a campaign's dwells and their fit
 
-attitudes_missing = no attitude in { $count } of { $of } dwells ({ $dwells }): these were not checked against it, and effects of the station cannot be seen
+some_attitudes_missing = no attitude in { $count } of { $of } dwells ({ $dwells }): these were not checked against it, and effects of the station cannot be seen
 temperatures_missing = no temperature in { $count } of { $of } dwells ({ $dwells }): it is taken from the neighbouring dwells
 temperatures_mostly_missing = no temperature in { $count } of { $of } dwells ({ $dwells }): with so few, effects of temperature cannot be seen
 standard_errors_missing = no standard errors in { $count } of { $of } dwells ({ $dwells }): they get the median of the others, scaled to their duration

@@ -4,7 +4,7 @@ no_attitudes = 没有姿态列：比力与角速度未与姿态核对
 no_site = 未给出测试站位置：静态测点的比力按标准重力核对
 no_temperatures = 没有温度列：看不到温度效应
 
-attitudes_missing = { $of }个测点中有{ $count }个没有姿态（{ $dwells }）：这些测点未与姿态核对，且看不到测试站的效应
+some_attitudes_missing = { $of }个测点中有{ $count }个没有姿态（{ $dwells }）：这些测点未与姿态核对，且看不到测试站的效应
 temperatures_missing = { $of }个测点中有{ $count }个没有温度（{ $dwells }）：取自相邻测点
 temperatures_mostly_missing = { $of }个测点中有{ $count }个没有温度（{ $dwells }）：有温度的测点过少，看不到温度效应
 standard_errors_missing = { $of }个测点中有{ $count }个没有标准误差（{ $dwells }）：取其余测点的中位数，并按时长换算

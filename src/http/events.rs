@@ -17,6 +17,7 @@ use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
 use crate::http::remark::{Said, gyro_named, submit};
 use crate::pipeline::{Actor, EventRow, GyroEvent};
+use crate::store;
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::{json, time};
@@ -83,7 +84,7 @@ struct Events {
         (status = 200, description = "the events", body = Events),
         (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
 async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
-    let events = app.pipeline.store().events(query::gyro(&app, &serial)?).await?;
+    let events = store::event::of_gyro(app.pipeline.store(), query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
 

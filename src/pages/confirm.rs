@@ -13,6 +13,7 @@ use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::pages::history::name;
 use crate::pipeline::{Actor, Confirmation, Id, Submission};
+use crate::store;
 use crate::wire::history_note;
 use crate::wire::problem::Problem;
 
@@ -62,8 +63,8 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
     let unknown = || Problem::no_such("record", id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let store = pages.pipeline.store();
-    let row = store.record(number).await?.ok_or_else(unknown)?;
-    if !store.is_set_aside(number).await? {
+    let row = store::record::get(store, number).await?.ok_or_else(unknown)?;
+    if !store::set_aside::is_set_aside(store, number).await? {
         let detail = format!("{number} is not set aside: there is nothing to confirm");
         return Err(Problem::new(409, "Not set aside", detail));
     }

@@ -10,6 +10,7 @@ use super::figure::{self, short};
 use super::layout::{instant, symbol};
 use super::text::Text;
 use crate::pipeline::{Id, Kind, NotSplit, RecordHead, StoredCampaign};
+use crate::store;
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
@@ -40,7 +41,7 @@ impl Against {
         diagnosis: &DiagnosisBody,
         asked: &Asked,
     ) -> Result<Self, Problem> {
-        let mut offered = pages.pipeline.store().records_of_imu(stored.row.imu, OFFERED).await?;
+        let mut offered = store::record::of_imu(pages.pipeline.store(), stored.row.imu, OFFERED).await?;
         offered.retain(|head| head.id != stored.row.id);
         let newest_before = offered.iter().find(|head| head.calibrated_at < stored.row.calibrated_at);
         let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {

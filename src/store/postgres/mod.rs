@@ -5,12 +5,12 @@
 //! lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
 
 mod bounded;
-mod claim;
+pub mod claim;
 mod hosts;
 mod lease;
-mod names;
-mod other_servers;
-mod standing;
+pub(in crate::store) mod names;
+pub mod other_servers;
+pub mod standing;
 mod turn;
 
 use std::time::{Duration, Instant};

@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::core::calibrate::effect_columns::{Regressor, adding, told_apart};
+use crate::core::calibrate::regressor::{Regressor, adding, told_apart};
 use crate::core::effects::Effect;
 use crate::core::numerics::least_squares::Factor;
 

@@ -1,6 +1,6 @@
 //! Functions of specific force beyond model (6)'s.
 
-use super::{Coefficient, Effect, Entry, Scope, Shape, Typical, linear, nothing_missing};
+use super::entry::{Coefficient, Effect, Entry, Scope, Shape, Typical, linear, nothing_missing};
 
 pub const CROSS_COMPLIANCE: Entry = Entry {
     effect: Effect::CrossCompliance,

@@ -1,6 +1,6 @@
 //! Effects of what came before: the gyro remembers the orientation it was in.
 
-use super::{Coefficient, Effect, Entry, Scope, Typical, linear, nothing_missing};
+use super::entry::{Coefficient, Effect, Entry, Scope, Typical, linear, nothing_missing};
 
 pub const HYSTERESIS: Entry = Entry {
     effect: Effect::Hysteresis,

@@ -1,6 +1,7 @@
 //! Model (6)'s own terms as effects: candidates whenever the model in use leaves them out.
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Typical, linear, nothing_missing};
+use super::entry::{Coefficient, Effect, Entry, Scope, Typical, linear, nothing_missing};
+use super::setting::Setting;
 
 pub const G_LINEAR: Entry = Entry {
     effect: Effect::GLinear,

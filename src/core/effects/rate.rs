@@ -1,6 +1,7 @@
 //! Effects that show when the table turns. w in arcsec/s = deg/h.
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, nothing_missing};
+use super::entry::{Coefficient, Effect, Entry, Scope, Shape, Typical, linear, nothing_missing};
+use super::setting::Setting;
 
 pub const SCALE_ASYMMETRY: Entry = Entry {
     effect: Effect::ScaleAsymmetry,

@@ -7,7 +7,8 @@
 
 use nalgebra::Vector3;
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, no_attitude};
+use super::entry::{Coefficient, Effect, Entry, Scope, Shape, Typical, linear, no_attitude};
+use super::setting::Setting;
 use crate::core::campaign::Phase;
 
 pub const LEVELLING: Entry = Entry {

@@ -1,6 +1,7 @@
 //! Effects of temperature, T = temperature minus the campaign's mean, K.
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, no_temperature};
+use super::entry::{Coefficient, Effect, Entry, Scope, Shape, Typical, linear, no_temperature};
+use super::setting::Setting;
 
 pub const TEMPERATURE_BIAS: Entry = Entry {
     effect: Effect::TemperatureBias,

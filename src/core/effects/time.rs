@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU as FULL_TURN;
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, nothing_missing};
+use super::entry::{Coefficient, Effect, Entry, Scope, Shape, Typical, linear, nothing_missing};
+use super::setting::Setting;
 
 pub const WARMUP: Entry = Entry {
     effect: Effect::Warmup,

@@ -7,6 +7,7 @@ pub(super) mod identifiability;
 pub(super) mod impact;
 pub(super) mod indistinguishable;
 pub(super) mod likeness;
+pub(super) mod named;
 pub(super) mod next_dwells;
 pub(super) mod remaining;
 pub(super) mod stated_errors;

@@ -1,6 +1,6 @@
 //! Why an entry that was tried was not named, in the order in which the search decides.
 
-use crate::core::diagnose::report::assemble::Named;
+use crate::core::diagnose::report::named::Named;
 use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::stepwise::{Choice, MOST, Search};

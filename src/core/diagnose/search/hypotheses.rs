@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVectorView};
 
-use crate::core::diagnose::Adopted;
+use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::competitors::{COMPETITORS, Competitor, Prior};
 use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};

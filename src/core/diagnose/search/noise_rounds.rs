@@ -4,13 +4,13 @@
 //! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
 //! growth averaged out, not only at its best value.
 
-use crate::core::diagnose::Refusal;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, log_mean, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::{Bank, Kind};
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::refined_shape::sharpened;
 use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
+use crate::core::effects::Refusal;
 
 /// Probability with which noise alone may get anything named.
 pub const FALSE_ALARM: f64 = 0.008;

@@ -6,8 +6,9 @@
 
 use std::ops::Range;
 
-use crate::core::diagnose::search::bayes_factor::{MAX_GYROS, score};
+use crate::core::diagnose::search::bayes_factor::score;
 use crate::core::diagnose::search::hypotheses::{Bank, Hypothesis, Kind};
+use crate::core::diagnose::search::projections::MAX_GYROS;
 use crate::core::diagnose::search::projections::Seen;
 
 /// Cells of a table over u from 0 to 1.

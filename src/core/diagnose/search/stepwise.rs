@@ -6,11 +6,13 @@ use std::rc::Rc;
 
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::bayes_factor::{Score, State, scores, state, together};
+use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
 use crate::core::diagnose::search::hypotheses::{Bank, Kind};
 use crate::core::diagnose::search::null_distribution::Null;
+use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
 use crate::core::effects::competitors::{COMPETITORS, WANDERING};
 use crate::core::numerics::basis::Basis;
+use crate::core::numerics::log_sum::LogSum;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
 pub(crate) const MOST: usize = 4;
@@ -337,6 +339,53 @@ impl Search<'_> {
             choices.remove(weakest);
             self.polish(&mut choices);
         }
+    }
+
+    /// Drops names that the others, chosen anew without them, make superfluous, the least missed first: a cause that two entries
+    /// explain alike may have been given to one of them in some gyros and to the other in the rest.
+    pub(crate) fn fewest(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+        while choices.len() > 1 {
+            let all = self.evidence_together(&choices);
+            let fewer = (0..choices.len()).filter(|&i| !choices[i].is_competitor()).map(|i| {
+                let mut fewer = without(&choices, i);
+                self.polish_contract(&mut fewer);
+                (all - self.evidence_together(&fewer), fewer)
+            });
+            match fewer.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
+                Some((missed, mut fewer)) if missed <= self.needed(fewer.len()) => {
+                    self.polish(&mut fewer);
+                    choices = self.prune(fewer);
+                }
+                _ => break,
+            }
+        }
+        choices
+    }
+
+    /// Evidence of all choices together less what each further cause costs beforehand.
+    pub(crate) fn worth(&self, choices: &[Choice]) -> f64 {
+        self.evidence_together(choices) - PER_CAUSE * choices.len() as f64
+    }
+
+    /// Evidence of all choices: each given those before it, in its own gyros.
+    fn evidence_together(&self, choices: &[Choice]) -> f64 {
+        (0..choices.len()).map(|i| self.in_members(&choices[..i], &choices[i])).sum()
+    }
+
+    /// Evidence of a choice in its own gyros and no others, given `before`. [`Search::scores`] average over all sets of gyros: were
+    /// that added up, two names that share the gyros between them would each be credited with the other's. For the same reason each
+    /// gyro's noise is its own here: what is taken out of one must not make another's evidence stronger.
+    fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
+        let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
+        let hypotheses = &self.bank.hypotheses[range.clone()];
+        let state = each_by_itself(self.frame, self.extras(before));
+        let products = Products::of_some(self.bank, hypotheses, &state);
+        let seen = products.seen(&state);
+        let mut total = LogSum::default();
+        for hypothesis in hypotheses {
+            total.add(log_bayes_in(hypothesis, &choice.members, &seen));
+        }
+        total.log() + if matches!(choice.kind, Kind::Competitor(_)) { SUSPECT_ODDS } else { 0.0 }
     }
 }
 

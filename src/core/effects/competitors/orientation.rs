@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::{Competitor, Prior, one, picked};
+use super::entry::{Competitor, Prior, one, picked};
 use crate::core::campaign::Phase;
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use crate::core::effects::entry::{Effect, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
 pub const ORIENTATION_HARMONICS: Competitor = Competitor {
     id: "orientation_harmonics",

@@ -1,8 +1,9 @@
 //! Competing hypotheses that follow the rate, this one or those before.
 
-use super::{Competitor, Prior, one, picked};
+use super::entry::{Competitor, Prior, one, picked};
 use crate::core::campaign::Phase;
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use crate::core::effects::entry::{Effect, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
 pub const RATE_EVEN: Competitor = Competitor {
     id: "rate_even",

@@ -1,7 +1,8 @@
 //! Competing hypotheses that follow temperature.
 
-use super::{Competitor, Prior, mid, one, picked};
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use super::entry::{Competitor, Prior, mid, one, picked};
+use crate::core::effects::entry::{Effect, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
 pub const BENT_TEMPERATURE: Competitor = Competitor {
     id: "bent_temperature",

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Competitor, Prior, mid, one, picked};
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use super::entry::{Competitor, Prior, mid, one, picked};
+use crate::core::effects::entry::{Effect, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
 pub const CURVE_IN_TIME: Competitor = Competitor {
     id: "curve_in_time",

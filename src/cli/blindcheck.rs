@@ -73,7 +73,7 @@ fn case(text: &str) -> Result<Case, String> {
 }
 
 fn effect(text: &str) -> Result<String, String> {
-    let known = CATALOGUE.iter().any(|(id, _)| *id == text);
+    let known = CATALOGUE.iter().any(|known| known.id == text);
     known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", listed()))
 }
 

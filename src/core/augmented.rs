@@ -72,23 +72,14 @@ impl AugmentedModel {
     }
 
     fn options_with(&self, campaign: &Campaign, terms: Terms) -> Options {
-        let of_model_6 = self.effects.iter().filter_map(|known| term(known.adopted.effect));
+        let of_model_6 = self.effects.iter().filter_map(|known| known.adopted.effect.term());
         let terms: Vec<Term> = terms.iter().chain(of_model_6).collect();
         let here = self
             .found_in
             .as_ref()
             .is_some_and(|found| found.imu == campaign.imu && found.measured_at == campaign.measured_at);
         let adopted = self.effects.iter().map(|known| &known.adopted);
-        let adopted = adopted.filter(|a| term(a.effect).is_none() && (here || !of_one_occasion(a.effect)));
+        let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
         Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect() }
     }
-}
-
-/// The term of model (6) that an entry of the catalogue stands for.
-pub fn term(effect: Effect) -> Option<Term> {
-    Term::from_name(effect.id())
-}
-
-fn of_one_occasion(effect: Effect) -> bool {
-    matches!(effect, Effect::BiasStep | Effect::OutlierDwell)
 }

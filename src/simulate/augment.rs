@@ -66,7 +66,7 @@ impl Response {
         for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| known.adopted.slots.contains(&axes.slot)) {
             let own = if entry.scope == Scope::Common { None } else { Some(axes.slot) };
             let columns = (entry.columns)(setting, j, shape);
-            for (coefficient, column) in (entry.coefficients)(shape).iter().zip(columns) {
+            for (coefficient, column) in entry.coefficients(shape).iter().zip(columns) {
                 let estimate = known.estimates.iter().find(|e| e.slot == own && e.name == coefficient.name);
                 let value = estimate.map(|e| e.value).ok_or(NotPossible::NoEstimate {
                     effect: entry.id,

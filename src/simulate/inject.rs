@@ -33,7 +33,7 @@ pub fn injected(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut C
     let (kind, typical) = match choice.effect.strip_prefix("outside:") {
         Some(family) => (Kind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
         None => {
-            let typical = CATALOGUE.iter().find(|(id, _)| *id == choice.effect).ok_or_else(unknown)?.1;
+            let typical = CATALOGUE.iter().find(|known| known.id == choice.effect).ok_or_else(unknown)?.typical;
             let effect = Effect::draw(&choice.effect, &fixed, &mid_h, rng).ok_or_else(unknown)?;
             (Kind::Catalogue(effect), typical)
         }

@@ -37,7 +37,7 @@ pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors
             all.notes.push(CampaignNote::EffectLeftOut { slot: None, effect, why });
             continue;
         }
-        let coefficients = (entry.coefficients)(adopted.shape);
+        let coefficients = entry.coefficients(adopted.shape);
         let first = all.shared.len();
         if entry.scope == Scope::Common {
             all.shared.resize_with(first + coefficients.len(), || vec![None; campaign.gyros.len()]);

@@ -98,7 +98,7 @@ mod tests {
     }
 
     fn regressor(column: DVector<f64>) -> Option<Regressor> {
-        let coefficient = (Effect::Levelling.entry().coefficients)(crate::core::effects::Shape::Linear)[0];
+        let coefficient = Effect::Levelling.entry().coefficients(crate::core::effects::Shape::Linear)[0];
         Some(Regressor { effect: Effect::Levelling, coefficient, column })
     }
 

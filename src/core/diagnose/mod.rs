@@ -22,10 +22,11 @@ use crate::core::diagnose::search::noise_rounds::Settled;
 
 use super::augmented::Options;
 use super::campaign::Campaign;
-use super::effects::Refusal;
+use super::effects::{CATALOGUE, COMPETITORS, Refusal};
 
-/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 7;
+/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the catalogue raises it by itself:
+/// there were 48 when it was 7.
+pub const METHOD: u32 = 7 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use.
 ///

@@ -15,12 +15,10 @@ use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::Score;
-use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::odds;
 use crate::core::diagnose::search::refined_shape::shape_sd;
 use crate::core::diagnose::search::stepwise::Search;
-use crate::core::effects::competitors::COMPETITORS;
 use crate::core::effects::{Effect, Estimate, Shape};
 use crate::core::numerics::basis::{Basis, dot};
 
@@ -127,15 +125,15 @@ fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
     for choice in &settled.found {
-        if let Kind::Competitor(i) = choice.kind {
+        if choice.is_competitor() {
             let p_value = search.p_value(choice.evidence);
-            list.push(Sign { kind: COMPETITORS[i].id, slots: slots(frame, &choice.members), p_value });
+            list.push(Sign { kind: choice.kind.id(), slots: slots(frame, &choice.members), p_value });
         }
     }
     for named in named {
-        if let Some(Kind::Competitor(i)) = named.rival {
+        if let Some(rival) = named.rival {
             let p_value = search.p_value(named.evidence);
-            list.push(Sign { kind: COMPETITORS[i].id, slots: slots(frame, &named.part.members), p_value });
+            list.push(Sign { kind: rival.id(), slots: slots(frame, &named.part.members), p_value });
         }
     }
     let extras: Vec<Basis> = (0..frame.gyros.len())
@@ -264,10 +262,7 @@ fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate
 fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64], frame: &Frame) -> Vec<Candidate> {
     let known = search.scores(&[]);
     let why_not = WhyNot { settled, search, named };
-    let open = |score: &&Score| match score.kind {
-        Kind::Effect(effect) => !named.iter().any(|n| n.part.effect == effect),
-        Kind::Competitor(_) => false,
-    };
+    let open = |score: &&Score| score.kind.is_nameable() && !named.iter().any(|n| n.part.effect == score.kind);
     let mut alone: Vec<&Score> = known.iter().filter(open).collect();
     alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
     let judged = alone.iter().filter_map(|score| {

@@ -9,7 +9,6 @@
 use crate::core::diagnose::diagnosis::HeldOut;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::Effect;
 use crate::core::numerics::basis::{Basis, axpy, dot};
 use crate::core::numerics::cholesky::Lower;
 
@@ -33,7 +32,7 @@ pub(crate) struct Errors {
 /// Errors of all gyros without and with the effects in question, `kept` in the model both times. A gyro that they leave
 /// alone counts too: what other causes leave in it is part of the gap that is not closed.
 pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
-    let by_time = asked.iter().any(|part| follows_time(part.effect));
+    let by_time = asked.iter().any(|part| part.effect.entry().follows_time);
     let mut errors = Errors::default();
     for (j, &variance) in variances.iter().enumerate() {
         let without = basis(frame, j, kept, None);
@@ -94,10 +93,6 @@ impl Errors {
             interval: [low.min(closure), high.max(closure)],
         }
     }
-}
-
-fn follows_time(effect: Effect) -> bool {
-    matches!(effect, Effect::Warmup | Effect::TimeRamp | Effect::BiasStep | Effect::Periodic | Effect::TemperatureBias)
 }
 
 fn basis(frame: &Frame, j: usize, kept: &[&Part], asked: Option<&[&Part]>) -> Basis {

@@ -4,7 +4,6 @@ use crate::core::diagnose::diagnosis::Sign;
 use crate::core::diagnose::report::indistinguishable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
 use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
@@ -21,7 +20,7 @@ pub(crate) struct Named {
     pub class: Vec<Effect>,
     pub wider_in: Vec<(usize, Vec<Effect>)>,
     pub evidence: f64,
-    pub rival: Option<Kind>,
+    pub rival: Option<Effect>,
 }
 
 impl Named {
@@ -41,11 +40,14 @@ impl Named {
 pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
     let mut named: Vec<Named> = Vec::new();
     let mut crowded = Vec::new();
-    let outliers = found.iter().filter(|c| c.kind == Kind::Effect(Effect::OutlierDwell)).count();
+    let outliers = found.iter().filter(|c| c.kind.entry().is_one_dwell()).count();
     for (i, choice) in found.iter().enumerate() {
-        let Kind::Effect(effect) = choice.kind else { continue };
+        let effect = choice.kind;
+        if !effect.is_nameable() {
+            continue;
+        }
         let members = indistinguishable::members(search, found, i);
-        if effect == Effect::OutlierDwell && outliers > 1 {
+        if effect.entry().is_one_dwell() && outliers > 1 {
             crowded.push(Sign {
                 kind: "several_bad_dwells",
                 slots: slots(search.frame, &members),
@@ -84,7 +86,7 @@ pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>
 /// Two courses in time in one gyro that a single wandering one would replace without much loss: each may be there, or
 /// neither.
 fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
-    let course = |choice: &Choice| matches!(choice.kind, Kind::Effect(effect) if effect.is_course_in_time());
+    let course = |choice: &Choice| choice.kind.entry().course_in_time;
     let mut signs = Vec::new();
     for (i, first) in found.iter().enumerate().filter(|(_, choice)| course(choice)) {
         for (j, second) in found.iter().enumerate().skip(i + 1).filter(|(_, choice)| course(choice)) {

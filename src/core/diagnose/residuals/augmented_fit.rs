@@ -115,7 +115,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
         fitted.push(Fitted {
             part: unknown.part,
             gyro: unknown.gyro,
-            coefficient: (part.effect.entry().coefficients)(part.shape)[unknown.number],
+            coefficient: part.effect.entry().coefficients(part.shape)[unknown.number],
             value,
             sd: covariance[(u, u)].max(0.0).sqrt() / lengths[u],
         });

@@ -14,16 +14,17 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, Kind};
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis};
 use crate::core::diagnose::search::projections::{MAX_GYROS, Products, Seen, State};
 use crate::core::diagnose::search::shared_coefficients::Common;
+use crate::core::effects::Effect;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::small_systems;
 
 /// One kind's evidence given a state.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
-    pub kind: Kind,
+    pub kind: Effect,
     pub log_evidence: f64,
     /// Index of the hypothesis that weighs most.
     pub best: usize,
@@ -53,7 +54,7 @@ pub(crate) fn together(logs: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Scores one kind of hypothesis.
-pub(crate) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
+pub(crate) fn score(bank: &Bank, kind: Effect, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
     let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
     let mut total = LogSum::default();
     for i in range {

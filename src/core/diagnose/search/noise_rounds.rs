@@ -6,7 +6,7 @@
 
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, log_mean, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::{Bank, Kind};
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::refined_shape::sharpened;
 use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
@@ -114,7 +114,7 @@ fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) ->
         for i in 0..found.len() {
             let without = excess(&designs(frame, search.bank, &found, Some(i)));
             found[i].evidence = search.earned_beside_others(&found, i) + with_all - without;
-            let named = matches!(found[i].kind, Kind::Effect(_));
+            let named = found[i].kind.is_nameable();
             if named
                 && found[i].evidence < search.needed(found.len() - 1)
                 && weakest.is_none_or(|(_, e)| found[i].evidence < e)

@@ -1,6 +1,11 @@
 //! Why an entry that was tried was not named, in the order in which the search decides.
 
-use crate::core::diagnose::report::named::Named;
+use crate::core::diagnose::diagnosis::Candidate;
+use crate::core::diagnose::report::closure::UNSEEN;
+use crate::core::diagnose::report::named::{Named, slots};
+use crate::core::diagnose::report::{held_out, identifiability};
+use crate::core::diagnose::search::bayes_factor::Score;
+use crate::core::diagnose::search::hypotheses::INVISIBLE;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::stepwise::{Choice, MOST, Search};
 use crate::core::effects::Effect;
@@ -70,6 +75,35 @@ impl WhyNot<'_> {
             more => more.iter().min_by(|a, b| beside(a).total_cmp(&beside(b))),
         }
     }
+}
+
+/// Every other entry that was tried, best first, with why it was not taken.
+pub(crate) fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64]) -> Vec<Candidate> {
+    let (frame, known) = (&settled.frame, search.scores(&[]));
+    let why_not = WhyNot { settled, search, named };
+    let open = |score: &&Score| score.kind.is_nameable() && !named.iter().any(|n| n.part.effect == score.kind);
+    let mut alone: Vec<&Score> = known.iter().filter(open).collect();
+    alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+    let judged = alone.iter().filter_map(|score| {
+        let choice = search.choice(score);
+        let part = search.part(&choice)?;
+        let (effect, earned) = (part.effect, search.earned(&[], score.kind));
+        let visible = identifiability::visible(&settled.bank, effect) > INVISIBLE;
+        let held_out = visible.then(|| {
+            let coefficients = part.columns(frame, 0).len() as f64;
+            held_out::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
+        });
+        Some(Candidate {
+            effect,
+            closure: held_out.map(|h| h.closure),
+            interval: held_out.map(|h| h.interval),
+            p_value_adjusted: search.p_value(earned),
+            within_noise: earned <= search.needed(0) && !search.is_ruled_out(&[], score.kind),
+            gyros: slots(frame, &choice.members),
+            why_not: why_not.of(effect, earned, visible),
+        })
+    });
+    judged.collect()
 }
 
 fn told(kind: Effect) -> &'static str {

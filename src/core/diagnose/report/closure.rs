@@ -1,30 +1,22 @@
-//! Turns what the search settled on into the answer: names with classes, closure, what remains, what was not taken.
+//! How far the named effects close the gap, and what remains beside them.
 
-use super::impact;
 use super::remaining::{self, Left, Tested};
 use crate::core::diagnose::diagnosis::*;
 use crate::core::diagnose::report::held_out;
-use crate::core::diagnose::report::identifiability;
-use crate::core::diagnose::report::named::{Named, all_slots, named, slots};
-use crate::core::diagnose::report::next_dwells;
-use crate::core::diagnose::report::stated_errors;
-use crate::core::diagnose::report::where_in_campaign;
-use crate::core::diagnose::report::why_not_named::WhyNot;
+use crate::core::diagnose::report::named::{Named, all_slots, slots};
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::bayes_factor::Score;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
-use crate::core::diagnose::search::odds;
 use crate::core::diagnose::search::refined_shape::shape_sd;
 use crate::core::diagnose::search::stepwise::Search;
-use crate::core::effects::{Effect, Estimate, Shape};
+use crate::core::effects::{Estimate, Shape};
 use crate::core::numerics::basis::{Basis, dot};
 
 /// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests that know no
 /// catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never contradict one another.
-const GAP: f64 = 0.02;
+pub(crate) const GAP: f64 = 0.02;
 const SHARE_OF_SEARCH: f64 = FALSE_ALARM / GAP;
 const REMAINS: f64 = GAP - FALSE_ALARM;
 
@@ -33,72 +25,14 @@ const REMAINS: f64 = GAP - FALSE_ALARM;
 const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
-const UNSEEN: f64 = 10.0;
+pub(crate) const UNSEEN: f64 = 10.0;
 
-pub(crate) fn report(settled: &Settled) -> Diagnosis {
-    let (frame, search) = (&settled.frame, settled.search());
-    let (mut named, crowded) = named(&search, &settled.found);
-    let mut closes = odds::closing(frame, named.iter().map(|n| n.part.clone()).collect(), UNSEEN).into_iter();
-    named.retain(|_| closes.next().unwrap_or(true));
-    let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
-    let fit = augmented_fit::fit(frame, &parts);
-    let signs = signs(settled, &search, &named, &fit, &crowded);
-    let remains = signs.p_value < level(&named);
-    let variances = floor_variances(frame, &fit, remains);
-    let noise_floor = noise_floor::report(frame, &variances, !remains);
-    let gap = gap(settled, &search, &variances, &signs, named.is_empty());
-    let effects = effects(settled, &named, &parts, &fit, &variances, &noise_floor);
-    let all: Vec<&Part> = parts.iter().collect();
-    let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
-    let mimics = identifiability::mimics(frame, &settled.bank, &parts);
-    Diagnosis {
-        terms: frame.terms,
-        adopted: frame.adopted.clone(),
-        verdict: match (named.is_empty(), remains) {
-            (true, _) if gap.p_value >= GAP => Verdict::NoGap,
-            (true, _) => Verdict::Unexplained,
-            (false, false) => Verdict::Explained,
-            (false, true) => Verdict::PartlyExplained,
-        },
-        gap,
-        located: where_in_campaign::located(frame, &variances),
-        closure: (!parts.is_empty()).then(|| {
-            held_out::errors(frame, &[], &all, &variances).held_out(
-                noise_floor.deg_per_h,
-                fit.fitted.len() as f64,
-                UNSEEN,
-            )
-        }),
-        noise_floor,
-        effects,
-        remaining: Remaining {
-            rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
-            reduced_chi2: reduced_chi2(&fit, &variances),
-            p_value: signs.p_value,
-            signs: signs.list,
-        },
-        candidates: candidates(settled, &search, &named, &variances, frame),
-        not_identifiable: identifiability::not_identifiable(frame, &settled.bank, &mimics),
-        impact: impact::impact(frame, &parts, &fit),
-        next_dwells: next_dwells::next_dwells(frame, &settled.bank, &parts, &fit, &classes, &mimics),
-        residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
-        of_campaign: frame.of_campaign.clone(),
-        notes: frame
-            .notes
-            .iter()
-            .cloned()
-            .chain(stated_errors::too_large(frame))
-            .chain(stated_errors::too_small(frame, &fit))
-            .collect(),
-    }
-}
-
-fn level(named: &[Named]) -> f64 {
+pub(crate) fn level(named: &[Named]) -> f64 {
     if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
 }
 
 /// Where something remains the residual is no measure of noise: repeats and stated errors are.
-fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
+pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
     if !remains {
         return fit.variances.clone();
     }
@@ -110,18 +44,18 @@ fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
         .collect()
 }
 
-fn reduced_chi2(fit: &Fit, variances: &[f64]) -> f64 {
+pub(crate) fn reduced_chi2(fit: &Fit, variances: &[f64]) -> f64 {
     let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
     chi2 / fit.dof.iter().sum::<f64>()
 }
 
-struct Signs {
-    list: Vec<Sign>,
-    p_value: f64,
+pub(crate) struct Signs {
+    pub list: Vec<Sign>,
+    pub p_value: f64,
 }
 
 /// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no catalogue.
-fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
+pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
     for choice in &settled.found {
@@ -178,7 +112,7 @@ fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
     tests
 }
 
-fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
+pub(crate) fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
     let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
     let from_search = search.p_value(best);
     let from_tests = if nothing_named { signs.p_value / (1.0 - SHARE_OF_SEARCH) } else { 1.0 };
@@ -195,7 +129,7 @@ fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, not
     }
 }
 
-fn effects(
+pub(crate) fn effects(
     settled: &Settled,
     named: &[Named],
     parts: &[Part],
@@ -256,34 +190,4 @@ fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate
         _ => None,
     });
     list
-}
-
-/// Every other entry that was tried, best first, with why it was not taken.
-fn candidates(settled: &Settled, search: &Search, named: &[Named], variances: &[f64], frame: &Frame) -> Vec<Candidate> {
-    let known = search.scores(&[]);
-    let why_not = WhyNot { settled, search, named };
-    let open = |score: &&Score| score.kind.is_nameable() && !named.iter().any(|n| n.part.effect == score.kind);
-    let mut alone: Vec<&Score> = known.iter().filter(open).collect();
-    alone.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
-    let judged = alone.iter().filter_map(|score| {
-        let choice = search.choice(score);
-        let part = search.part(&choice)?;
-        let (effect, earned) = (part.effect, search.earned(&[], score.kind));
-        let visible =
-            identifiability::visible(&settled.bank, effect) > crate::core::diagnose::search::hypotheses::INVISIBLE;
-        let held_out = visible.then(|| {
-            let coefficients = part.columns(frame, 0).len() as f64;
-            held_out::errors(frame, &[], &[&part], variances).held_out(1.0, coefficients, UNSEEN)
-        });
-        Some(Candidate {
-            effect,
-            closure: held_out.map(|h| h.closure),
-            interval: held_out.map(|h| h.interval),
-            p_value_adjusted: search.p_value(earned),
-            within_noise: earned <= search.needed(0) && !search.is_ruled_out(&[], score.kind),
-            gyros: slots(frame, &choice.members),
-            why_not: why_not.of(effect, earned, visible),
-        })
-    });
-    judged.collect()
 }

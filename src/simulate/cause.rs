@@ -315,6 +315,7 @@ mod tests {
         for Injectable { id, typical, .. } in CATALOGUE {
             assert!(Effect::draw(id, &Particulars::default(), &[0.1, 0.2, 0.3, 0.4], &mut rng).is_some(), "{id}");
             assert!(typical > 0.0);
+            assert!(Effect::alternatives(id, 1.0, 4, &[]).is_some_and(|all| !all.is_empty()), "{id}");
         }
         assert!(COMMON.iter().all(|id| CATALOGUE.iter().any(|known| known.id == *id)));
         assert!(Effect::draw("time_rampp", &Particulars::default(), &[0.1], &mut rng).is_none());

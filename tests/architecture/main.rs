@@ -378,7 +378,7 @@ fn nothing_but_the_catalogue_lists_effects() {
     // Terms of model (6), and a symptom of commanded vectors, have these names in their own right.
     let of_model = ["g_linear", "g_squared", "scale", "heading"];
     let ids: Vec<String> = texts.iter().flat_map(|text| text.lines()).filter_map(id).collect();
-    let ids: Vec<String> = ids.into_iter().filter(|id| !of_model.contains(&id.as_str())).collect();
+    let ids: Vec<String> = ids.into_iter().filter(|id| !id.is_empty() && !of_model.contains(&id.as_str())).collect();
     assert!(ids.len() > 40, "{ids:?}");
     assert_eq!(effects_named("match e { Effect::TimeRamp => 1 }", &ids), ["TimeRamp"]);
     assert_eq!(effects_named("const SLOW: [&str; 1] = [\"time_ramp\"];", &ids), ["time_ramp"]);

@@ -6,7 +6,8 @@ use rand_distr::StandardNormal;
 
 use crate::core::fault::Faults;
 
-use super::scenario::{Profile, Temperature, fault};
+use super::fault_at::fault;
+use super::scenario::{Profile, Temperature};
 
 /// True temperature in deg C at each of the mid-times (hours, ascending).
 pub fn temperatures(spec: &Temperature, mid_h: &[f64], rng: &mut ChaCha8Rng) -> Result<Vec<f64>, Faults> {

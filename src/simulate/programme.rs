@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::core::campaign::Phase;
 use crate::core::fault::Faults;
 
-use super::scenario::fault;
+use super::fault_at::fault;
 
 /// Whole revolution, arcsec.
 const TURN_ARCSEC: f64 = 360.0 * 3600.0;

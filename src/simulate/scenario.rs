@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::fault_at::{below, fault};
 use crate::core::campaign::TestKind;
 use crate::core::fault::Faults;
 use crate::core::model::{Term, Terms};
@@ -349,16 +350,4 @@ impl Scenario {
 
 pub(crate) fn slot_named(name: &str, pointer: &str) -> Result<Slot, Faults> {
     Slot::from_name(name).ok_or_else(|| fault(pointer, format!("{name:?} is no slot; G1, G2 and G3 are")))
-}
-
-pub(crate) fn fault(pointer: &str, detail: String) -> Faults {
-    let mut faults = Faults::default();
-    faults.push(pointer, detail);
-    faults
-}
-
-fn below(prefix: &str, part: Faults) -> Faults {
-    let mut faults = Faults::default();
-    faults.absorb(prefix, part);
-    faults
 }

@@ -6,8 +6,9 @@ use crate::core::campaign::{Phase, Site};
 use crate::core::fault::Faults;
 use crate::core::units::{EARTH_RATE_DEG_H, STANDARD_GRAVITY_M_S2, radians};
 
+use super::fault_at::fault;
 use super::programme::Planned;
-use super::scenario::{SiteChoice, fault};
+use super::scenario::SiteChoice;
 
 /// Moments over which one turn of the table is averaged. Equal steps are exact for harmonics of the heading below
 /// this number; products of up to four first harmonics occur.

@@ -7,9 +7,10 @@ use utoipa::ToSchema;
 use super::campaign::terms_from_names;
 use super::numbers::in_range;
 use super::{json, text, time};
+use crate::core::augmented::Adopted;
 use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
-use crate::core::diagnose::{Adopted, Estimate};
-use crate::core::effects::{self, Effect, Scope, Shape};
+use crate::core::effects::Estimate;
+use crate::core::effects::{self, Effect, Parameter, Scope, Shape};
 use crate::core::fault::Faults;
 use crate::core::mounting::Slot;
 
@@ -235,7 +236,7 @@ impl KnownEstimateBody {
             let wanted = if common { "all" } else { "one of the effect's gyros" };
             faults.push(format!("{place}/slot"), format!("must be {wanted}, is {:?}", self.slot));
         }
-        let coefficients = (entry.coefficients)(shape);
+        let coefficients = entry.coefficients(shape);
         let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
             let names: Vec<&str> = coefficients.iter().map(|c| c.name).collect();
             faults.push(format!("{place}/name"), format!("must be one of {}, is {:?}", names.join(", "), self.name));
@@ -277,7 +278,7 @@ impl ShapeBody {
             || self.axes.as_deref().is_some_and(|a| a != "input_spin");
         let mut given = given.into_iter().flatten();
         let shape = given.next().unwrap_or(Shape::Linear);
-        if unknown || given.next().is_some() || !effect.can_have(shape) {
+        if unknown || given.next().is_some() || !effect.entry().parameter.takes(shape) {
             faults.push(place, format!("must be {} for {}", wanted(effect), effect.id()));
             return None;
         }
@@ -311,17 +312,17 @@ impl ShapeBody {
 }
 
 fn wanted(effect: Effect) -> &'static str {
-    match effect {
-        Effect::Warmup => "{\"tau_s\": seconds}",
-        Effect::BiasStep => "{\"instant_s\": seconds}",
-        Effect::OutlierDwell => "{\"dwell\": index}",
-        Effect::Periodic => "{\"period_s\": seconds}",
-        Effect::Magnetic => "{\"field_azimuth_rad\": angle}",
-        Effect::Anisoinertia => "{\"clocking_rad\": angle}",
-        Effect::CrossCompliance => "absent or {\"product\": 0, 1 or 2}",
-        Effect::Levelling => "{\"with_rate\": true or false}",
-        Effect::TemperatureG => "absent or {\"axes\": \"input_spin\"}",
-        _ => "absent",
+    match effect.entry().parameter {
+        Parameter::Tau => "{\"tau_s\": seconds}",
+        Parameter::Instant => "{\"instant_s\": seconds}",
+        Parameter::Dwell => "{\"dwell\": index}",
+        Parameter::Period => "{\"period_s\": seconds}",
+        Parameter::FieldAzimuth => "{\"field_azimuth_rad\": angle}",
+        Parameter::Clocking => "{\"clocking_rad\": angle}",
+        Parameter::Product => "absent or {\"product\": 0, 1 or 2}",
+        Parameter::Tilt => "{\"with_rate\": true or false}",
+        Parameter::Axes => "absent or {\"axes\": \"input_spin\"}",
+        Parameter::None => "absent",
     }
 }
 
@@ -343,7 +344,7 @@ impl From<&KnownEffect> for KnownEffectBody {
     fn from(known: &KnownEffect) -> Self {
         let Adopted { effect, shape, slots } = &known.adopted;
         // The shape's own entries among the estimates are said by `shape`.
-        let coefficients = (effect.entry().coefficients)(*shape);
+        let coefficients = effect.entry().coefficients(*shape);
         let estimates = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
         Self {
             effect: effect.id().to_owned(),

@@ -103,9 +103,9 @@ impl House {
             }
         }
         let mut found = BTreeSet::new();
-        for i in 0..names.len() {
-            if reaches[i][i] {
-                let members = (0..names.len()).filter(|&j| reaches[i][j] && reaches[j][i]);
+        for (i, row) in reaches.iter().enumerate() {
+            if row[i] {
+                let members = (0..names.len()).filter(|&j| row[j] && reaches[j][i]);
                 found.insert(members.map(|j| self.modules[names[j]].file.clone()).collect::<Vec<_>>());
             }
         }

@@ -302,7 +302,7 @@ async fn without_a_token_nothing_is_answered_under_another_name_than_this_machin
     ] {
         let answer = asks(&rebound, method, path, body, "").await;
         assert_eq!((answer.status, answer.content_type.as_str()), (421, "application/problem+json"), "{method} {path}");
-        assert!(answer.text().contains("until the first token is made"), "{}", answer.text());
+        assert_eq!(answer.json()["code"], "other_name");
     }
     for path in ["/healthz", "/readyz", "/metrics"] {
         assert_eq!(asks(&rebound, "GET", path, "", "").await.status, 200, "{path}");
@@ -343,10 +343,13 @@ async fn a_stations_token_sends_for_that_station_alone_on_every_way_in() {
     let headers = [("authorization", bearer.as_str()), ("content-type", "text/plain")];
     let form = format!("text={}\r\n", record.to_string().replace("2026-", "2025-"));
     let page = server.call("POST", "/import/store", &headers, form).await.text();
-    assert!(page.contains("the token is for elsewhere alone"), "{page}");
+    assert!(page.contains("the token is only for the station elsewhere"), "{page}");
     let form = format!("text={record}\r\n");
     let preview = server.call("POST", "/import/preview", &headers, form).await.text();
-    assert!(preview.contains("the token is for elsewhere alone") && preview.contains("0 can be stored"), "{preview}");
+    assert!(
+        preview.contains("the token is only for the station elsewhere") && preview.contains("0 can be stored"),
+        "{preview}"
+    );
 }
 
 /// The cookie that an answer sets, as name=value.

@@ -1,7 +1,7 @@
 //! Every kind of bad input, against the real service: the answer names the place, and nothing of it is kept.
 //!
 //! A row is one request. Each must be answered with problem+json of the given status, name the given place (a JSON
-//! pointer, or words of the detail), and leave the service's holdings as they were.
+//! pointer, or the code of a fault), and leave the service's holdings as they were.
 
 mod behind;
 mod spoken;
@@ -64,7 +64,7 @@ fn text(from: &str, to: &str) -> Vec<u8> {
 enum Place {
     /// `errors[*].pointer` holds it.
     At(&'static str),
-    /// `detail` holds the words.
+    /// A fault has the code, or some fault is named where it is empty.
     Says(&'static str),
 }
 use Place::{At, Says};
@@ -90,35 +90,35 @@ fn records() -> Vec<Row> {
     let deep = |n: usize| format!("{}{}", "[".repeat(n), "]".repeat(n));
     let long = "x".repeat(65);
     vec![
-        row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("JSON")),
-        row("nothing", Vec::new(), 400, Says("JSON")),
-        row("half a document", paper().to_string().into_bytes()[..200].to_vec(), 400, Says("JSON")),
+        row("not JSON", b"imu: IMU-07".to_vec(), 400, Says("not_json")),
+        row("nothing", Vec::new(), 400, Says("not_json")),
+        row("half a document", paper().to_string().into_bytes()[..200].to_vec(), 400, Says("not_json")),
         row(
             "two documents",
             [paper().to_string(), paper().to_string()].concat().into_bytes(),
             400,
-            Says("several JSON documents follow one another"),
+            Says("several_documents"),
         ),
         row(
             "an unknown member before what is no JSON",
             text("\"imu\"", "\"colour\":1,\"imu\"").into_iter().chain(*b"x").collect(),
             400,
-            Says("not JSON: trailing characters"),
+            Says("json_trailing_characters"),
         ),
         row(
             "bad UTF-8",
             text("IMU-07", "IMU-07").into_iter().map(|b| if b == b'7' { 0xff } else { b }).collect(),
             400,
-            Says("UTF-8"),
+            Says("not_utf8_from"),
         ),
-        row("bad UTF-8 in a word alone", latin("M\u{fc}nchen"), 400, Says("not UTF-8 from byte")),
+        row("bad UTF-8 in a word alone", latin("M\u{fc}nchen"), 400, Says("not_utf8_from")),
         row(
             "bad UTF-8 behind an unknown member",
             [b"{\"colour\":1,".to_vec(), latin("M\u{fc}nchen")[1..].to_vec()].concat(),
             400,
-            Says("not UTF-8 from byte"),
+            Says("not_utf8_from"),
         ),
-        row("a NUL between members", text("\"imu\"", "\0\"imu\""), 400, Says("JSON")),
+        row("a NUL between members", text("\"imu\"", "\0\"imu\""), 400, Says("not_json")),
         row("no object", b"[]".to_vec(), 422, At("")),
         row("null", b"null".to_vec(), 422, At("")),
         row("unknown member", with("/colour", json!("red")), 422, At("/colour")),
@@ -156,8 +156,8 @@ fn records() -> Vec<Row> {
             422,
             At("/gyros"),
         ),
-        row("NaN", text("0.8473", "NaN"), 400, Says("JSON")),
-        row("Infinity", text("0.8473", "Infinity"), 400, Says("JSON")),
+        row("NaN", text("0.8473", "NaN"), 400, Says("not_json")),
+        row("Infinity", text("0.8473", "Infinity"), 400, Says("not_json")),
         row("1e999", text("0.8473", "1e999"), 422, At("/gyros/0/e_pulse_per_arcsec/0")),
         row("1e400", text("0.8473", "1e400"), 422, At("/gyros/0/e_pulse_per_arcsec/0")),
         row("1e308", text("0.8473", "1e308"), 422, At(e)),
@@ -225,7 +225,7 @@ fn records() -> Vec<Row> {
 
 fn bench_results() -> Vec<Row> {
     vec![
-        row("not JSON", b"serial,station".to_vec(), 400, Says("JSON")),
+        row("not JSON", b"serial,station".to_vec(), 400, Says("not_json")),
         row("unknown method", changed(bench(), "/method", json!("guess")), 422, At("/method")),
         row("unknown member", changed(bench(), "/colour", json!("red")), 422, At("/colour")),
         row("empty serial", changed(bench(), "/serial", json!("")), 422, At("/serial")),
@@ -247,6 +247,15 @@ fn bench_results() -> Vec<Row> {
     ]
 }
 
+/// Whether a message, or one within it, has the code.
+fn has_code(errors: &Value, code: &str) -> bool {
+    match errors {
+        Value::Object(members) => errors["code"] == code || members.values().any(|member| has_code(member, code)),
+        Value::Array(items) => items.iter().any(|item| has_code(item, code)),
+        _ => false,
+    }
+}
+
 /// Sends every row, to a program and to a Chinese page, and collects all that is wrong with the answers, so that one run shows the whole table.
 async fn refuse(server: &Server, route: &str, rows: Vec<Row>) {
     let before = server.holdings().await;
@@ -260,7 +269,10 @@ async fn refuse(server: &Server, route: &str, rows: Vec<Row>) {
         let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
         let named = match place {
             At(pointer) => problem["errors"].as_array().is_some_and(|e| e.iter().any(|e| e["pointer"] == pointer)),
-            Says(words) => problem["detail"].as_str().is_some_and(|d| !d.is_empty() && d.contains(words)),
+            Says(code) => {
+                let said = problem["detail"].as_str().is_some_and(|detail| !detail.is_empty());
+                said && (code.is_empty() || has_code(&problem["errors"], code))
+            }
         };
         let formed = answer.content_type == "application/problem+json"
             && problem["status"] == answer.status
@@ -282,6 +294,36 @@ async fn a_bad_record_is_refused_at_its_place_and_nothing_is_kept() {
 }
 
 #[tokio::test]
+async fn a_problem_is_said_in_the_language_asked_for_and_has_the_same_codes_in_each() {
+    let server = Server::start().await;
+    let record = changed_text(paper(), "/imu", json!("x".repeat(65)));
+    let asked = |language: &'static str| {
+        let (headers, body) = ([("content-type", "application/json"), ("accept-language", language)], record.clone());
+        let server = &server;
+        async move { server.call("POST", "/v1/records", &headers, body).await.json() }
+    };
+    let (english, chinese) = (asked("fr, en;q=0.5").await, asked("zh-CN, en;q=0.5").await);
+    for (problem, title, detail) in [
+        (&english, "Cannot be stored as it is", "must have at most 64 characters, has 65"),
+        (&chinese, "不能按原样存储", "最多64个字符，实有65个"),
+    ] {
+        let place = json!({ "pointer": "/imu", "code": "too_many_characters", "parameters": { "most": 64, "have": 65 }, "detail": detail });
+        assert_eq!((&problem["title"], &problem["code"]), (&json!(title), &json!("faults_in_document")));
+        assert_eq!(problem["errors"], json!([place]), "{problem}");
+    }
+    let answer = server.call("GET", "/v1/gyros/GL-1", &[("accept-language", "zh")], "").await;
+    let problem = answer.json();
+    assert_eq!(
+        (answer.headers["content-language"].to_str().unwrap(), &problem["code"]),
+        ("zh", &json!("unknown_gyro"))
+    );
+    assert_eq!(
+        (&problem["parameters"], &problem["detail"]),
+        (&json!({ "serial": "GL-1" }), &json!("没有编号为GL-1的陀螺"))
+    );
+}
+
+#[tokio::test]
 async fn a_bad_bench_result_is_refused_at_its_place_and_nothing_is_kept() {
     refuse(&Server::start().await, "/v1/bench-results", bench_results()).await;
 }
@@ -298,7 +340,7 @@ async fn many_documents_where_one_is_taken_are_told_where_they_belong() {
     ] {
         let (status, detail, pointers) = problem(&server.post(route, "application/json", body).await);
         assert_eq!((status, pointers), (400, vec![String::new()]), "{route}: {detail}");
-        assert!(detail.contains("several JSON documents follow one another"), "{route}: {detail}");
+        assert!(detail.contains("several JSON documents"), "{route}: {detail}");
         assert!(detail.contains("/v1/import") && detail.ends_with("at line 2 column 1"), "{route}: {detail}");
     }
 }
@@ -590,7 +632,9 @@ async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
     assert_eq!(seen, [(1, 201), (2, 400), (3, 201), (4, 422), (5, 201), (6, 422), (7, 200), (8, 400)]);
     assert_eq!(answers[3]["error"]["errors"][0]["pointer"], "/colour");
     // The line is said once, by its number in what was sent.
-    for (line, detail) in [(1, "not JSON: expected ident at column 2"), (7, "EOF while parsing a list at column 11")] {
+    for (line, detail) in
+        [(1, "not JSON: expected true, false or null at column 2"), (7, "it ends within an array at column 11")]
+    {
         let said = answers[line]["error"]["errors"][0]["detail"].as_str().unwrap();
         assert!(said.ends_with(detail) && !said.contains("line"), "{said}");
         assert!(answers[line]["error"]["detail"].as_str().unwrap().ends_with(said), "{}", answers[line]);
@@ -600,7 +644,10 @@ async fn good_lines_of_an_import_are_stored_and_bad_ones_named_by_line() {
     // As on the page that looks at a file first: there, too, each document stands beside the line on which it begins.
     let form = format!("text={}\r\n", lines.join("\r\n"));
     let preview = server.call("POST", "/import/preview", &[("content-type", "text/plain")], form).await.text();
-    assert!(preview.contains("not JSON: expected ident at column 2") && !preview.contains("at line 1"), "{preview}");
+    assert!(
+        preview.contains("not JSON: expected true, false or null at column 2") && !preview.contains("at line 1"),
+        "{preview}"
+    );
     assert_eq!(answers[6]["id"], answers[0]["id"]);
     assert_eq!(server.get("/v1/gyros").await.json()["gyros"].as_array().unwrap().len(), 7);
 }

@@ -95,19 +95,19 @@ const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -
 type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
 
 const MUTANTS: [Mutant; 21] = [
-    ("force reversed", "specific force is reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
-    ("Earth rate left out", "Earth's rate is left out", |c, sin| {
+    ("force reversed", "force_reversed", |c, _| Some(each(c, |d| d.specific_force_g0 *= -1.0))),
+    ("Earth rate left out", "earth_rate_left_out", |c, sin| {
         Some(each(c, |d| {
             let (along, across) = earth(d, sin);
             d.rate_arcsec_s -= along + across;
         }))
     }),
-    ("Earth rate left out at rest", "Earth's rate is left out", |c, _| {
+    ("Earth rate left out at rest", "earth_rate_left_out", |c, _| {
         Some(each(c, still(|d| d.rate_arcsec_s = Vector3::zeros())))
     }),
-    ("deg/s", "in deg/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 3600.0))),
-    ("deg/s at rest", "are in deg/s", |c, _| Some(each(c, still(|d| d.rate_arcsec_s /= 3600.0)))),
-    ("deg/s while turning", "rate dwells are in deg/s", |c, _| {
+    ("deg/s", "unit: deg/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 3600.0))),
+    ("deg/s at rest", "unit: deg/s", |c, _| Some(each(c, still(|d| d.rate_arcsec_s /= 3600.0)))),
+    ("deg/s while turning", "rate_unit (dwells: rate_dwells, unit: deg/s)", |c, _| {
         c.dwells.iter().any(|d| d.phase == Phase::Rate).then(|| {
             each(c, |d| {
                 if d.phase == Phase::Rate {
@@ -116,8 +116,8 @@ const MUTANTS: [Mutant; 21] = [
             })
         })
     }),
-    ("rad/s", "in rad/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 206_264.806_247_096_36))),
-    ("NED rates at rest", "North-East-Down", |c, sin| {
+    ("rad/s", "unit: rad/s", |c, _| Some(each(c, |d| d.rate_arcsec_s /= 206_264.806_247_096_36))),
+    ("NED rates at rest", "ned_for_enu", |c, sin| {
         (sin != 0.0).then(|| {
             each(c, |d| {
                 let (along, across) = earth(d, sin);
@@ -129,7 +129,7 @@ const MUTANTS: [Mutant; 21] = [
             })
         })
     }),
-    ("NED attitudes", "North-East-Down", |c, _| {
+    ("NED attitudes", "ned_for_enu", |c, _| {
         c.dwells[0].attitude.is_some().then(|| {
             each(c, |d| {
                 let c = d.attitude.unwrap();
@@ -137,7 +137,7 @@ const MUTANTS: [Mutant; 21] = [
             })
         })
     }),
-    ("attitudes inverted", "attitude is inverted", |c, _| {
+    ("attitudes inverted", "attitude_inverted", |c, _| {
         c.dwells[0].attitude.is_some().then(|| {
             each(c, |d| {
                 let c = d.attitude.unwrap();
@@ -146,15 +146,15 @@ const MUTANTS: [Mutant; 21] = [
             })
         })
     }),
-    ("latitude of the site flipped", "latitude has the wrong sign", |c, sin| {
+    ("latitude of the site flipped", "latitude_reversed", |c, sin| {
         let mut c = c.clone();
         c.site.as_mut().unwrap().latitude *= -1.0;
         (sin != 0.0).then_some(c)
     }),
-    ("rates with the latitude flipped", "latitude has the wrong sign", |c, sin| {
+    ("rates with the latitude flipped", "latitude_reversed", |c, sin| {
         (sin != 0.0).then(|| each(c, |d| d.rate_arcsec_s -= 2.0 * earth(d, sin).0))
     }),
-    ("rates of another latitude", "rates are those of latitude", |c, sin| {
+    ("rates of another latitude", "other_latitude", |c, sin| {
         let cos = (1.0 - sin * sin).sqrt();
         let other = sin.asin() + 0.01;
         (sin.abs() < 0.9).then(|| {
@@ -165,7 +165,7 @@ const MUTANTS: [Mutant; 21] = [
             })
         })
     }),
-    ("solar day", "15.000 arcsec/s", |c, sin| {
+    ("solar day", "other_earth_rate (rate: 15.000)", |c, sin| {
         (sin.abs() > 0.1).then(|| {
             each(c, |d| {
                 let (along, across) = earth(d, sin);
@@ -173,24 +173,26 @@ const MUTANTS: [Mutant; 21] = [
             })
         })
     }),
-    ("force normalised", "normalised to 1", |c, _| {
+    ("force normalised", "force_normalised", |c, _| {
         let off = (c.site.unwrap().gravity_g0 - 1.0).abs();
         (off > 5e-4).then(|| each(c, |d| d.specific_force_g0 = up(d)))
     }),
-    ("force in m/s^2", "in m/s^2", |c, _| Some(each(c, |d| d.specific_force_g0 *= 9.80665))),
-    ("x of the force reversed", "x axis of specific_force_g0 is reversed", |c, _| {
+    ("force in m/s^2", "force_unit (unit: m/s^2)", |c, _| Some(each(c, |d| d.specific_force_g0 *= 9.80665))),
+    ("x of the force reversed", "axis_reversed (axis: x, vectors: specific_force_g0)", |c, _| {
         Some(each(c, axes(REVERSED_X, true, false)))
     }),
-    ("z of the rate reversed", "z axis of rate_arcsec_s is reversed", |c, _| {
+    ("z of the rate reversed", "axis_reversed (axis: z, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(REVERSED_Z, false, true)))
     }),
-    ("x and y of the force exchanged", "x and y axes of specific_force_g0 are exchanged", |c, _| {
+    ("x and y of the force exchanged", "axes_exchanged (first: x, second: y, vectors: specific_force_g0)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, true, false)))
     }),
-    ("x and y of the rate exchanged", "x and y axes of rate_arcsec_s are exchanged", |c, _| {
+    ("x and y of the rate exchanged", "axes_exchanged (first: x, second: y, vectors: rate_arcsec_s)", |c, _| {
         Some(each(c, axes(EXCHANGED_XY, false, true)))
     }),
-    ("x and y of both exchanged", "x and y axes", |c, _| Some(each(c, axes(EXCHANGED_XY, true, true)))),
+    ("x and y of both exchanged", "axes_exchanged (first: x, second: y", |c, _| {
+        Some(each(c, axes(EXCHANGED_XY, true, true)))
+    }),
 ];
 
 /// Campaigns, and those of them that were refused, and refused with the right cause.

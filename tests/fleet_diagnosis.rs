@@ -271,11 +271,11 @@ async fn what_cannot_be_meant_is_refused_at_its_place() {
     lab.post_text("/v1/diagnoses", lab::JSON, "{").await.refused(400);
     lab.post_text("/v1/diagnoses", "text/plain", "{}").await.refused(415);
     for (query, said) in [
-        ("imu=NOBODY", "imu: no IMU with the name NOBODY is known"),
-        ("effect=gremlins", "effect: gremlins is no effect of the catalogue; they are g_linear"),
+        ("imu=NOBODY", "imu: no IMU is named NOBODY"),
+        ("effect=gremlins", "effect: unknown effect \\\"gremlins\\\"; the catalogue has g_linear"),
         ("since=2026", "since: must be an RFC 3339 time"),
-        ("format=xml", "format must be json or csv"),
-        ("gyro=x", "unknown field `gyro`"),
+        ("format=xml", "format must be one of json, csv"),
+        ("gyro=x", "unknown parameter `gyro`"),
     ] {
         let answer = lab.get(&format!("/v1/diagnoses/summary?{query}")).await;
         answer.refused(400);
@@ -364,7 +364,7 @@ async fn the_command_line_orders_follows_and_prints_what_was_found() {
 
     let unknown = run(&["--station", "NOWHERE"]).await.unwrap();
     assert_eq!(unknown.status.code(), Some(1));
-    assert!(unknown.stdout.is_empty() && text(&unknown.stderr).contains("/station: no station with the name NOWHERE"));
+    assert!(unknown.stdout.is_empty() && text(&unknown.stderr).contains("/station: no station is named NOWHERE"));
     for wrong in
         [&["diagnose"][..], &["diagnose", "--imu", "X", "campaign.json"], &["diagnose", "--all", "campaign.json"]]
     {
@@ -391,9 +391,7 @@ async fn the_page_shows_what_was_found_and_takes_an_order() {
     };
     let wrong = send("/diagnoses", &origin, "imu=NOBODY&since=2026-05-01").await;
     assert_eq!(wrong.status, 422);
-    assert!(
-        wrong.text().contains("IMU: no IMU with the name NOBODY is known") && wrong.text().contains("value=\"NOBODY\"")
-    );
+    assert!(wrong.text().contains("IMU: no IMU is named NOBODY") && wrong.text().contains("value=\"NOBODY\""));
     assert_eq!(send("/diagnoses", "https://evil.example", "again=yes").await.status, 403);
     assert_eq!(server.get("/v1/diagnoses").await.json()["diagnoses"], json!([]));
 

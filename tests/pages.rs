@@ -123,7 +123,7 @@ async fn what_does_not_exist_is_said_on_a_page() {
     let server = Server::start().await;
     let answer = server.get("/gyros/NOBODY").await;
     assert_eq!((answer.status, answer.content_type.as_str()), (404, "text/html; charset=utf-8"));
-    assert!(answer.text().contains("no gyro with the serial NOBODY is known"));
+    assert!(answer.text().contains("no gyro has the serial NOBODY"));
     assert!(page(&server, "/", &[]).await.contains("Nothing is stored yet"));
 }
 

@@ -191,7 +191,7 @@ async fn bad_queries_are_refused_in_words() {
         ("coefficient=D_X", "D_X"),
         ("from=yesterday", "from"),
         ("to=2026-01-01T00:00:00", "offset"),
-        ("to=2026-01-01+00:00:00Z", "to must be an RFC 3339 time"),
+        ("to=2026-01-01+00:00:00Z", "to: must be an RFC 3339 time"),
         ("limit=0", "limit"),
         ("limit=many", "limit"),
         ("limit=100001", "limit"),
@@ -361,6 +361,6 @@ async fn periods_come_as_csv_and_a_wrong_period_is_named() {
     assert_eq!(lines.len(), 3);
     let wrong = lab.get("/v1/gyros/A/trend?every=year").await;
     assert_eq!(wrong.status, 400);
-    assert!(wrong.text.contains("every must be day, week or month, is year"), "{}", wrong.text);
+    assert!(wrong.text.contains("every must be one of day, week, month, is year"), "{}", wrong.text);
     assert_eq!(lab.get("/v1/gyros/A/trend?every=day&voided=include").await.status, 400);
 }

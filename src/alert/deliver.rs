@@ -1,5 +1,5 @@
 //! One attempt to tell one target. It ends within seconds whatever the target does, reads a few kilobytes at most, and says
-//! in words how it went: what is decided from that is the caller's.
+//! how it went: what is decided from that is the caller's.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -12,7 +12,9 @@ use super::message::HookKind;
 use super::payload::Payload;
 use super::resolver::{GuardedResolver, ResolveError};
 use super::target::TargetPolicy;
+use crate::core::message::{Message, Parameter, text};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::system::{self, Proxies};
 use crate::wire::hook::ExpectBody;
 
@@ -55,7 +57,7 @@ pub struct Attempt {
     pub outcome: Outcome,
     pub status: Option<u16>,
     /// For people; empty where nothing is worth a word.
-    pub detail: String,
+    pub detail: Option<Message>,
     /// The beginning of what the target said, printable; none where it said nothing.
     pub answer: Option<String>,
     pub took: Duration,
@@ -136,7 +138,7 @@ impl Courier {
             Ok(response) => self.read_answer(response, to.expect, now).await,
             Err(why) => {
                 let outcome = Outcome::Failed { retry_after: None };
-                Attempt { outcome, status: None, detail: why, answer: None, took: Duration::ZERO }
+                Attempt { outcome, status: None, detail: Some(why), answer: None, took: Duration::ZERO }
             }
         };
         attempt.took = started.elapsed();
@@ -148,7 +150,7 @@ impl Courier {
         to: Destination<'_>,
         signature: &[(&'static str, String)],
         payload: Payload,
-    ) -> Result<Response, String> {
+    ) -> Result<Response, Message> {
         let url = endpoint(to.kind, self.policy.check_url(to.url)?);
         if self.proxied {
             self.policy.check_name(&url)?;
@@ -175,17 +177,18 @@ impl Courier {
         let (bytes, cut) = self.read_body(response).await;
         let text = String::from_utf8_lossy(&bytes);
         let unexpected = expect.filter(|_| status.is_success()).and_then(|expect| expect.differs(&bytes));
-        let said = |what: String| {
-            let parts = [what, printable(&text, MOST_OF_A_LINE), cut.clone().unwrap_or_default()];
-            parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ")
+        let with = |what, answer: Parameter| message!("with_answer", what = what, answer = answer);
+        let said = |what: Message| {
+            let line = Some(printable(&text, MOST_OF_A_LINE)).filter(|line| !line.is_empty());
+            let parts = [line.map(Parameter::from), cut.clone().map(Parameter::from)];
+            parts.into_iter().flatten().fold(what, with)
         };
+        let answered = format_args!("{status}");
         let detail = match (&unexpected, location) {
-            (Some(why), _) => said(format!("answered {status}, but {}", printable(why, MOST_OF_A_LINE))),
-            _ if status.is_success() => cut.clone().unwrap_or_default(),
-            (None, Some(to)) if status.is_redirection() => {
-                format!("answered {status} to {to}: redirects are not followed, name the final address")
-            }
-            _ => said(format!("answered {status}")),
+            (Some(why), _) => Some(said(message!("answered_but", status = answered, why = shortened(why)))),
+            _ if status.is_success() => cut.clone(),
+            (None, Some(to)) if status.is_redirection() => Some(message!("redirected", status = answered, to = to)),
+            _ => Some(said(message!("answered", status = answered))),
         };
         let outcome = match status {
             StatusCode::GONE => Outcome::Gone,
@@ -197,7 +200,7 @@ impl Courier {
     }
 
     /// The beginning of the body, and why it is not the whole of it.
-    async fn read_body(&self, mut response: Response) -> (Vec<u8>, Option<String>) {
+    async fn read_body(&self, mut response: Response) -> (Vec<u8>, Option<Message>) {
         let mut bytes = Vec::new();
         let reading = async {
             while let Some(chunk) = response.chunk().await? {
@@ -211,26 +214,26 @@ impl Courier {
         };
         let cut = match tokio::time::timeout(self.limits.body, reading).await {
             Ok(Ok(true)) => None,
-            Ok(Ok(false)) => Some(format!("the answer was cut off after {} bytes", self.limits.body_bytes)),
-            Ok(Err(error)) => Some(format!("the answer broke off: {}", self.describe(&error))),
-            Err(_) => Some(format!("the answer did not end within {} s", self.limits.body.as_secs_f64())),
+            Ok(Ok(false)) => Some(message!("answer_cut", bytes = self.limits.body_bytes)),
+            Ok(Err(error)) => Some(message!("answer_broke_off", why = self.describe(&error))),
+            Err(_) => Some(message!("answer_did_not_end", seconds = seconds(self.limits.body))),
         };
         (bytes, cut)
     }
 
     /// What went wrong, without the address: it may hold a secret, and whoever reads this knows the hook.
-    fn describe(&self, error: &reqwest::Error) -> String {
+    fn describe(&self, error: &reqwest::Error) -> Message {
         let causes: Vec<&(dyn Error + 'static)> = std::iter::successors(error.source(), |&e| e.source()).collect();
         if let Some(refused) = causes.iter().find_map(|cause| cause.downcast_ref::<ResolveError>()) {
-            return refused.to_string();
+            return refused.message();
         }
         let root = causes.last().map(|cause| printable(&cause.to_string(), MOST_OF_A_LINE)).unwrap_or_default();
         match (error.is_timeout(), error.is_connect()) {
-            (true, true) => format!("no connection within {} s", self.limits.connect.as_secs_f64()),
-            (true, false) => format!("no answer within {} s", self.limits.whole.as_secs_f64()),
-            (false, true) if causes.iter().any(|cause| is_tls(*cause)) => format!("TLS failed: {root}"),
-            (false, true) => format!("no connection: {root}"),
-            (false, false) => format!("no HTTP answer: {root}"),
+            (true, true) => message!("no_connection_within", seconds = seconds(self.limits.connect)),
+            (true, false) => message!("no_answer_within", seconds = seconds(self.limits.whole)),
+            (false, true) if causes.iter().any(|cause| is_tls(*cause)) => message!("tls_failed", why = root),
+            (false, true) => message!("no_connection", why = root),
+            (false, false) => message!("no_http_answer", why = root),
         }
     }
 }
@@ -244,8 +247,22 @@ pub fn endpoint(kind: HookKind, mut url: Url) -> Url {
     url
 }
 
-fn header_value(text: &str) -> Result<HeaderValue, String> {
-    HeaderValue::from_str(text).map_err(|_| "a header would hold a control character".to_owned())
+fn header_value(text: &str) -> Result<HeaderValue, Message> {
+    HeaderValue::from_str(text).map_err(|_| message!("header_control_character"))
+}
+
+fn seconds(time: Duration) -> Parameter {
+    text(time.as_secs_f64())
+}
+
+/// What an answer says within a message, no longer than a line.
+fn shortened(message: &Message) -> Message {
+    let short = |parameter: &Parameter| match parameter {
+        Parameter::Text(text) => printable(text, MOST_OF_A_LINE).into(),
+        other => other.clone(),
+    };
+    let parameters = message.parameters.iter().map(|(name, value)| (name.clone(), short(value))).collect();
+    Message { code: message.code.clone(), parameters }
 }
 
 /// rustls hides inside `io::Error`s within `io::Error`s, whose `source` skips what they wrap.

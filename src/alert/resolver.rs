@@ -8,6 +8,8 @@ use std::sync::Arc;
 use reqwest::dns::{Addrs, Name, Resolve, Resolving};
 
 use super::target::TargetPolicy;
+use crate::core::message::{Message, text};
+use crate::message;
 
 type Lookup = Pin<Box<dyn Future<Output = io::Result<Vec<IpAddr>>> + Send>>;
 
@@ -28,7 +30,17 @@ pub enum ResolveError {
     #[error("{name} resolves to no address")]
     Empty { name: String },
     #[error("{name} resolves to what is forbidden: {why}")]
-    Forbidden { name: String, why: String },
+    Forbidden { name: String, why: Message },
+}
+
+impl ResolveError {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Unknown { name, source } => message!("name_unknown", name = name.clone(), why = text(source)),
+            Self::Empty { name } => message!("name_empty", name = name.clone()),
+            Self::Forbidden { name, why } => message!("name_forbidden", name = name.clone(), why = why.clone()),
+        }
+    }
 }
 
 impl GuardedResolver {

@@ -3,7 +3,9 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::system;
 
 const PREFIX: &str = "whsec_";
@@ -28,15 +30,15 @@ impl Secret {
         Ok(Self(key))
     }
 
-    /// Reads `whsec_` and the key in base64. The words of the error never repeat the text.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let encoded = text.strip_prefix(PREFIX).ok_or(format!("must begin with {PREFIX}"))?;
-        let key = STANDARD.decode(encoded).map_err(|_| format!("must be base64 after {PREFIX}"))?;
+    /// Reads `whsec_` and the key in base64. The error never repeats the text.
+    pub fn parse(text: &str) -> Result<Self, Message> {
+        let encoded = text.strip_prefix(PREFIX).ok_or(message!("secret_prefix", prefix = PREFIX))?;
+        let key = STANDARD.decode(encoded).map_err(|_| message!("secret_base64", prefix = PREFIX))?;
         if KEY_BYTES.contains(&key.len()) {
             Ok(Self(key))
         } else {
             let (least, most) = (KEY_BYTES.start(), KEY_BYTES.end());
-            Err(format!("must hold a key of {least} to {most} bytes, holds {}", key.len()))
+            Err(message!("secret_length", least = *least, most = *most, have = key.len()))
         }
     }
 
@@ -86,14 +88,13 @@ mod tests {
     #[test]
     fn short_long_and_unreadable_secrets_are_refused_without_repeating_them() {
         let of_bytes = |n| format!("whsec_{}", STANDARD.encode(vec![7; n]));
-        for (text, says) in [
-            (of_bytes(23), "24 to 64 bytes, holds 23"),
-            (of_bytes(65), "holds 65"),
-            ("hunter2hunter2hunter2hunter2hunter2".into(), "whsec_"),
-            ("whsec_hunter2!hunter2!hunter2!hunter2!".into(), "base64"),
+        for (text, log) in [
+            (of_bytes(23), "secret_length (least: 24, most: 64, have: 23)"),
+            (of_bytes(65), "secret_length (least: 24, most: 64, have: 65)"),
+            ("hunter2hunter2hunter2hunter2hunter2".into(), "secret_prefix (prefix: whsec_)"),
+            ("whsec_hunter2!hunter2!hunter2!hunter2!".into(), "secret_base64 (prefix: whsec_)"),
         ] {
-            let error = Secret::parse(&text).unwrap_err();
-            assert!(error.contains(says) && !error.contains("hunter2"), "{error}");
+            assert_eq!(Secret::parse(&text).unwrap_err().to_string(), log);
         }
         assert!(Secret::parse(&of_bytes(24)).is_ok() && Secret::parse(&of_bytes(64)).is_ok());
     }

@@ -5,6 +5,9 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 use ipnet::IpNet;
 use url::{Host, Url};
 
+use crate::core::message::Message;
+use crate::message;
+
 /// Longest address of a target, in characters.
 pub const MAX_URL_CHARS: usize = 2048;
 
@@ -19,10 +22,10 @@ pub struct TargetPolicy {
 }
 
 impl TargetPolicy {
-    /// Checks an address on its way to being dialled; the error says which and why.
+    /// Checks an address on its way to being dialled; the error names it and the reason.
     ///
     /// IPv6 forms that carry an IPv4 address are judged by the address that they carry.
-    pub fn check(&self, address: IpAddr) -> Result<(), String> {
+    pub fn check(&self, address: IpAddr) -> Result<(), Message> {
         let carried = match address {
             IpAddr::V6(v6) => carried_v4(v6).map(IpAddr::V4),
             IpAddr::V4(_) => None,
@@ -31,8 +34,8 @@ impl TargetPolicy {
         carried.map_or(Ok(()), |v4| self.check_one(v4))
     }
 
-    fn check_one(&self, address: IpAddr) -> Result<(), String> {
-        let refuse = |why: &str| Err(format!("{address} is refused: {why}"));
+    fn check_one(&self, address: IpAddr) -> Result<(), Message> {
+        let refuse = |why: Message| Err(message!("address_refused", address = format_args!("{address}"), why = why));
         if let Some(why) = never(address) {
             return refuse(why);
         }
@@ -42,58 +45,55 @@ impl TargetPolicy {
         }
         if !self.allow.is_empty() {
             let allowed = self.allow.iter().any(|network| network.contains(&address));
-            return if allowed { Ok(()) } else { refuse("it is in none of the configured networks") };
+            return if allowed { Ok(()) } else { refuse(message!("outside_networks")) };
         }
         if address.is_loopback() && !self.loopback {
-            return refuse("loopback is allowed only while the service itself listens on loopback");
+            return refuse(message!("loopback_refused"));
         }
         Ok(())
     }
 
     /// Checks what can be seen of a target without asking the name service: its form, and the address if it is one.
     /// `url` parses IPv4 addresses in all their spellings (`0x7f.1`, `2130706433`), so that what is checked is dialled.
-    pub fn check_url(&self, text: &str) -> Result<Url, String> {
+    pub fn check_url(&self, text: &str) -> Result<Url, Message> {
         if text.chars().count() > MAX_URL_CHARS {
-            return Err(format!("must have at most {MAX_URL_CHARS} characters"));
+            return Err(message!("url_too_long", most = MAX_URL_CHARS));
         }
-        let url = Url::parse(text).map_err(|error| format!("is no URL: {error}"))?;
+        let url = Url::parse(text).map_err(|error| message!("not_a_url", why = format_args!("{error}")))?;
         if !matches!(url.scheme(), "http" | "https") {
-            return Err(format!("must begin with http:// or https://, not {}:", url.scheme()));
+            return Err(message!("url_scheme", scheme = format_args!("{}", url.scheme())));
         }
         if !url.username().is_empty() || url.password().is_some() {
-            return Err("must not hold a user name or password: everybody who lists hooks would read it. \
-                        Use `authorization`"
-                .into());
+            return Err(message!("url_credentials"));
         }
         if url.fragment().is_some() {
-            return Err("must not have a fragment (#…): it is never sent".into());
+            return Err(message!("url_fragment"));
         }
         if url.port() == Some(0) {
-            return Err("must not name port 0".into());
+            return Err(message!("url_port_0"));
         }
         self.check_host(&url)?;
         Ok(url)
     }
 
     /// Checks a name that a proxy will resolve: what it leads to there is not seen here.
-    pub fn check_name(&self, url: &Url) -> Result<(), String> {
+    pub fn check_name(&self, url: &Url) -> Result<(), Message> {
         let Some(Host::Domain(name)) = url.host() else { return Ok(()) };
         let name = name.trim_end_matches('.');
         if NEVER_NAMED.contains(&name) || name.ends_with(".localhost") {
-            return Err(format!(
-                "{name} is refused: by way of a proxy it leads to the proxy's own machine or its credentials"
-            ));
+            let why = message!("leads_to_the_proxy");
+            return Err(message!("address_refused", address = format_args!("{name}"), why = why));
         }
         Ok(())
     }
 
     /// An address is never asked of the name service, so it is checked here, at every attempt.
-    pub fn check_host(&self, url: &Url) -> Result<(), String> {
+    pub fn check_host(&self, url: &Url) -> Result<(), Message> {
         match url.host() {
             Some(Host::Ipv4(v4)) => self.check(v4.into()),
             Some(Host::Ipv6(v6)) => self.check(v6.into()),
             Some(Host::Domain(_)) => Ok(()),
-            None => Err("must name a host".into()),
+            None => Err(message!("url_no_host")),
         }
     }
 }
@@ -103,17 +103,17 @@ const NEVER_NAMED: [&str; 5] =
     ["localhost", "metadata", "metadata.google.internal", "instance-data", "instance-data.ec2.internal"];
 
 /// What no configuration allows.
-fn never(address: IpAddr) -> Option<&'static str> {
-    const METADATA: &str = "it is where cloud machines keep their credentials";
+fn never(address: IpAddr) -> Option<Message> {
+    let link_local = || message!("link_local");
     match address {
-        IpAddr::V4(v4) if v4.is_link_local() => Some("link-local addresses hold cloud metadata"),
-        IpAddr::V4(v4) if METADATA_V4.contains(&v4) => Some(METADATA),
-        IpAddr::V4(v4) if v4.octets()[0] == 0 => Some("it is no destination"),
-        IpAddr::V4(v4) if v4.is_multicast() || v4.octets()[0] >= 240 => Some("it is no single host"),
-        IpAddr::V6(v6) if v6.is_unicast_link_local() => Some("link-local addresses hold cloud metadata"),
-        IpAddr::V6(v6) if METADATA_V6.contains(&v6) => Some(METADATA),
-        IpAddr::V6(v6) if v6.is_unspecified() => Some("it is no destination"),
-        IpAddr::V6(v6) if v6.is_multicast() => Some("it is no single host"),
+        IpAddr::V4(v4) if v4.is_link_local() => Some(link_local()),
+        IpAddr::V4(v4) if METADATA_V4.contains(&v4) => Some(message!("cloud_credentials")),
+        IpAddr::V4(v4) if v4.octets()[0] == 0 => Some(message!("no_destination")),
+        IpAddr::V4(v4) if v4.is_multicast() || v4.octets()[0] >= 240 => Some(message!("no_single_host")),
+        IpAddr::V6(v6) if v6.is_unicast_link_local() => Some(link_local()),
+        IpAddr::V6(v6) if METADATA_V6.contains(&v6) => Some(message!("cloud_credentials")),
+        IpAddr::V6(v6) if v6.is_unspecified() => Some(message!("no_destination")),
+        IpAddr::V6(v6) if v6.is_multicast() => Some(message!("no_single_host")),
         _ => None,
     }
 }
@@ -186,7 +186,7 @@ mod tests {
         ] {
             let url = format!("http://{host}:9/");
             let error = policy(false, &[]).check_url(&url).unwrap_err();
-            assert!(error.contains("loopback"), "{url}: {error}");
+            assert!(error.to_string().contains("loopback_refused"), "{url}: {error}");
             assert!(policy(true, &[]).check_url(&url).is_ok(), "{url}");
         }
     }
@@ -219,7 +219,7 @@ mod tests {
     fn names_of_the_machine_itself_are_refused_to_a_proxy() {
         let check = |url: &str| TargetPolicy::default().check_name(&Url::parse(url).unwrap());
         for name in ["localhost", "LOCALHOST.", "a.localhost", "metadata.google.internal"] {
-            assert!(check(&format!("http://{name}:9/")).unwrap_err().contains("proxy"), "{name}");
+            assert!(check(&format!("http://{name}:9/")).unwrap_err().to_string().contains("leads_to_the_proxy"));
         }
         assert_eq!(check("https://alerts.example.org/localhost"), Ok(()));
     }
@@ -232,27 +232,26 @@ mod tests {
         }
         for host in ["10.2.0.1", "127.0.0.2", "93.184.216.34", "[::1]", "[fd13::9]", "[::ffff:10.2.0.1]"] {
             let error = policy.check_url(&format!("http://{host}/")).unwrap_err();
-            assert!(error.contains("none of the configured networks"), "{error}");
+            assert!(error.to_string().contains("why: outside_networks"), "{error}");
         }
     }
 
     #[test]
     fn what_is_no_target_says_why() {
-        for (url, says) in [
-            ("ftp://x.example/", "http://"),
-            ("file:///etc/passwd", "http://"),
-            ("alerts.example.org/hook", "no URL"),
-            ("http://", "no URL"),
-            ("http://u:p@x.example/", "authorization"),
-            ("http://x.example/#a", "fragment"),
-            ("http://x.example:0/", "port 0"),
-            ("http://256.1.1.1/", "no URL"),
-            ("http://x.example:99999/", "no URL"),
+        for (url, code) in [
+            ("ftp://x.example/", "url_scheme"),
+            ("file:///etc/passwd", "url_scheme"),
+            ("alerts.example.org/hook", "not_a_url"),
+            ("http://", "not_a_url"),
+            ("http://u:p@x.example/", "url_credentials"),
+            ("http://x.example/#a", "url_fragment"),
+            ("http://x.example:0/", "url_port_0"),
+            ("http://256.1.1.1/", "not_a_url"),
+            ("http://x.example:99999/", "not_a_url"),
         ] {
-            let error = policy(true, &[]).check_url(url).unwrap_err();
-            assert!(error.contains(says), "{url}: {error}");
+            assert_eq!(policy(true, &[]).check_url(url).unwrap_err().code, code, "{url}");
         }
         let long = format!("http://x.example/{}", "a".repeat(MAX_URL_CHARS));
-        assert!(policy(true, &[]).check_url(&long).unwrap_err().contains("2048"));
+        assert!(policy(true, &[]).check_url(&long).unwrap_err().to_string().contains("2048"));
     }
 }

@@ -7,14 +7,15 @@ use std::time::Duration;
 
 use anyhow::Context;
 use bytes::Bytes;
-use reqwest::header::{CONTENT_TYPE, RETRY_AFTER};
+use reqwest::header::{ACCEPT_LANGUAGE, CONTENT_TYPE, RETRY_AFTER};
 use reqwest::{Method, StatusCode};
 use serde::Deserialize;
 use serde_json::Value;
 
 use crate::system;
 use crate::wire::note::NoteBody;
-use crate::wire::problem::Problem;
+use crate::wire::problem::ProblemBody;
+use crate::words;
 
 pub const JSON: &str = "application/json";
 pub const NDJSON: &str = "application/x-ndjson";
@@ -28,7 +29,7 @@ pub enum Sent {
     Stored(Value),
     /// The same content was already there.
     Known(Value),
-    Refused(Problem),
+    Refused(ProblemBody),
 }
 
 /// Why nothing can be said about the document.
@@ -57,7 +58,7 @@ impl std::error::Error for Trouble {}
 pub struct LineAnswer {
     pub status: u16,
     #[serde(default)]
-    pub error: Option<Problem>,
+    pub error: Option<ProblemBody>,
     #[serde(default)]
     pub notes: Vec<NoteBody>,
 }
@@ -140,6 +141,7 @@ impl Service {
 
     fn request(&self, method: Method, route: &str) -> reqwest::RequestBuilder {
         let request = self.http.request(method, format!("{}{route}", self.base));
+        let request = request.header(ACCEPT_LANGUAGE, words::asked().tag());
         match &self.token {
             Some(token) => request.bearer_auth(token),
             None => request,
@@ -182,7 +184,7 @@ fn root_cause(error: &dyn std::error::Error) -> String {
 /// A 2xx counts only with the JSON of the service in it, so that a proxy's "200 OK" page acknowledges nothing; and
 /// only what the document itself can cause refuses it.
 fn sort(status: StatusCode, after: Option<Duration>, body: &[u8]) -> Result<Sent, Trouble> {
-    let problem = || serde_json::from_slice::<Problem>(body).ok();
+    let problem = || serde_json::from_slice::<ProblemBody>(body).ok();
     match status.as_u16() {
         code @ (200..=202) => match serde_json::from_slice::<Value>(body) {
             Ok(answer) if answer.get("id").is_some() => {

@@ -8,6 +8,7 @@ mod backup;
 mod blindcheck;
 mod calibrate;
 mod client;
+mod codes;
 mod config;
 mod copy;
 mod demo;
@@ -28,12 +29,19 @@ mod simulate;
 mod token;
 mod verify;
 
+use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
 use anyhow::Context;
-
 use clap::{Parser, Subcommand};
+
+use crate::core::fault::Faults;
+use crate::core::time::UtcMicros;
+use crate::pipeline::Refused;
+use crate::wire::problem::summary;
+use crate::wire::time;
+use crate::words;
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -61,6 +69,7 @@ enum Command {
     Token(token::Token),
     Verify(verify::Verify),
     Config(config::Show),
+    Codes(codes::Codes),
 }
 
 impl Command {
@@ -82,6 +91,7 @@ impl Command {
             Self::Token(token) => token.run(),
             Self::Verify(verify) => verify.run(),
             Self::Config(show) => show.run(),
+            Self::Codes(codes) => codes.run(),
         }
     }
 }
@@ -89,15 +99,38 @@ impl Command {
 impl Cli {
     /// Runs the subcommand; a failure is reported once, here, on standard error.
     pub fn run(self) -> ExitCode {
+        if !matches!(self.command, Command::Serve(_) | Command::Demo(_)) {
+            words::speak_as_the_environment();
+        }
         match self.command.run() {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
             Err(error) => {
-                eprintln!("gyrowatch: {error:#}");
+                eprintln!("gyrowatch: {}", in_words(&error));
                 if error.is::<Usage>() { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }
             }
         }
     }
+}
+
+/// The error and its causes; what is a message in the language of the environment.
+fn in_words(error: &anyhow::Error) -> String {
+    let language = words::asked();
+    let said = |cause: &(dyn Error + 'static)| {
+        if let Some(faults) = cause.downcast_ref::<Faults>() {
+            return summary(&faults.0, language);
+        }
+        match cause.downcast_ref::<Refused>() {
+            Some(refused) => language.words(&refused.message()),
+            None => cause.to_string(),
+        }
+    };
+    error.chain().map(said).collect::<Vec<_>>().join(": ")
+}
+
+/// A time in an argument.
+fn instant(text: &str) -> Result<UtcMicros, String> {
+    time::parse(text).map_err(|why| words::asked().words(&why))
 }
 
 /// What clap ends with, too.

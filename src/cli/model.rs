@@ -9,6 +9,7 @@ use crate::core::augmented::AugmentedModel;
 use crate::core::model::Terms;
 use crate::wire::campaign::terms_from_names;
 use crate::wire::model;
+use crate::words;
 
 /// What `--model` says.
 #[derive(Debug, Clone)]
@@ -24,7 +25,7 @@ pub fn choice(argument: &str) -> Result<Choice, String> {
         Ok(terms) => Ok(Choice::Terms(terms)),
         Err(_) if Path::new(argument).is_file() => Ok(Choice::File(argument.into())),
         Err(faults) => {
-            let words: Vec<String> = faults.0.into_iter().map(|fault| fault.detail).collect();
+            let words: Vec<String> = faults.0.iter().map(|fault| words::asked().words(&fault.message)).collect();
             Err(format!("{}; and there is no model file of that name", words.join("; ")))
         }
     }

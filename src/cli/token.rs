@@ -11,6 +11,7 @@ use crate::config::Config;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{Beside, NewToken, Refused, StoreError, TokenRow, create_beside, revoke_beside};
 use crate::system::Clock;
 use crate::wire::{text, time};
@@ -109,7 +110,7 @@ impl Order {
 
 fn expiry(at: Option<&str>, days: Option<u32>, now: UtcMicros) -> anyhow::Result<Option<UtcMicros>> {
     if let Some(at) = at {
-        return match time::parse(at) {
+        return match super::instant(at) {
             Ok(at) => Ok(Some(at)),
             Err(why) => bail!("--expires-at {why}"),
         };
@@ -128,7 +129,7 @@ fn checked(
     let name = text::required_short("/name", name, &mut faults);
     let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
     if expires_at.is_some_and(|at| at <= now) {
-        faults.push("/expires_at", "must lie in the future");
+        faults.push("/expires_at", message!("not_in_future"));
     }
     faults.or(NewToken { name, role, station, expires_at })
 }

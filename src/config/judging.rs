@@ -7,6 +7,7 @@ use crate::core::judge::limits::{DriftLimits, Limit, LimitKey, Limits, Requireme
 use crate::core::judge::{Noise, Verdict, requirement};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::name::{Name, normal_form};
+use crate::words::Language;
 
 use super::ConfigError;
 use super::requirement::SlotRequirements;
@@ -186,7 +187,8 @@ impl Judging {
         for (i, change) in self.overrides.iter().enumerate() {
             for (key, name) in [("imu", &change.imu), ("serial", &change.serial)] {
                 let read = name.as_deref().map(|name| Name::parse(name).and_then(|name| name.check_seen()));
-                if let Some(Err(detail)) = read {
+                if let Some(Err(why)) = read {
+                    let detail = Language::English.words(&why);
                     return wrong(format!("judging.overrides[{i}].{key}"), detail);
                 }
             }

@@ -1,20 +1,22 @@
 //! What is wrong with an input, and where. Validation collects every fault instead of stopping at the first.
 
-/// One fault: a JSON pointer (RFC 6901) into the document as the station wrote it, and words to act on.
+use super::message::Message;
+
+/// One fault: a JSON pointer (RFC 6901) into the document as the station wrote it, and what is wrong there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     pub pointer: String,
-    pub detail: String,
+    pub message: Message,
 }
 
-/// Every fault that was found in one document; never empty where it is returned as an error.
+/// Every fault that was found in one document, in no language where it is logged; never empty where it is returned as an error.
 #[derive(Debug, Clone, PartialEq, Eq, Default, thiserror::Error)]
 #[error("{}", summary(.0))]
 pub struct Faults(pub Vec<Fault>);
 
 impl Faults {
-    pub fn push(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
-        self.0.push(Fault { pointer: pointer.into(), detail: detail.into() });
+    pub fn push(&mut self, pointer: impl Into<String>, message: Message) {
+        self.0.push(Fault { pointer: pointer.into(), message });
     }
 
     pub fn is_empty(&self) -> bool {
@@ -29,7 +31,7 @@ impl Faults {
     /// Adds the faults of a part of the document found below `prefix`.
     pub fn absorb(&mut self, prefix: &str, part: Faults) {
         for fault in part.0 {
-            self.push(format!("{prefix}{}", fault.pointer), fault.detail);
+            self.push(format!("{prefix}{}", fault.pointer), fault.message);
         }
     }
 }
@@ -42,5 +44,5 @@ impl From<Fault> for Faults {
 
 fn summary(faults: &[Fault]) -> String {
     let place = |f: &Fault| if f.pointer.is_empty() { "document".to_owned() } else { f.pointer.clone() };
-    faults.iter().map(|f| format!("{}: {}", place(f), f.detail)).collect::<Vec<_>>().join("; ")
+    faults.iter().map(|f| format!("{}: {}", place(f), f.message)).collect::<Vec<_>>().join("; ")
 }

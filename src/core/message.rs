@@ -28,6 +28,15 @@ impl Message {
     pub fn new(code: &'static str, parameters: Vec<(Cow<'static, str>, Parameter)>) -> Self {
         Self { code: Cow::Borrowed(code), parameters }
     }
+
+    /// A text of others, which is said as it is: of a library, of the operating system, of a database that an older version wrote.
+    pub fn verbatim(text: impl Display) -> Self {
+        crate::message!("verbatim", text = text.to_string())
+    }
+
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
 }
 
 /// For logs and for programmers: the code and its parameters, in no language.
@@ -72,6 +81,11 @@ pub fn text(value: impl Display) -> Parameter {
     Parameter::Text(value.to_string().into())
 }
 
+/// What somebody sent, with its control characters escaped. Its words put it in quotes.
+pub fn sent(text: &str) -> Parameter {
+    Parameter::Text(text.escape_debug().to_string().into())
+}
+
 /// Several, in the reader's way of listing them.
 pub fn list<T: Into<Parameter>>(of: impl IntoIterator<Item = T>) -> Parameter {
     Parameter::List(of.into_iter().map(Into::into).collect())
@@ -98,6 +112,13 @@ impl From<usize> for Parameter {
 impl From<u64> for Parameter {
     fn from(count: u64) -> Self {
         Self::Count(count)
+    }
+}
+
+/// What reads the same in every language, as [`text`].
+impl From<fmt::Arguments<'_>> for Parameter {
+    fn from(text: fmt::Arguments<'_>) -> Self {
+        Self::Text(text.to_string().into())
     }
 }
 

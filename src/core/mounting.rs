@@ -3,6 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::fault::Faults;
+use crate::core::message::{figure, text};
+use crate::message;
 
 /// Position of a gyro in its IMU. The paper's G1, G2, G3.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -54,12 +56,12 @@ impl Triad {
         for (name, axis) in [("/input", &input), ("/spin", &spin)] {
             let norm = axis.norm();
             if !norm.is_finite() || (norm - 1.0).abs() > 1e-3 {
-                faults.push(name, format!("must be a unit vector, its length is {norm}"));
+                faults.push(name, message!("not_unit_vector", length = text(norm)));
             }
         }
         if faults.is_empty() && input.normalize().dot(&spin.normalize()).abs() > MAX_NON_ORTHOGONALITY {
             let angle = input.normalize().dot(&spin.normalize()).acos().to_degrees();
-            faults.push("/spin", format!("must be perpendicular to the input axis, the angle is {angle:.3} deg"));
+            faults.push("/spin", message!("not_perpendicular", angle = figure(angle, 3)));
         }
         if !faults.is_empty() {
             return Err(faults);

@@ -6,6 +6,9 @@ use unicode_normalization::UnicodeNormalization;
 use unicode_properties::{GeneralCategory, UnicodeGeneralCategory};
 use unicode_security::confusable_detection::skeleton;
 
+use crate::core::message::Message;
+use crate::message;
+
 /// Longest identifier (IMU, station, serial, operator, campaign) in characters.
 pub const MAX_NAME_CHARS: usize = 64;
 
@@ -17,17 +20,17 @@ impl Name {
     /// Reads a name as it was sent or stored. What nobody can see in it stays: see [`Name::unseen`].
     ///
     /// # Errors
-    /// Words for a person.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, Message> {
         if text.trim().is_empty() {
-            return Err("must not be empty".into());
+            return Err(message!("empty_text"));
         }
         let chars = text.chars().count();
         if chars > MAX_NAME_CHARS {
-            return Err(format!("must have at most {MAX_NAME_CHARS} characters, has {chars}"));
+            return Err(message!("too_many_characters", most = MAX_NAME_CHARS, have = chars));
         }
         if let Some(c) = text.chars().find(|c| c.is_control()) {
-            return Err(format!("must not contain the control character U+{:04X}", c as u32));
+            return Err(message!("control_character", character = format_args!("U+{:04X}", c as u32)));
         }
         Ok(Self(normal_form(text).into_owned()))
     }
@@ -42,11 +45,10 @@ impl Name {
     }
 
     /// # Errors
-    /// Words for a person, where the name has a character that nobody can see.
-    pub fn check_seen(&self) -> Result<(), String> {
-        self.unseen().map_or(Ok(()), |c| {
-            Err(format!("must not contain the invisible character U+{:04X}; type the name anew", c as u32))
-        })
+    /// Where the name has a character that nobody can see.
+    pub fn check_seen(&self) -> Result<(), Message> {
+        self.unseen()
+            .map_or(Ok(()), |c| Err(message!("invisible_character", character = format_args!("U+{:04X}", c as u32))))
     }
 }
 

@@ -5,6 +5,8 @@ use nalgebra::Vector3;
 use super::fault::Faults;
 use super::mounting::{Geometry, Slot};
 use super::time::UtcMicros;
+use crate::core::message::{Message, figure, text};
+use crate::message;
 
 pub use super::name::{MAX_NAME_CHARS, Name};
 
@@ -72,16 +74,12 @@ impl Plausibility {
     /// Whether `e` (pulse/arcsec) is a possible row of E for the gyro in `slot`. A slot without axes is not held against any.
     ///
     /// # Errors
-    /// Words for a person: |E| out of range, or its direction too far from the nominal input axis, and whose axis it fits instead.
-    pub fn check_scale(&self, e: &Vector3<f64>, geometry: &Geometry, slot: Slot) -> Result<(), String> {
+    /// |E| out of range, or its direction too far from the nominal input axis, and whose axis it fits instead.
+    pub fn check_scale(&self, e: &Vector3<f64>, geometry: &Geometry, slot: Slot) -> Result<(), Message> {
         let norm = e.norm();
         let (low, high) = self.scale_factor;
         if !(low..=high).contains(&norm) {
-            return Err(format!(
-                "|E| = {} pulse/arcsec is outside {low} to {high}, the limits that `plausibility.min_scale_factor` and \
-                 `plausibility.max_scale_factor` set; is it in another unit?",
-                short(norm)
-            ));
+            return Err(message!("scale_factor_range", norm = short(norm), low = text(low), high = text(high)));
         }
         let direction = e / norm;
         let angle_from = |slot| {
@@ -91,14 +89,13 @@ impl Plausibility {
         let Some(angle) = angle_from(slot).filter(|angle| *angle > self.max_misalignment) else { return Ok(()) };
         let others = Slot::ALL.into_iter().filter_map(|slot| Some((slot, angle_from(slot)?)));
         let instead = others.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, angle)| *angle <= self.max_misalignment);
-        let hint = instead.map(|(slot, _)| format!("; it fits that of {}: have two been interchanged?", slot.name()));
-        Err(format!(
-            "its direction is {:.3} deg from the input axis that the geometry gives {}; at most {:.3} deg is accepted{}",
-            angle.to_degrees(),
-            slot.name(),
-            self.max_misalignment.to_degrees(),
-            hint.unwrap_or_default()
-        ))
+        let (angle, most) = (figure(angle.to_degrees(), 3), figure(self.max_misalignment.to_degrees(), 3));
+        Err(match instead {
+            Some((other, _)) => {
+                message!("direction_of_another", angle = angle, slot = slot.name(), most = most, other = other.name())
+            }
+            None => message!("direction_off_axis", angle = angle, slot = slot.name(), most = most),
+        })
     }
 }
 
@@ -107,7 +104,7 @@ impl Record {
     pub fn check(&self, limits: &Plausibility) -> Result<(), Faults> {
         let mut faults = Faults::default();
         if self.gyros.is_empty() || self.gyros.len() > 3 {
-            faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
+            faults.push("/gyros", message!("gyros_one_to_three", have = self.gyros.len()));
         }
         for (i, gyro) in self.gyros.iter().enumerate() {
             // A gyro in another's slot would be held against the wrong axes.
@@ -124,10 +121,16 @@ fn check_unique(gyros: &[GyroParameters], i: usize, faults: &mut Faults) -> bool
     let (gyro, before) = (&gyros[i], &gyros[..i]);
     let slot_twin = before.iter().position(|g| g.slot == gyro.slot);
     if let Some(twin) = slot_twin {
-        faults.push(format!("/gyros/{i}/slot"), format!("{} is already taken by /gyros/{twin}", gyro.slot.name()));
+        faults.push(
+            format!("/gyros/{i}/slot"),
+            message!("slot_taken", slot = gyro.slot.name(), place = format_args!("/gyros/{twin}")),
+        );
     }
     if let Some(twin) = before.iter().position(|g| g.serial == gyro.serial) {
-        faults.push(format!("/gyros/{i}/serial"), format!("{} is already named by /gyros/{twin}", gyro.serial));
+        faults.push(
+            format!("/gyros/{i}/serial"),
+            message!("serial_taken", serial = text(&gyro.serial), place = format_args!("/gyros/{twin}")),
+        );
     }
     slot_twin.is_none()
 }
@@ -141,7 +144,7 @@ fn check_against_geometry(
 ) {
     let pointer = format!("/gyros/{i}/e_pulse_per_arcsec");
     if geometry.triad(gyro.slot).is_none() {
-        faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
+        faults.push(format!("/gyros/{i}/slot"), message!("no_axes_for", slot = text(gyro.slot.name())));
         return;
     }
     if let Err(reason) = limits.check_scale(&gyro.e, geometry, gyro.slot) {
@@ -153,16 +156,9 @@ fn check_against_geometry(
         let member = if gyro.g_is_ratio { "g_deg_per_h_g0" } else { "g_pulse_per_s_g0" };
         faults.push(
             format!("/gyros/{i}/{member}"),
-            format!("|G/E| = {} {}", short(drift), beyond_drift(limits.max_drift)),
+            message!("drift_range", value = short(drift), most = text(limits.max_drift)),
         );
     }
-}
-
-/// What is said of a drift beyond the limit `most`, deg/(h g0), after its figure.
-pub fn beyond_drift(most: f64) -> String {
-    format!(
-        "deg/(h g0) is beyond {most}, the limit that `plausibility.max_drift_deg_per_h_g0` sets; is it in another unit?"
-    )
 }
 
 /// A figure of any size in a message.

@@ -12,11 +12,13 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
-use super::query::{self, Parameters, bad};
+use super::query::{self, Parameters, not_one_of};
 use crate::core::alert_decision::Standing;
 use crate::core::fault::Faults;
 use crate::core::judge::{Coefficient, Rule, Severity};
+use crate::core::message::text;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, AlertStep, Id};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
@@ -113,7 +115,7 @@ fn wants_csv(format: Option<&str>, headers: &HeaderMap) -> Result<bool, Problem>
     match format {
         Some("csv") => Ok(true),
         Some("json") => Ok(false),
-        Some(other) => Err(bad(&format!("format must be json or csv, is {other}"))),
+        Some(other) => Err(not_one_of("format", ["json", "csv"], other)),
         None => Ok(headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv"))),
     }
 }
@@ -140,13 +142,13 @@ fn filter(app: &App, asked: &AlertsQuery) -> Result<AlertFilter, Problem> {
 }
 
 fn one_of<T, const N: usize>(
-    parameter: &str,
+    parameter: &'static str,
     asked: Option<&str>,
     from_name: impl FnOnce(&str) -> Option<T>,
-    names: [&str; N],
+    names: [&'static str; N],
 ) -> Result<Option<T>, Problem> {
     let Some(asked) = asked else { return Ok(None) };
-    let unknown = || bad(&format!("{parameter} must be one of {}; is {asked}", names.join(", ")));
+    let unknown = || not_one_of(parameter, names, asked);
     from_name(asked).map(Some).ok_or_else(unknown)
 }
 
@@ -198,7 +200,7 @@ fn read_id(id: &str) -> Result<Id, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::new(404, "Unknown alert", format!("there is no alert {id}"))
+    Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = text(id)))
 }
 
 /// Who knows, and why it may go on firing.
@@ -300,7 +302,7 @@ pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Fau
         UtcMicros(i64::MAX)
     });
     if at <= now {
-        faults.push(pointer, "must lie in the future");
+        faults.push(pointer, message!("not_in_future"));
     }
     at
 }

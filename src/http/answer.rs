@@ -4,6 +4,7 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
+use crate::message;
 use crate::pipeline::Judged;
 use crate::wire::answer::{CAPACITY, with_verdicts};
 use crate::wire::problem::Problem;
@@ -37,7 +38,7 @@ fn json(written: std::io::Result<Vec<u8>>) -> Response {
         Ok(body) => ([(CONTENT_TYPE, "application/json")], body).into_response(),
         Err(error) => {
             tracing::error!(%error, "an answer could not be put into JSON");
-            Problem::new(500, "Internal error", "the service failed; its log says why").into_response()
+            Problem::new(500, "title_internal_error", message!("service_failed")).into_response()
         }
     }
 }

@@ -13,6 +13,7 @@ use utoipa_axum::routes;
 use super::App;
 use super::answer::Answer;
 use super::query::{self, Parameters};
+use crate::message;
 use crate::pipeline::{AuditFilter, AuditRow, Id};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
@@ -91,7 +92,7 @@ async fn get_audit(
     let csv = match asked.format.as_deref() {
         Some("csv") => true,
         Some("json") => false,
-        Some(other) => return Err(query::bad(&format!("format must be json or csv, is {other}"))),
+        Some(other) => return Err(query::not_one_of("format", ["json", "csv"], other)),
         None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
     };
     let limit = query::limit(asked.limit, 100, MOST_LINES)?;
@@ -105,7 +106,7 @@ async fn get_audit(
     let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
     let link = next.as_ref().map(|next| [(LINK, query::link_to(&uri, next))]);
     if csv {
-        let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "Internal error", "the trail cannot be written"))?;
+        let text = as_csv(&rows).ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
         return Ok((link, [(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
     }
     let lines = rows.into_iter().map(line).collect::<Result<_, _>>()?;
@@ -113,7 +114,7 @@ async fn get_audit(
 }
 
 fn line(row: AuditRow) -> Result<AuditLine, Problem> {
-    let damaged = |_| Problem::new(500, "Damaged database", format!("line {} of the audit trail is no JSON", row.id));
+    let damaged = |_| Problem::new(500, "title_damaged_database", message!("audit_not_json", id = row.id.to_string()));
     let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
     Ok(AuditLine {
         before: json(row.before)?,

@@ -12,8 +12,10 @@ use super::App;
 use super::document::Document;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, FixedLevels, Measured};
+use crate::core::message::text;
 use crate::core::record::Name;
 use crate::http::remark::{Said, gyro_named, submit};
+use crate::message;
 use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
@@ -68,14 +70,15 @@ impl FixedBody {
 
     fn checked(self, most: f64, faults: &mut Faults) -> FixedLevels {
         if self.d_i.is_none() && self.d_s.is_none() {
-            faults.push("/fixed", "must state D_I, D_S or both");
+            faults.push("/fixed", message!("nothing_fixed"));
         }
         [("D_I", self.d_i, self.d_i_sd), ("D_S", self.d_s, self.d_s_sd)].map(|(name, value, sd)| {
             if let Some(value) = value.filter(|value| value.is_nan() || value.abs() > most) {
-                faults.push(format!("/fixed/{name}"), format!("must lie within +-{most} deg/(h g0), is {value}"));
+                faults
+                    .push(format!("/fixed/{name}"), message!("baseline_range", most = text(most), value = text(value)));
             }
             if value.is_none() && sd.is_some() {
-                faults.push(format!("/fixed/{name}_sd"), format!("goes with {name}, which is not stated"));
+                faults.push(format!("/fixed/{name}_sd"), message!("goes_with", member = text(name)));
             }
             let sd = text::deviation(&format!("/fixed/{name}_sd"), sd, faults);
             value.map(|value| Measured { value, sd })
@@ -113,7 +116,7 @@ async fn post_baseline(
     body: Document,
 ) -> Result<(StatusCode, Json<BaselineAnswer>), Problem> {
     let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let otherwise = "a baseline begins at that very time for another reason";
+    let otherwise = message!("baseline_there");
     let (status, id) = submit(&app, event.clone(), otherwise).await?;
     let GyroEvent { at, fixed, reason, author, .. } = event;
     let (id, at, fixed) = (id.to_string(), time::format(at), FixedBody::of(&fixed));
@@ -123,7 +126,7 @@ async fn post_baseline(
 fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let BaselineBody { reason, at, author, fixed } = json::parse(bytes)?;
     let mut faults = Faults::default();
-    let (reason, at, author) = Said { reason, at, author }.read(app, "must say what was done to the gyro", &mut faults);
+    let (reason, at, author) = Said { reason, at, author }.read(app, message!("baseline_reason"), &mut faults);
     let most = app.config.plausibility.max_drift_deg_per_h_g0;
     let fixed = fixed.map_or([None; 2], |fixed| fixed.checked(most, &mut faults));
     faults.or(GyroEvent {

@@ -21,7 +21,9 @@ use super::document::{Document, check_media_type, idempotency_key};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
+use crate::core::message::Message;
 use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
+use crate::message;
 use crate::pipeline::{
     Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
 };
@@ -35,6 +37,7 @@ use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::split::SplitBody;
 use crate::wire::time;
+use crate::words;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(post_campaign)).routes(routes!(get_campaign)).routes(routes!(get_diagnosis))
@@ -87,10 +90,10 @@ async fn post_campaign(
     let Dwells(bytes, form) = body;
     let key = idempotency_key(&headers)?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
-    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
-    let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
+    let read = words::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
+    let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
-        Form::Csv => Problem::of_faults(422, "Cannot be stored as it is", faults),
+        Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
     let is_bench = matches!(fitted, Fitted::Bench(_));
@@ -158,10 +161,10 @@ struct StoredCampaignBody {
         (status = 200, description = "the campaign", body = StoredCampaignBody),
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
 async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
-    let id: Id = id.parse().map_err(|_| Problem::no_such("campaign", &id))?;
+    let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
-        .map_err(|_| Problem::new(500, "Damaged database", format!("the body of campaign {id} is no JSON")))?;
+        .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
     let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
     let received_at = time::format(row.received_at);
     Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
@@ -181,13 +184,21 @@ async fn get_diagnosis(
     Path(id): Path<String>,
     Parameters(query): Parameters<DiagnosisQuery>,
 ) -> Result<Response, Problem> {
-    let number: Id = id.parse().map_err(|_| Problem::no_such("campaign", &id))?;
+    let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let patience = match query.wait.unwrap_or(PATIENCE_S) {
         wait if wait <= PATIENCE_S => Duration::from_secs(wait),
-        wait => return Err(bad(&format!("wait must be 0 to {PATIENCE_S}, is {wait}"))),
+        wait => {
+            return Err(bad(message!(
+                "parameter_range",
+                parameter = "wait",
+                least = 0_u64,
+                most = PATIENCE_S,
+                value = wait
+            )));
+        }
     };
     match app.pipeline.diagnosis(number, patience).await? {
-        Asked::NoSuchCampaign => Err(Problem::no_such("campaign", &id)),
+        Asked::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
         Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
         Asked::Answered(diagnosed) => match (&*diagnosed, query.reference) {
             (Ok(diagnosis), None) => Ok(Json(diagnosis).into_response()),
@@ -196,7 +207,7 @@ async fn get_diagnosis(
                 diagnosis.reference = Some(against(&app, number, &diagnosis, &reference).await?);
                 Ok(Json(diagnosis).into_response())
             }
-            (Err(why), _) => Err(Problem::new(422, "Nothing to diagnose", why.as_str())),
+            (Err(why), _) => Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
         },
     }
 }
@@ -216,15 +227,15 @@ struct DiagnosisQuery {
 }
 
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Result<SplitBody, Problem> {
-    let unknown = || Problem::new(404, "No such reference", format!("there is no campaign or record {reference}"));
+    let unknown = || Problem::no_such_reference(reference);
     let number: Id = reference.parse().map_err(|_| unknown())?;
     app.pipeline.split(id, diagnosis, number).await.map_err(|why| match why {
         NotSplit::NoSuchReference(_) => unknown(),
-        NotSplit::NoReference(why) => Problem::new(422, "No reference for it", why.to_string()),
+        NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", Message::verbatim(why)),
         NotSplit::Store(error) => error.into(),
     })
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {
-    app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such("campaign", id))
+    app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }

@@ -53,7 +53,7 @@ async fn confirm_record(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<ConfirmedBody>, Problem> {
-    let id: Id = id.parse().map_err(|_| Problem::no_such("record", &id))?;
+    let id: Id = id.parse().map_err(|_| Problem::no_such_record(&id))?;
     let (author, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let sent = Confirmation { id, author, reason, by: Actor::by_caller() };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =

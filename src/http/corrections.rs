@@ -15,6 +15,7 @@ use super::App;
 use super::answer::Answer;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
+use crate::message;
 use crate::pipeline::{
     Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Id, Kind, Submission,
 };
@@ -25,6 +26,7 @@ use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::{json, text, time};
+use crate::words;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
@@ -155,7 +157,7 @@ async fn void_record(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<CorrectedBody>, Problem> {
-    void(&app, Corrected::Calibration { id: named(&id, "record")?, kind: None }, &body.0).await
+    void(&app, Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None }, &body.0).await
 }
 
 /// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
@@ -193,7 +195,7 @@ async fn void_bench_result(
     Path(id): Path<String>,
     body: Document,
 ) -> Result<Json<CorrectedBody>, Problem> {
-    void(&app, Corrected::Bench(named(&id, "bench result")?), &body.0).await
+    void(&app, Corrected::Bench(named(&id, Problem::no_such_bench_result)?), &body.0).await
 }
 
 async fn void(app: &App, item: Corrected, body: &[u8]) -> Result<Json<CorrectedBody>, Problem> {
@@ -230,13 +232,13 @@ struct RecordRevision {
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
-    let item = Corrected::Calibration { id: named(&id, "record")?, kind: None };
+    let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
     let read = app.pipeline.read_record(record.get().as_bytes());
     let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
-    let stored = app.pipeline.stored_record(id).await?.ok_or_else(|| no_such("record", &id.to_string()))?;
+    let stored = app.pipeline.stored_record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
 }
@@ -272,18 +274,18 @@ async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: D
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
-    let read = tokio::task::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
-    let read = read.map_err(|_| Problem::new(500, "Internal error", "the campaign could not be fitted"))?;
+    let read = words::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let read = read.and_then(|read| match read.fitted {
         Fitted::Calibration(calibration) => Ok(*calibration),
         Fitted::Bench(_) => {
-            let detail = "is a bench test, which cannot stand in the place of a campaign".to_owned();
-            Err(Fault { pointer: "/test".to_owned(), detail }.into())
+            let message = message!("is_bench_test");
+            Err(Fault { pointer: "/test".to_owned(), message }.into())
         }
     });
     let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
-    let stored = app.pipeline.stored_campaign(id).await?.ok_or_else(|| no_such("campaign", &id.to_string()))?;
+    let stored = app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Answer(answer)).into_response())
 }
@@ -317,7 +319,7 @@ async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), P
         Err(refused) => {
             // The places are those of what is to stand in the place of the old.
             let mut problem = Problem::from(refused);
-            for error in &mut problem.errors {
+            for error in &mut problem.places {
                 error.pointer.insert_str(0, place.unwrap_or_default());
             }
             Err(problem)
@@ -326,13 +328,9 @@ async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), P
 }
 
 fn campaign(id: &str) -> Result<Corrected, Problem> {
-    Ok(Corrected::Calibration { id: named(id, "campaign")?, kind: Some(Kind::Campaign) })
+    Ok(Corrected::Calibration { id: named(id, Problem::no_such_campaign)?, kind: Some(Kind::Campaign) })
 }
 
-fn named(id: &str, what: &str) -> Result<Id, Problem> {
-    id.parse().map_err(|_| no_such(what, id))
-}
-
-fn no_such(what: &str, id: &str) -> Problem {
-    Problem::new(404, &format!("No such {what}"), format!("there is no {what} {id}"))
+fn named<'a>(id: &'a str, no_such: fn(&'a str) -> Problem) -> Result<Id, Problem> {
+    id.parse().map_err(|_| no_such(id))
 }

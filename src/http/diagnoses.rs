@@ -13,7 +13,11 @@ use utoipa_axum::routes;
 use super::App;
 use super::answer::Answer;
 use super::document::Document;
-use super::query::{self, Parameters, bad, with_sign};
+use super::query::{self, Parameters, bad, not_one_of, with_sign};
+use crate::core::fault::Fault;
+use crate::core::message::list;
+use crate::core::message::text;
+use crate::message;
 use crate::pipeline::{Accepted, DiagnosisOrder, Id};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::problem::Problem;
@@ -150,15 +154,20 @@ async fn get_summary(
     let csv = match asked.format.as_deref() {
         Some("csv") => true,
         Some("json") => false,
-        Some(other) => return Err(bad(&format!("format must be json or csv, is {other}"))),
+        Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
         None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
     };
     let SummaryQuery { imu, station, effect, since, until, .. } = asked;
     let [since, until] = [since, until].map(|time| time.map(|text| with_sign(&text).into_owned()));
     let which = WhichBody { imu, station, since, until, again: false };
     let filter = app.pipeline.summary_filter(&which, effect.as_deref()).map_err(|faults| {
-        let said = faults.0.iter().map(|fault| format!("{}: {}", fault.pointer.trim_start_matches('/'), fault.detail));
-        bad(&said.collect::<Vec<_>>().join("; "))
+        let parameter = |fault: &Fault| fault.pointer.trim_start_matches('/').to_owned();
+        let said = |fault: Fault| message!("parameter_fault", parameter = parameter(&fault), fault = fault.message);
+        let mut said = faults.0.into_iter().map(said);
+        match (said.next(), said.len()) {
+            (Some(one), 0) => bad(one),
+            (one, _) => bad(message!("several", faults = list(one.into_iter().chain(said)))),
+        }
     })?;
     let summary = app.pipeline.diagnosis_summary(&filter).await?;
     if csv {
@@ -177,5 +186,5 @@ fn number(id: &str) -> Result<Id, Problem> {
 }
 
 fn no_such(id: &str) -> Problem {
-    Problem::new(404, "No such diagnoses", format!("there is no order of diagnoses {id}"))
+    Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = text(id)))
 }

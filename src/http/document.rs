@@ -7,6 +7,8 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
 use crate::core::fault::{Fault, Faults};
+use crate::core::message::Message;
+use crate::message;
 use crate::wire::document::DocumentKind;
 use crate::wire::json::is_json;
 use crate::wire::problem::Problem;
@@ -29,19 +31,19 @@ impl Document {
     pub fn refused_as(wanted: DocumentKind, bytes: &[u8], faults: Faults) -> Problem {
         let belongs = match DocumentKind::instead_of(wanted, bytes) {
             None => return Self::problem(bytes, faults),
-            Some(DocumentKind::Record) => "a calibration record: send it to /v1/records",
-            Some(DocumentKind::Campaign) => "a campaign of raw dwells: send it to /v1/campaigns",
-            Some(DocumentKind::Bench) => "a bench result: send it to /v1/bench-results",
+            Some(DocumentKind::Record) => message!("belongs_to_records"),
+            Some(DocumentKind::Campaign) => message!("belongs_to_campaigns"),
+            Some(DocumentKind::Bench) => message!("belongs_to_bench_results"),
         };
-        Self::problem(bytes, Fault { pointer: String::new(), detail: format!("this is {belongs}") }.into())
+        Self::problem(bytes, Fault { pointer: String::new(), message: belongs }.into())
     }
 
     /// The answer to a document with faults: 400 where it is no JSON at all, 422 where it says what cannot be.
     pub fn problem(bytes: &[u8], faults: Faults) -> Problem {
         if is_json(bytes) {
-            Problem::of_faults(422, "Cannot be stored as it is", faults)
+            Problem::of_faults(422, "title_cannot_be_stored", faults)
         } else {
-            Problem::of_faults(400, "Not JSON", faults)
+            Problem::of_faults(400, "title_not_json", faults)
         }
     }
 }
@@ -53,16 +55,19 @@ pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Resul
     let essence = media_type.as_deref().map(|t| t.split(';').next().unwrap_or(t).trim().to_ascii_lowercase());
     let Some(sent) = accepted.iter().find(|accepted| essence.as_deref() == Some(**accepted)) else {
         let wanted = accepted.join(" or ");
-        let found = media_type.map_or_else(|| "there is none".to_owned(), |t| format!("it is {t}"));
-        return Err(Problem::new(415, "Unsupported media type", format!("Content-Type must be {wanted}, {found}")));
+        return Err(unsupported(match media_type {
+            Some(found) => message!("content_type", wanted = wanted, found = found),
+            None => message!("content_type_missing", wanted = wanted),
+        }));
     };
     match text(CONTENT_ENCODING).filter(|encoding| !encoding.eq_ignore_ascii_case("identity")) {
         None => Ok(sent),
-        Some(encoding) => {
-            let detail = format!("Content-Encoding {encoding} is not taken; send the body as it is");
-            Err(Problem::new(415, "Unsupported media type", detail))
-        }
+        Some(encoding) => Err(unsupported(message!("content_encoding", encoding = encoding))),
     }
+}
+
+fn unsupported(message: Message) -> Problem {
+    Problem::new(415, "title_unsupported_media_type", message)
 }
 
 /// The `Idempotency-Key` header, at most 255 visible characters.
@@ -70,5 +75,5 @@ pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
     let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
     key.map(|key| Some(key.to_owned()))
-        .ok_or_else(|| Problem::new(400, "Bad Idempotency-Key", "must be 1 to 255 visible ASCII characters"))
+        .ok_or_else(|| Problem::new(400, "title_bad_idempotency_key", message!("idempotency_key_form")))
 }

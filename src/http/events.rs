@@ -14,8 +14,10 @@ use super::document::Document;
 use super::query;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
+use crate::core::message::{list, sent};
 use crate::core::record::Name;
 use crate::http::remark::{Said, gyro_named, submit};
+use crate::message;
 use crate::pipeline::{Actor, EventRow, GyroEvent};
 use crate::store;
 use crate::wire::event::read_test;
@@ -128,7 +130,7 @@ async fn post_event(
     body: Document,
 ) -> Result<(StatusCode, Json<EventBody>), Problem> {
     let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let otherwise = "the same kind of event is stored at that very time with other words";
+    let otherwise = message!("event_there");
     let (status, id) = submit(&app, event.clone(), otherwise).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
     let row = EventRow { id, gyro: 0, at, event, until, test, fixed, reason, author, received_at: at };
@@ -139,11 +141,11 @@ fn read(app: &App, serial: Name, bytes: &[u8]) -> Result<GyroEvent, Faults> {
     let NewEvent { event, reason, at, to, kind, author } = json::parse(bytes)?;
     let mut faults = Faults::default();
     let event = named(&event).unwrap_or_else(|| {
-        let names = Event::ALL.map(Event::name).join(", ");
-        faults.push("/event", format!("must be one of {names}; is {event:?}"));
+        let known = list(Event::ALL.map(Event::name));
+        faults.push("/event", message!("must_be_one_of", known = known, value = sent(&event)));
         Event::Note
     });
-    let (reason, at, author) = Said { reason, at, author }.read(app, "must not be empty", &mut faults);
+    let (reason, at, author) = Said { reason, at, author }.read(app, message!("empty_text"), &mut faults);
     let (until, test) = read_test(event, at, (to, kind), &mut faults);
     let (fixed, by) = ([None; 2], Actor::by_caller());
     faults.or(GyroEvent { serial, at, event, until, test, fixed, reason, author, by })

@@ -13,6 +13,7 @@ use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
 use crate::core::judge::history::Measured;
 use crate::core::judge::{Event, State as Judgement, Status};
+use crate::message;
 use crate::pipeline::{Figures, Span, Standing, Tables, sample_of};
 use crate::store;
 use crate::wire::answer::{FigureBody, VerdictBody};
@@ -48,8 +49,8 @@ struct Filter {
 
 impl Filter {
     fn of(asked: &GyrosQuery) -> Result<Self, Problem> {
-        let unknown = |name: &str, known: &[&str], said: &str| {
-            query::bad(&format!("{name} must be one of {}, is {said}", known.join(", ")))
+        let unknown = |name: &'static str, known: &[&'static str], said: &str| {
+            query::not_one_of(name, known.iter().copied(), said)
         };
         let status = asked
             .status
@@ -138,7 +139,7 @@ struct StatusesBody {
 async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQuery>) -> Result<Json<Gyros>, Problem> {
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
-    let after = u32::try_from(after).map_err(|_| query::bad("cursor is none that this service has given out"))?;
+    let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
     let filter = Filter::of(&asked)?;
     let (standings, next) = page(&app, after, limit, filter).await?;
     let tables = app.pipeline.store().names().read();

@@ -8,6 +8,9 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::App;
+use crate::core::message::Message;
+use crate::message;
+use crate::pipeline::Refused;
 use crate::wire::problem::Problem;
 
 /// How long the writer may take to answer: a group commit on a slow disk, and one before it.
@@ -26,19 +29,36 @@ pub async fn healthz() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") })
 }
 
+/// What the operator is told of a write that failed, in the store's own words.
+fn unwritten(refused: &Refused) -> Message {
+    match refused {
+        Refused::Store(error) => Message::verbatim(error),
+        other => other.message(),
+    }
+}
+
 /// Readiness: the database can be read and written, and the writer and the delivery worker are at work.
 #[utoipa::path(get, path = "/readyz", tag = "service", responses(
     (status = 200, description = "ready", body = Health),
     (status = 503, description = "not ready, and why", body = Problem, content_type = "application/problem+json")))]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
-    let not_ready = |why: String| Problem::new(503, "Not ready", why);
-    app.pipeline.store().ping().await.map_err(|error| not_ready(format!("reading: {error}")))?;
+    let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
+    app.pipeline
+        .store()
+        .ping()
+        .await
+        .map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {
-        Ok(probed) => probed.map_err(|refused| not_ready(format!("writing: {refused}")))?,
-        Err(_) => return Err(not_ready(format!("writing: the writer has not answered for {} s", PATIENCE.as_secs()))),
+        Ok(probed) => probed.map_err(|refused| not_ready(message!("not_writing", why = unwritten(&refused))))?,
+        Err(_) => {
+            return Err(not_ready(message!(
+                "not_writing",
+                why = message!("writer_silent", seconds = PATIENCE.as_secs())
+            )));
+        }
     }
     if !app.pipeline.delivers() {
-        return Err(not_ready("the delivery worker is not at work".to_owned()));
+        return Err(not_ready(message!("no_delivery_worker")));
     }
     Ok(Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") }))
 }

@@ -13,6 +13,8 @@ use utoipa_axum::routes;
 use super::App;
 use super::document::Document;
 use super::query::{self, Parameters};
+use crate::core::message::text;
+use crate::message;
 use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
 use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
@@ -186,10 +188,8 @@ async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
 }
 
 fn delivery_state(name: &str) -> Result<DeliveryState, Problem> {
-    DeliveryState::from_name(name).ok_or_else(|| {
-        let known = DeliveryState::ALL.map(DeliveryState::name).join(", ");
-        query::bad(&format!("state must be one of {known}, is {name:?}"))
-    })
+    DeliveryState::from_name(name)
+        .ok_or_else(|| query::not_one_of("state", DeliveryState::ALL.map(DeliveryState::name), name))
 }
 
 fn hook_id(text: &str) -> Result<Id, Problem> {
@@ -201,9 +201,9 @@ fn delivery_id(text: &str) -> Result<Id, Problem> {
 }
 
 fn no_such_hook(id: &impl std::fmt::Display) -> Problem {
-    Problem::new(404, "No such hook", format!("there is no hook {id}"))
+    Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)))
 }
 
 fn no_such_delivery(id: &impl std::fmt::Display) -> Problem {
-    Problem::new(404, "No such delivery", format!("there is no delivery {id}"))
+    Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = text(id)))
 }

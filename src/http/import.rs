@@ -19,6 +19,7 @@ use bytes::Bytes;
 use futures::future::BoxFuture;
 use futures::stream::Peekable;
 use futures::{FutureExt, StreamExt};
+use lines::{Line, Longest, lines};
 use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
@@ -31,11 +32,12 @@ use super::edge::Forwarded;
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::fault::Faults;
+use crate::message;
 use crate::pipeline::{Accepted, Caller, Origin, Pipeline, ReadDocument, Reply, Submission};
 use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
-use crate::wire::problem::Problem;
-use lines::{Line, Longest, lines};
+use crate::wire::problem::{Problem, ProblemBody};
+use crate::words;
 
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(post_import))
@@ -61,7 +63,7 @@ struct LineAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<Problem>,
+    error: Option<ProblemBody>,
     /// Of what is new: what was noticed beside what is known of the IMU and its gyros.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<NoteBody>,
@@ -98,10 +100,12 @@ async fn post_import(
     let room = Arc::new(Semaphore::new(MAX_UNREAD_ANSWERS));
     let full = Arc::new(Notify::new());
     let answers = Answers { sender, room, full: Arc::clone(&full) };
+    let language = words::asked();
     let done = tokio::spawn(async move {
         let late = telling.late_or(Late::Digest);
-        // A task of its own does not know whose it is.
-        caller.clone().during(import(&app, caller, late, body, &answers)).await;
+        // A task of its own does not know whose it is, nor their language.
+        let work = caller.clone().during(import(&app, caller, late, body, &answers));
+        words::asked_in(language, work).await;
         // Whoever has read the last answer finds the digest queued.
         telling.end(&app, late).await;
         drop(answers);
@@ -151,7 +155,7 @@ async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataSt
     let pipeline = app.pipeline.clone();
     let read = lines.ready_chunks(LINES_AT_ONCE).map(move |chunk| {
         let (pipeline, caller) = (pipeline.clone(), caller.clone());
-        tokio::task::spawn_blocking(move || Chunk::read(chunk, &pipeline, &caller))
+        words::spawn_blocking(move || Chunk::read(chunk, &pipeline, &caller))
     });
     let pipeline = app.pipeline.clone();
     // Queued one after the other, so that of two lines with the same key the first is the one that counts.
@@ -225,9 +229,9 @@ impl Chunk {
                 (Some(problem), _) => Err(problem),
                 (None, Some(origin)) => match replies.next() {
                     Some(reply) => settled(reply, &origin, pipeline).await,
-                    None => Err(Problem::new(500, "Internal error", "the line was not answered")),
+                    None => Err(Problem::new(500, "title_internal_error", message!("line_not_answered"))),
                 },
-                (None, None) => Err(Problem::new(500, "Internal error", "the line was not read")),
+                (None, None) => Err(Problem::new(500, "title_internal_error", message!("line_not_read"))),
             };
             let answer = match outcome {
                 Ok((status, id, notes)) => LineAnswer { line: line.number, status, id: Some(id), error: None, notes },
@@ -235,7 +239,7 @@ impl Chunk {
                     line: line.number,
                     status: problem.status,
                     id: None,
-                    error: Some(problem),
+                    error: Some(problem.body(words::asked())),
                     notes: Vec::new(),
                 },
             };

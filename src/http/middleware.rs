@@ -3,7 +3,7 @@
 use std::panic::AssertUnwindSafe;
 
 use axum::extract::{Request, State};
-use axum::http::header::{CONNECTION, HOST, TRANSFER_ENCODING};
+use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, COOKIE, HOST, TRANSFER_ENCODING};
 use axum::http::{HeaderMap, StatusCode, Version};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -11,10 +11,24 @@ use futures::FutureExt;
 
 use super::metrics::Counted;
 use super::{App, access, problem};
+use crate::message;
 use crate::wire::problem::Problem;
+use crate::words::{self, Language};
 
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
 pub async fn pass(State(app): State<App>, request: Request, next: Next) -> Response {
+    words::asked_in(language(request.headers()), passed(app, request, next)).await
+}
+
+/// The language that was chosen on the pages, else that of `Accept-Language`.
+fn language(headers: &HeaderMap) -> Language {
+    let text = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
+    let mut cookies = text(COOKIE).flat_map(|all| all.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    let chosen = cookies.find(|(name, _)| *name == "language").and_then(|(_, tag)| Language::from_tag(tag));
+    chosen.unwrap_or_else(|| Language::preferred(text(ACCEPT_LANGUAGE).next().unwrap_or_default()))
+}
+
+async fn passed(app: App, request: Request, next: Next) -> Response {
     let counted = Counted::begin(&request);
     if let Some(doubt) = doubt(request.version(), request.headers()) {
         counted.end(doubt.status());
@@ -42,11 +56,11 @@ fn doubt(version: Version, headers: &HeaderMap) -> Option<Response> {
     let mut codings = headers.get_all(TRANSFER_ENCODING).iter();
     let known = codings.next().is_none_or(|coding| coding.as_bytes().eq_ignore_ascii_case(b"chunked"));
     let problem = if !known || codings.next().is_some() {
-        Problem::new(501, "Unknown transfer coding", "Transfer-Encoding must be chunked, once, where there is one")
+        Problem::new(501, "title_unknown_transfer_coding", message!("transfer_coding"))
     } else if headers.get_all(HOST).iter().count() > 1 {
-        Problem::new(400, "Two hosts", "there must be one Host")
+        Problem::new(400, "title_two_hosts", message!("one_host"))
     } else if version == Version::HTTP_11 && !headers.contains_key(HOST) {
-        Problem::new(400, "No host", "HTTP/1.1 needs a Host")
+        Problem::new(400, "title_no_host", message!("host_needed"))
     } else {
         return None;
     };

@@ -10,6 +10,7 @@ use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
+use crate::message;
 use crate::pipeline::{Accepted, Adoption, ModelRow};
 use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
@@ -47,7 +48,8 @@ struct AdoptedBody {
         (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
 async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.models(&imu).await?;
-    let models = models.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU {imu} is known")))?;
+    let models =
+        models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
     let adopted = |row: ModelRow, model: ModelBody| AdoptedBody {
         id: row.id.to_string(),
         adopted_at: time::format(row.adopted_at),
@@ -88,7 +90,7 @@ async fn post_model(
     };
     let Json(now) = get_model(State(app), Path(imu)).await?;
     let adopted = now.history.into_iter().find(|adopted| adopted.id == id.to_string());
-    adopted.map(|adopted| (status, Json(adopted))).ok_or_else(|| {
-        Problem::new(500, "Internal error", "the model was adopted and cannot be read back; the log says why")
-    })
+    adopted
+        .map(|adopted| (status, Json(adopted)))
+        .ok_or_else(|| Problem::new(500, "title_internal_error", message!("model_lost")))
 }

@@ -1,12 +1,14 @@
 //! Every error leaves as problem details (RFC 9457).
 
-use axum::body::Body;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, RETRY_AFTER};
+use axum::http::header::{CONTENT_LANGUAGE, CONTENT_LENGTH, CONTENT_TYPE, RETRY_AFTER, VARY};
 use axum::http::{HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use http_body_util::{BodyExt, Limited};
 
+use crate::core::message::Message;
+use crate::message;
 use crate::wire::problem::Problem;
+use crate::words;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -19,8 +21,10 @@ const MAX_DETAIL_BYTES: usize = 4096;
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let body = serde_json::to_vec(&self).unwrap_or_default();
-        let mut response = (status, [(CONTENT_TYPE, PROBLEM_JSON)], body).into_response();
+        let language = words::asked();
+        let body = serde_json::to_vec(&self.body(language)).unwrap_or_default();
+        let headers = [(CONTENT_TYPE, PROBLEM_JSON), (CONTENT_LANGUAGE, language.tag()), (VARY, "accept-language")];
+        let mut response = (status, headers, body).into_response();
         if status == StatusCode::SERVICE_UNAVAILABLE {
             response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static(RETRY_AFTER_S));
         }
@@ -28,13 +32,13 @@ impl IntoResponse for Problem {
     }
 }
 
-/// `what` is longer than the configuration allows.
-pub fn too_large(what: &str, longest: usize, key: &str) -> Problem {
-    Problem::new(413, "Too large", format!("{what} may have {longest} bytes, the limit that {key} sets"))
+/// Something is longer than the configuration allows.
+pub fn too_large(message: Message) -> Problem {
+    Problem::new(413, "title_too_large", message)
 }
 
 pub async fn no_such_path(uri: Uri) -> Problem {
-    Problem::new(404, "No such path", format!("nothing is served at {}", uri.path()))
+    Problem::new(404, "title_no_such_path", message!("no_such_path", path = uri.path().to_owned()))
 }
 
 /// Puts refusals that are not ours (of axum's extractors and of the layers) into the common form. Headers such as
@@ -53,25 +57,30 @@ pub async fn in_form(response: Response, longest_body: usize) -> Response {
         Ok(collected) => String::from_utf8_lossy(&collected.to_bytes()).trim().to_owned(),
         Err(_) => String::new(),
     };
-    parts.headers.insert(CONTENT_TYPE, HeaderValue::from_static(PROBLEM_JSON));
-    parts.headers.remove(CONTENT_LENGTH);
-    let problem = problem_of(status, text, longest_body);
-    Response::from_parts(parts, Body::from(serde_json::to_vec(&problem).unwrap_or_default()))
+    let (problem, headers) = (problem_of(status, text, longest_body).into_response(), &mut parts.headers);
+    headers.remove(CONTENT_LENGTH);
+    for name in [CONTENT_TYPE, CONTENT_LANGUAGE, VARY] {
+        if let Some(value) = problem.headers().get(&name) {
+            headers.insert(name, value.clone());
+        }
+    }
+    Response::from_parts(parts, problem.into_body())
 }
 
 /// What a refusal that says no more than `text` means.
 fn problem_of(status: StatusCode, text: String, longest_body: usize) -> Problem {
     if status == StatusCode::PAYLOAD_TOO_LARGE {
-        return too_large("a body", longest_body, "server.max_body_bytes");
+        return too_large(message!("too_long_body", most = longest_body, key = "server.max_body_bytes"));
     }
     let title = status.canonical_reason().unwrap_or("Error");
     // What failed inside is for the log, not for the client.
-    let detail = match (text.is_empty() || status == StatusCode::INTERNAL_SERVER_ERROR, status) {
-        (false, _) => text,
-        (true, StatusCode::METHOD_NOT_ALLOWED) => "this path does not take that method; see Allow".to_owned(),
-        (true, StatusCode::INTERNAL_SERVER_ERROR) => "the service failed; its log says why".to_owned(),
-        (true, StatusCode::SERVICE_UNAVAILABLE) => "the answer took too long; try again later".to_owned(),
-        (true, _) => title.to_owned(),
+    let message = match (text.is_empty() || status == StatusCode::INTERNAL_SERVER_ERROR, status) {
+        (false, _) => Message::verbatim(text),
+        (true, StatusCode::METHOD_NOT_ALLOWED) => message!("wrong_method"),
+        (true, StatusCode::INTERNAL_SERVER_ERROR) => message!("service_failed"),
+        (true, StatusCode::SERVICE_UNAVAILABLE) => message!("answer_took_too_long"),
+        (true, _) => Message::verbatim(title),
     };
-    Problem::new(status.as_u16(), title, detail)
+    // A title that is no code is said as it is.
+    Problem::new(status.as_u16(), title, message)
 }

@@ -8,7 +8,9 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use super::App;
+use crate::core::message::{Message, list};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::Span;
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
@@ -22,33 +24,51 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequestParts<S> for Parameters<T> 
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let Query(parameters) =
-            Query::from_request_parts(parts, state).await.map_err(|rejection| bad(&rejection.body_text()))?;
+            Query::from_request_parts(parts, state).await.map_err(|rejection| bad(of_form(&rejection.body_text())))?;
         Ok(Self(parameters))
     }
 }
 
+/// What axum says of a query that it cannot read.
+fn of_form(text: &str) -> Message {
+    let what = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(text);
+    let Some((_, names)) = what.split_once("unknown field `") else { return Message::verbatim(what) };
+    let mut names = names.split('`').step_by(2).map(str::to_owned);
+    let parameter = names.next().unwrap_or_default();
+    message!("unknown_parameter", parameter = parameter, known = list(names.filter(|name| !name.is_empty())))
+}
+
 /// The answer to a parameter that cannot be used.
-pub fn bad(detail: &str) -> Problem {
-    Problem::new(400, "Bad query", detail)
+pub fn bad(message: Message) -> Problem {
+    Problem::new(400, "title_bad_query", message)
+}
+
+/// The answer to a parameter that must be one of those that are known.
+pub fn not_one_of(parameter: &'static str, known: impl IntoIterator<Item = &'static str>, value: &str) -> Problem {
+    bad(message!("parameter_one_of", parameter = parameter, known = list(known), value = value.to_owned()))
 }
 
 /// `limit`: how many items at most.
 pub fn limit(asked: Option<usize>, default: usize, most: usize) -> Result<usize, Problem> {
     match asked.unwrap_or(default) {
         limit if (1..=most).contains(&limit) => Ok(limit),
-        limit => Err(bad(&format!("limit must be 1 to {most}, is {limit}"))),
+        limit => {
+            Err(bad(message!("parameter_range", parameter = "limit", least = 1_usize, most = most, value = limit)))
+        }
     }
 }
 
 /// `from` and `to`: a stretch of time, both ends included.
 pub fn span(from: Option<&str>, to: Option<&str>) -> Result<Span, Problem> {
-    let instant = |name: &str, text: Option<&str>, or: UtcMicros| match text {
+    let instant = |name: &'static str, text: Option<&str>, or: UtcMicros| match text {
         None => Ok(or),
-        Some(text) => time::parse(&with_sign(text)).map_err(|why| bad(&format!("{name} {why}"))),
+        Some(text) => {
+            time::parse(&with_sign(text)).map_err(|why| bad(message!("parameter_fault", parameter = name, fault = why)))
+        }
     };
     let span = Span { from: instant("from", from, Span::EVER.from)?, to: instant("to", to, Span::EVER.to)? };
     if span.from > span.to {
-        return Err(bad("from lies after to"));
+        return Err(bad(message!("from_after_to")));
     }
     Ok(span)
 }
@@ -63,7 +83,7 @@ pub fn with_sign(text: &str) -> Cow<'_, str> {
 
 /// The position that a cursor stands for.
 pub fn position(cursor: &str) -> Result<i64, Problem> {
-    cursor::decode(cursor).ok_or_else(|| bad("cursor is none that this service has given out"))
+    cursor::decode(cursor).ok_or_else(|| bad(message!("invalid_cursor")))
 }
 
 /// The same address with another cursor (RFC 8288).

@@ -18,6 +18,7 @@ use super::document::{Document, idempotency_key};
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
+use crate::message;
 use crate::pipeline::{Accepted, Caller, Id, Kind, Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
@@ -126,14 +127,14 @@ struct StoredRecordBody {
         (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is"))),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
 async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let no_such = || Problem::no_such("record", &id);
+    let no_such = || Problem::no_such_record(&id);
     let id: Id = id.parse().map_err(|_| no_such())?;
     let StoredRecord { row, answer, .. } = stored(&app, id).await?;
     if row.kind == Kind::Campaign {
         return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
     }
     let record = RawValue::from_string(row.body.to_string())
-        .map_err(|_| Problem::new(500, "Damaged database", format!("the body of record {id} is no JSON")))?;
+        .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
     let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
     let received_at = time::format(row.received_at);
     Ok(Json(StoredRecordBody { answer, standing, received_at, sent_by, record }).into_response())
@@ -146,7 +147,7 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
         (status = 200, description = "the diagnosis of the closure", body = ClosureBody),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
 async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<ClosureBody>, Problem> {
-    let no_such = || Problem::no_such("record", &id);
+    let no_such = || Problem::no_such_record(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let closures = app.pipeline.closures(number).await?.ok_or_else(no_such)?;
     Ok(Json(ClosureBody::from(&closures)))
@@ -154,5 +155,5 @@ async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) ->
 
 async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {
     let stored = app.pipeline.stored_record(id).await?;
-    stored.ok_or_else(|| Problem::no_such("record", id))
+    stored.ok_or_else(|| Problem::no_such_record(id))
 }

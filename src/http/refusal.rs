@@ -1,63 +1,60 @@
 //! Which failure of the pipeline or the store leaves as which status, said once.
 
-use crate::pipeline::{Kind, Refused, StoreError};
-use crate::wire::problem::{Place, Problem};
+use crate::message;
+use crate::pipeline::{Kind, Refused, StoreError, of_store};
+use crate::wire::problem::Problem;
 
 impl From<Refused> for Problem {
     fn from(refused: Refused) -> Self {
-        let detail = refused.to_string();
+        let detail = refused.message();
         match refused {
             Refused::Differs { existing, differences } => {
-                let place = |pointer| Place { pointer, detail: "differs from what is stored".into() };
-                let problem = Self::new(409, "Already stored with other content", detail).with_existing(existing);
-                differences.pointers.into_iter().map(place).fold(problem, Self::with_place)
+                let problem = Self::new(409, "title_differs", detail).with_existing(existing);
+                let pointers = differences.pointers.into_iter();
+                pointers.fold(problem, |problem, pointer| problem.with_place(pointer, message!("differs_here")))
             }
-            Refused::KeyReused { existing } => {
-                Self::new(409, "Idempotency-Key used for other content", detail).with_existing(existing)
-            }
+            Refused::KeyReused { existing } => Self::new(409, "title_key_reused", detail).with_existing(existing),
             Refused::GyroElsewhere { existing, index, .. } => {
-                let place = Place { pointer: format!("/gyros/{index}/serial"), detail: detail.clone() };
-                Self::new(409, "Gyro calibrated elsewhere at the same time", detail)
-                    .with_existing(existing)
-                    .with_place(place)
+                let (pointer, place) = (format!("/gyros/{index}/serial"), detail.clone());
+                Self::new(409, "title_gyro_elsewhere", detail).with_existing(existing).with_place(pointer, place)
             }
-            Refused::UnknownRecord { .. } => Self::new(404, "No such record", detail),
-            Refused::UnknownBench { .. } => Self::new(404, "No such bench result", detail),
+            Refused::UnknownRecord { .. } => Self::new(404, "title_no_such_record", detail),
+            Refused::UnknownBench { .. } => Self::new(404, "title_no_such_bench_result", detail),
             Refused::AlreadyCorrected { existing, .. } => {
-                Self::new(409, "Already voided or revised", detail).with_existing(existing)
+                Self::new(409, "title_already_corrected", detail).with_existing(existing)
             }
-            Refused::NotSetAside { .. } => Self::new(409, "Not set aside", detail),
+            Refused::NotSetAside { .. } => Self::new(409, "title_not_set_aside", detail),
             Refused::AnotherImu => {
-                let place = Place { pointer: "/imu".into(), detail: detail.clone() };
-                Self::new(422, "Cannot be stored as it is", detail).with_place(place)
+                let (pointer, place) = ("/imu", detail.clone());
+                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
             }
             Refused::TimeTaken { existing, kind } => {
                 let member = if kind == Kind::Record { "calibrated_at" } else { "measured_at" };
-                let place = Place { pointer: format!("/{member}"), detail: detail.clone() };
-                Self::new(409, "Another stands at that time", detail).with_existing(existing).with_place(place)
+                let (pointer, place) = (format!("/{member}"), detail.clone());
+                Self::new(409, "title_time_taken", detail).with_existing(existing).with_place(pointer, place)
             }
             Refused::UnknownGyro { serial } => Self::unknown_gyro(&serial),
-            Refused::UnknownImu { .. } => Self::new(404, "Unknown IMU", detail),
-            Refused::NoSuchHook { .. } => Self::new(404, "No such hook", detail),
-            Refused::NoSuchToken { .. } => Self::new(404, "No such token", detail),
-            Refused::OtherStation { .. } => Self::new(403, "Another station's", detail),
-            Refused::SetupOver => Self::new(401, "Token not valid", detail),
-            Refused::NoRandomNumbers => Self::new(503, "Try again", detail),
-            Refused::NoSuchDelivery { .. } => Self::new(404, "No such delivery", detail),
-            Refused::HookDisabled { .. } => Self::new(409, "Hook disabled", detail),
-            Refused::StillBehind { .. } => Self::new(409, "Not its turn", detail),
-            Refused::TooManyHooks { .. } => Self::new(409, "Too many hooks", detail),
+            Refused::UnknownImu { .. } => Self::new(404, "title_unknown_imu", detail),
+            Refused::NoSuchHook { .. } => Self::new(404, "title_no_such_hook", detail),
+            Refused::NoSuchToken { .. } => Self::new(404, "title_no_such_token", detail),
+            Refused::OtherStation { .. } => Self::new(403, "title_other_station", detail),
+            Refused::SetupOver => Self::new(401, "title_token_not_valid", detail),
+            Refused::NoRandomNumbers => Self::new(503, "title_try_again", detail),
+            Refused::NoSuchDelivery { .. } => Self::new(404, "title_no_such_delivery", detail),
+            Refused::HookDisabled { .. } => Self::new(409, "title_hook_disabled", detail),
+            Refused::StillBehind { .. } => Self::new(409, "title_not_its_turn", detail),
+            Refused::TooManyHooks { .. } => Self::new(409, "title_too_many_hooks", detail),
             Refused::SecretNeeded => {
-                let place = Place { pointer: "/secret".into(), detail: detail.clone() };
-                Self::new(422, "Cannot be stored as it is", detail).with_place(place)
+                let (pointer, place) = ("/secret", detail.clone());
+                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
             }
-            Refused::NoSuchDiagnoses { .. } => Self::new(404, "No such diagnoses", detail),
-            Refused::DiagnosesEnded { .. } => Self::new(409, "Diagnoses have ended", detail),
-            Refused::UnknownAlert { .. } => Self::new(404, "Unknown alert", detail),
-            Refused::UnknownSilence { .. } => Self::new(404, "Unknown silence", detail),
-            Refused::TooManySilences { .. } => Self::new(409, "Too many silences", detail),
-            Refused::AlertResolved { .. } => Self::new(409, "Alert is resolved", detail),
-            Refused::Busy | Refused::Stopping => Self::new(503, "Try again", detail),
+            Refused::NoSuchDiagnoses { .. } => Self::new(404, "title_no_such_diagnoses", detail),
+            Refused::DiagnosesEnded { .. } => Self::new(409, "title_diagnoses_ended", detail),
+            Refused::UnknownAlert { .. } => Self::new(404, "title_unknown_alert", detail),
+            Refused::UnknownSilence { .. } => Self::new(404, "title_unknown_silence", detail),
+            Refused::TooManySilences { .. } => Self::new(409, "title_too_many_silences", detail),
+            Refused::AlertResolved { .. } => Self::new(409, "title_alert_resolved", detail),
+            Refused::Busy | Refused::Stopping => Self::new(503, "title_try_again", detail),
             Refused::Store(error) => Self::from(&*error),
         }
     }
@@ -65,28 +62,20 @@ impl From<Refused> for Problem {
 
 impl From<&StoreError> for Problem {
     fn from(error: &StoreError) -> Self {
-        match error {
-            StoreError::Full => Self::new(507, "No room left", "the service's disk is full; nothing was stored"),
-            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) => {
-                Self::new(503, "Cannot store", "the service's database cannot be written now; nothing was stored")
+        let (status, title) = match error {
+            StoreError::Full => (507, "title_no_room"),
+            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::NotDurable(_) => {
+                (503, "title_cannot_store")
             }
-            StoreError::Unanswered(_) => Self::new(
-                503,
-                "Perhaps stored",
-                "the service's database broke off while this was stored, and cannot be asked whether it is: measurements can be sent again; of hooks, tokens and other orders look first",
-            ),
-            StoreError::NotDurable(_) => Self::new(
-                503,
-                "Cannot store",
-                "the service's disk failed; nothing is accepted until it is looked after",
-            ),
-            StoreError::Damaged(what) => Self::new(500, "Damaged database", format!("the database is damaged: {what}")),
+            StoreError::Unanswered(_) => (503, "title_perhaps_stored"),
+            StoreError::Damaged(_) => (500, "title_damaged_database"),
             StoreError::Refused(_)
             | StoreError::InUse(_)
             | StoreError::File(_)
             | StoreError::Key(_)
-            | StoreError::Other(_) => Self::new(500, "Internal error", "the service failed; its log says why"),
-        }
+            | StoreError::Other(_) => (500, "title_internal_error"),
+        };
+        Self::new(status, title, of_store(error))
     }
 }
 

@@ -1,9 +1,10 @@
-//! What people say of a gyro, as an event or as a baseline: read and submitted alike, refused in words of their own.
+//! What people say of a gyro, as an event or as a baseline: read and submitted alike, each with messages of its own.
 
 use axum::http::StatusCode;
 
 use super::App;
 use crate::core::fault::Faults;
+use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Accepted, GyroEvent, Id, Submission};
@@ -19,7 +20,7 @@ pub struct Said {
 
 impl Said {
     /// Checked; `blank` is what is told of a reason that says nothing. Without a time, now.
-    pub fn read(self, app: &App, blank: &str, faults: &mut Faults) -> (String, UtcMicros, Option<String>) {
+    pub fn read(self, app: &App, blank: Message, faults: &mut Faults) -> (String, UtcMicros, Option<String>) {
         if self.reason.trim().is_empty() {
             faults.push("/reason", blank);
         }
@@ -41,12 +42,10 @@ pub fn gyro_named(serial: &str) -> Result<Name, Problem> {
 }
 
 /// 201 and the identifier of what is new, 200 where it was there in the same words; `otherwise` is told where it was in others.
-pub async fn submit(app: &App, event: GyroEvent, otherwise: &str) -> Result<(StatusCode, Id), Problem> {
+pub async fn submit(app: &App, event: GyroEvent, otherwise: Message) -> Result<(StatusCode, Id), Problem> {
     match app.pipeline.submit(Submission::Event(event)).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id)),
         Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id)),
-        Accepted::There { id, .. } => {
-            Err(Problem::new(409, "Already stored with other content", otherwise).with_existing(id))
-        }
+        Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),
     }
 }

@@ -13,10 +13,12 @@ use utoipa_axum::routes;
 use super::App;
 use super::alerts::future;
 use super::document::Document;
-use super::query::{Parameters, bad};
+use super::query::{Parameters, not_one_of};
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
+use crate::core::message::{sent, text};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{Id, Matchers, SilenceOrder};
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
@@ -54,7 +56,7 @@ async fn get_silences(
     let all = match asked.state.as_deref() {
         None | Some("active") => false,
         Some("all") => true,
-        Some(other) => return Err(bad(&format!("state must be one of active, all; is {other}"))),
+        Some(other) => return Err(not_one_of("state", ["active", "all"], other)),
     };
     Ok(Json(Silences { silences: app.pipeline.silences(all).await? }))
 }
@@ -87,10 +89,7 @@ fn read(bytes: &[u8], now: UtcMicros) -> Result<SilenceOrder, Faults> {
 
 fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
     if body == MatchersBody::default() {
-        faults.push(
-            "/matchers",
-            "must name at least one of serial, imu, station, rule: all alerts at once cannot be silenced",
-        );
+        faults.push("/matchers", message!("silence_matches_nothing"));
     }
     let MatchersBody { serial, imu, station, rule } = body;
     let mut matched =
@@ -99,7 +98,7 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
         [("serial", serial), ("imu", imu), ("station", station)].map(|(of, name)| matched(of, name));
     let known = rule.as_deref().and_then(Rule::from_name);
     if let Some(rule) = rule.filter(|_| known.is_none()) {
-        faults.push("/matchers/rule", format!("there is no rule {rule:?}"));
+        faults.push("/matchers/rule", message!("unknown_rule", rule = sent(&rule)));
     }
     Matchers { serial, imu, station, rule: known }
 }
@@ -119,7 +118,7 @@ async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::new(404, "Unknown silence", format!("there is no silence {id}"))
+    Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = text(id)))
 }
 
 /// Who ends a silence before its time, and why.

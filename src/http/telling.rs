@@ -5,7 +5,7 @@ use axum::http::request::Parts;
 use url::form_urlencoded;
 
 use super::App;
-use super::query::bad;
+use super::query::not_one_of;
 use crate::core::alert_decision::Late;
 use crate::wire::problem::Problem;
 
@@ -32,10 +32,10 @@ impl Telling {
                 ("notify", "all") => telling.notify = Some(Late::Told),
                 ("notify", "digest") => telling.notify = Some(Late::Digest),
                 ("notify", "none") => telling.notify = Some(Late::Never),
-                ("notify", other) => return Err(bad(&format!("notify must be one of all, digest, none; is {other}"))),
+                ("notify", other) => return Err(not_one_of("notify", ["all", "digest", "none"], other)),
                 ("more", "true") => telling.more = true,
                 ("more", "false") => telling.more = false,
-                ("more", other) => return Err(bad(&format!("more must be one of true, false; is {other}"))),
+                ("more", other) => return Err(not_one_of("more", ["true", "false"], other)),
                 _ => {}
             }
         }
@@ -73,7 +73,8 @@ mod tests {
         for (wrong, says) in [("notify=some", "all, digest, none"), ("more=1", "true, false")] {
             let problem = Telling::of(wrong).unwrap_err();
             assert_eq!(problem.status, 400);
-            assert!(problem.detail.contains(says), "{}", problem.detail);
+            let (code, log) = (&problem.message.code, problem.message.to_string());
+            assert!(code == "parameter_one_of" && log.contains(says), "{log}");
         }
     }
 }

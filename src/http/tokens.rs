@@ -14,6 +14,8 @@ use super::App;
 use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::message::{list, sent};
+use crate::message;
 use crate::pipeline::{AccessOrder, Id, NewToken, TokenRow};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
@@ -93,7 +95,7 @@ struct NewTokenBody {
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let lost = || Problem::new(500, "Internal error", "the token was made and cannot be read back; revoke it");
+    let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.order_access(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
     let rows = app.pipeline.tokens().await?;
     let row = rows.iter().find(|row| row.id == secret.id).ok_or_else(lost)?;
@@ -108,7 +110,8 @@ async fn post_token(State(app): State<App>, body: Document) -> Result<Response, 
         (status = 404, description = "no such token", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
-    let id: Id = id.parse().map_err(|_| Problem::new(404, "No such token", format!("there is no token {id}")))?;
+    let id: Id =
+        id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
     app.pipeline.order_access(AccessOrder::Revoke(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -117,15 +120,15 @@ fn read(app: &App, bytes: &[u8]) -> Result<NewToken, Faults> {
     let NewTokenBody { name, role, station, expires_at } = json::parse(bytes)?;
     let mut faults = Faults::default();
     let role = Role::from_name(&role).unwrap_or_else(|| {
-        let names = Role::ALL.map(Role::name).join(", ");
-        faults.push("/role", format!("must be one of {names}; is {role:?}"));
+        let known = list(Role::ALL.map(Role::name));
+        faults.push("/role", message!("must_be_one_of", known = known, value = sent(&role)));
         Role::Station
     });
     let name = text::required_short("/name", name, &mut faults);
     let station = station.map(|station| text::name("/station", &station, &mut faults).to_string());
     let expires_at = expires_at.map(|at| text::instant("/expires_at", &at, &mut faults));
     if expires_at.is_some_and(|at| at <= app.clock.now()) {
-        faults.push("/expires_at", "must lie in the future");
+        faults.push("/expires_at", message!("not_in_future"));
     }
     faults.or(NewToken { name, role, station, expires_at })
 }

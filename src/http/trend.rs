@@ -20,12 +20,13 @@ use self::periods::PeriodTrend;
 use self::point::{bench_point, separated_point};
 use super::App;
 use super::events::EventBody;
-use super::query::{self, Parameters, bad};
+use super::query::{self, Parameters, bad, not_one_of};
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
 use crate::store;
 use crate::wire::cursor;
@@ -239,28 +240,28 @@ impl Request {
         let coefficient = asked.coefficient.as_deref().unwrap_or("D_I");
         let coefficient = Coefficient::from_name(coefficient)
             .filter(|c| c.column().is_some())
-            .ok_or_else(|| bad(&format!("coefficient must be D_I, D_S or D_O, is {coefficient}")))?;
+            .ok_or_else(|| not_one_of("coefficient", ["D_I", "D_S", "D_O"], coefficient))?;
         let method = match asked.method.as_deref() {
             None => Method::Separated(app.config.judging.method),
             Some("rigid") => Method::Separated(JudgedMethod::Rigid),
             Some("published") => Method::Separated(JudgedMethod::Published),
             Some(name) => Method::Bench(BenchMethod::from_name(name).ok_or_else(|| {
-                bad(&format!("method must be rigid, published, torque_feedback or turntable_servo, is {name}"))
+                not_one_of("method", ["rigid", "published", "torque_feedback", "turntable_servo"], name)
             })?),
         };
         let csv = match asked.format.as_deref() {
             Some("csv") => true,
             Some("json") => false,
-            Some(other) => return Err(bad(&format!("format must be json or csv, is {other}"))),
+            Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
             None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
         };
         let voided = match asked.voided.as_deref() {
             None | Some("exclude") => false,
             Some("include") => true,
-            Some(other) => return Err(bad(&format!("voided must be include or exclude, is {other}"))),
+            Some(other) => return Err(not_one_of("voided", ["include", "exclude"], other)),
         };
         if asked.last.is_some() && (asked.limit.is_some() || asked.cursor.is_some()) {
-            return Err(bad("last goes with neither limit nor cursor"));
+            return Err(bad(message!("last_alone")));
         }
         let default = if csv { MOST_POINTS } else { DEFAULT_POINTS };
         let limit = query::limit(asked.last.or(asked.limit), default, MOST_POINTS)?;
@@ -340,7 +341,7 @@ impl Request {
             next: next.clone(),
         };
         let text = if self.csv { csv::written(&trend, self.voided) } else { json::written(&trend) };
-        let text = text.ok_or_else(|| Problem::new(500, "Internal error", "the points could not be written"))?;
+        let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
         Ok(Written { text, csv: self.csv, next })
     }
 }

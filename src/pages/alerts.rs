@@ -16,6 +16,8 @@ use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity, Status};
+use crate::core::message::Message;
+use crate::message;
 use crate::pages::status;
 use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
 use crate::wire::alert::AlertBody;
@@ -272,7 +274,8 @@ enum Doing {
 impl Doing {
     /// By its name in the address.
     fn of(deed: &str) -> Result<Self, Problem> {
-        let unknown = || Problem::new(404, "No such page", format!("an alert cannot be told to {deed}"));
+        let unknown =
+            || Problem::new(404, "title_no_such_page", message!("not_done_to_alerts", action = deed.to_owned()));
         [Self::Acknowledge, Self::Unacknowledge, Self::Silence]
             .into_iter()
             .find(|one| one.name() == deed)
@@ -289,7 +292,7 @@ impl Doing {
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
-    let unknown = || Problem::new(404, "Unknown alert", format!("there is no alert {id}"));
+    let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
     let number = id.parse::<Id>().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.alert(number).await?.ok_or_else(unknown)?.alert))
 }
@@ -328,7 +331,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
     said.word.check(viewer, &mut faults);
     let days = said.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
     if silence && days.is_none() {
-        faults.push("days", format!("0 … {LONGEST_SILENCE}"));
+        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
     }
     if !faults.is_empty() {
         return Ok(with_form(viewer, &alert, doing, said, |deed| deed.again(viewer, &said.word, &faults)));

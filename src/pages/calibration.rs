@@ -17,8 +17,10 @@ use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use crate::core::diagnose::ClosureDiagnosis;
 use crate::core::judge::Verdict;
+use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
+use crate::message;
 use crate::pipeline::{Id, Kind, StoredCampaign, StoredRecord};
 use crate::wire::answer::VerdictBody;
 use crate::wire::calibration::GyroFitBody;
@@ -44,17 +46,13 @@ pub(super) async fn campaign(Held(pages): Held<Pages>, viewer: Viewer, Path(id):
 }
 
 async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
-    let number: Id = id.parse().map_err(|_| no_such("record", id))?;
-    pages.pipeline.stored_record(number).await?.ok_or_else(|| no_such("record", id))
+    let number: Id = id.parse().map_err(|_| Problem::no_such_record(id))?;
+    pages.pipeline.stored_record(number).await?.ok_or_else(|| Problem::no_such_record(id))
 }
 
 pub(super) async fn stored_campaign(pages: &Pages, id: &str) -> Result<StoredCampaign, Problem> {
-    let number: Id = id.parse().map_err(|_| no_such("campaign", id))?;
-    pages.pipeline.stored_campaign(number).await?.ok_or_else(|| no_such("campaign", id))
-}
-
-fn no_such(what: &str, id: &str) -> Problem {
-    Problem::new(404, "Not found", format!("there is no {what} {id}"))
+    let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(id))?;
+    pages.pipeline.stored_campaign(number).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }
 
 async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
@@ -136,7 +134,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
         section {
             h2 { (t.separated) }
             (separation::tables(t, &answer.separations))
-            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (t.spoken(&gyro.reason)) } }
+            @for gyro in &answer.not_separated { p { (gyro.serial) ": " (gyro.reason) } }
         }
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
         section {
@@ -161,7 +159,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
 }
 
 fn unreadable(id: &Id) -> Problem {
-    Problem::new(500, "Damaged database", format!("the body of {id} cannot be read"))
+    Problem::new(500, "title_damaged_database", message!("body_unreadable", id = text(id)))
 }
 
 fn judged<'a>(

@@ -11,6 +11,8 @@ use super::layout::{Section, instant};
 use super::notes::noted;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
+use crate::core::message::text;
+use crate::message;
 use crate::pages::history::name;
 use crate::pipeline::{Actor, Confirmation, Id, Submission};
 use crate::store;
@@ -60,13 +62,13 @@ async fn confirm(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, wo
 }
 
 async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
-    let unknown = || Problem::no_such("record", id);
+    let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let store = pages.pipeline.store();
     let row = store::record::get(store, number).await?.ok_or_else(unknown)?;
     if !store::set_aside::is_set_aside(store, number).await? {
-        let detail = format!("{number} is not set aside: there is nothing to confirm");
-        return Err(Problem::new(409, "Not set aside", detail));
+        let detail = message!("not_set_aside", id = text(number));
+        return Err(Problem::new(409, "title_not_set_aside", detail));
     }
     let t = viewer.text();
     let tables = store.names().read();

@@ -13,8 +13,10 @@ use super::layout::{DRIFTS, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pages::history::name;
 use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
 use crate::store;
@@ -89,7 +91,7 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
 
 /// A record or campaign that still counts.
 async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
-    let unknown = || Problem::no_such("record", id);
+    let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let stored = pages.pipeline.stored_record(number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
@@ -126,7 +128,7 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
 }
 
 async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
-    let unknown = || Problem::no_such("bench result", id);
+    let unknown = || Problem::no_such_bench_result(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let row = store::bench::get(pages.pipeline.store(), number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
@@ -157,7 +159,7 @@ async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
     if aside || pages.pipeline.counts(id).await? {
         return Ok(());
     }
-    Err(Problem::new(409, "Already voided or revised", format!("{id} has been voided or revised already")))
+    Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))
 }
 
 fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&Deed<'_>) -> T) -> T {

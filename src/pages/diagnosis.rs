@@ -17,6 +17,7 @@ use super::residuals;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::effects::Effect;
+use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
@@ -55,11 +56,11 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {
-        Asked::NoSuchCampaign => return Err(Problem::new(404, "Not found", format!("there is no campaign {id}"))),
+        Asked::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
         Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {
             Ok(diagnosis) => diagnosis.clone(),
-            Err(why) => return Err(Problem::new(422, "Nothing to diagnose", why.as_str())),
+            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
         },
     };
     let slots: Vec<(String, String)> = stored

@@ -14,6 +14,7 @@ use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::record::Name;
+use crate::message;
 use crate::pipeline::{Accepted, Actor, GyroEvent, Submission};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
@@ -64,7 +65,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     said.word.check(viewer, &mut faults);
     let event = Event::from_name(&said.event);
     if event.is_none() {
-        faults.push("event", Event::ALL.map(Event::name).join(", "));
+        faults.push("event", message!("event_needed"));
     }
     let at = match said.at.trim() {
         "" => pages.clock.now(),
@@ -86,8 +87,8 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))
         }
         Accepted::There { id, .. } => {
-            let detail = "the same kind of event is stored at that very time with other words";
-            Err(Problem::new(409, "Already stored with other content", detail).with_existing(id))
+            let detail = message!("event_there");
+            Err(Problem::new(409, "title_differs", detail).with_existing(id))
         }
     }
 }

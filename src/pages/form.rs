@@ -11,6 +11,7 @@ use super::layout::{Page, Section};
 use super::text::Text;
 use super::viewer::{Viewer, is_local};
 use crate::core::fault::Faults;
+use crate::core::message::Message;
 use crate::wire::problem::Problem;
 use crate::wire::text;
 
@@ -45,7 +46,7 @@ impl Word {
 
     pub fn check_meant(&self, viewer: &Viewer, faults: &mut Faults) {
         if self.confirm != "yes" {
-            faults.push("confirm", viewer.text().must_confirm);
+            faults.push("confirm", Message::verbatim(viewer.text().must_confirm));
         }
     }
 
@@ -80,7 +81,7 @@ impl Deed<'_> {
             h1 { (self.title) }
             (self.what)
             @if !faults.0.is_empty() {
-                ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.spoken(&fault.detail)) } } }
+                ul.fault role="alert" { @for fault in &faults.0 { li { (field(t, &fault.pointer)) ": " (t.words(&fault.message)) } } }
             }
             form.deed action=(self.action) method="post" {
                 input type="hidden" name="back" value=(self.back);

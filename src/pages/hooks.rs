@@ -13,6 +13,8 @@ use super::layout::{Page, Section};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::judge::{Rule, Severity};
+use crate::core::message::text;
+use crate::message;
 use crate::pipeline::Id;
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
@@ -67,7 +69,7 @@ fn state(viewer: &Viewer, hook: &HookBody) -> Markup {
     let t = viewer.text();
     html! {
         @if hook.enabled { span.badge.within { (t.enabled) } } @else { span.badge.exceeded { (t.disabled) } }
-        @if let Some(why) = &hook.disabled_because { br; span.quiet { (t.spoken(why)) } }
+        @if let Some(why) = &hook.disabled_because { br; span.quiet { (why) } }
     }
 }
 
@@ -103,7 +105,7 @@ fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
 
 /// The hook of that identifier.
 async fn known(pages: &Pages, id: &str) -> Result<(Id, HookBody), Problem> {
-    let unknown = || Problem::new(404, "No such hook", format!("there is no hook {id}"));
+    let unknown = || Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)));
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.hook(number, None).await?.ok_or_else(unknown)?))
 }

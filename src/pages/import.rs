@@ -110,7 +110,7 @@ fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocum
         }
         Form::Csv => pipeline.read_campaign_document(piece.text.as_bytes(), Form::Csv),
     }?;
-    let refused = |refused: Refused| Fault { pointer: "/station".into(), detail: refused.to_string() };
+    let refused = |refused: Refused| Fault { pointer: "/station".into(), message: refused.message() };
     caller.may_submit(&document.submission).map_err(refused)?;
     Ok(document)
 }
@@ -133,7 +133,7 @@ fn previewed(viewer: &Viewer, prospects: &[(usize, Prospect)], text: &str) -> Pa
             @for (line, prospect) in prospects.iter().filter(|one| !is_sound(one)).take(MOST_SHOWN) {
                 @match prospect {
                     Prospect::Faulty(faults) => (refused(t, *line, faults)),
-                    Prospect::Refused(why) => (hindered(t, *line, &t.spoken(&why.to_string()))),
+                    Prospect::Refused(why) => (hindered(t, *line, &t.words(&why.message()))),
                     Prospect::Contradicts(earlier) => (hindered(t, *line, &format!("{} {earlier}", t.contradicts_line))),
                     Prospect::Sound(..) => {}
                 }
@@ -207,7 +207,7 @@ fn outcome(viewer: &Viewer, outcomes: &[(usize, Outcome)]) -> Page {
             @for (line, outcome) in outcomes {
                 @match outcome {
                     Outcome::Faulty(faults) => (refused(t, *line, faults)),
-                    Outcome::Refused(why) => p.fault { (t.line) " " (line) ": " (t.spoken(&why.to_string())) },
+                    Outcome::Refused(why) => p.fault { (t.line) " " (line) ": " (t.words(&why.message())) },
                     Outcome::Stored { id, is_new, place } => p {
                         (t.line) " " (line) ": "
                         (if *is_new { t.is_stored } else { t.was_there }) " "
@@ -240,7 +240,7 @@ fn refused(t: &Text, line: usize, faults: &Faults) -> Markup {
         article.fault {
             h3 { (t.line) " " (line) " · " (t.refused) }
             ul { @for fault in &faults.0 {
-                li { @if !fault.pointer.is_empty() { code { (fault.pointer) } ": " } (t.spoken(&fault.detail)) }
+                li { @if !fault.pointer.is_empty() { code { (fault.pointer) } ": " } (t.words(&fault.message)) }
             } }
         }
     }

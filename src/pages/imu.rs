@@ -10,6 +10,8 @@ use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::message::text;
+use crate::message;
 use crate::pages::status;
 use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
 use crate::store;
@@ -37,7 +39,7 @@ impl Facts {
     pub async fn of(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Self, Problem> {
         let number = pages.pipeline.store().names().read().imus.number(imu);
         let number =
-            number.ok_or_else(|| Problem::new(404, "Unknown IMU", format!("no IMU with the name {imu} is known")))?;
+            number.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = text(imu))))?;
         let records = store::record::of_imu(pages.pipeline.store(), number, RECORDS).await?;
         let seats = pages.pipeline.seated_in(number).await?;
         let parameters = match records.first() {

@@ -83,9 +83,9 @@ impl Viewer {
         let body = html! {
             h1 { (t.error_title) }
             // What is wrong with a document stands below, place by place.
-            @if problem.errors.is_empty() { p.lead { (t.spoken(&problem.detail)) } }
-            @if !problem.errors.is_empty() {
-                ul { @for place in &problem.errors { li { code { (place.pointer) } " " (t.spoken(&place.detail)) } } }
+            @if problem.places.is_empty() { p.lead { (t.words(&problem.message)) } }
+            @if !problem.places.is_empty() {
+                ul { @for place in &problem.places { li { code { (place.pointer) } " " (t.words(&place.message)) } } }
             }
             p { a href="/" { (t.error_back) } }
         };

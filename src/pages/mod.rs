@@ -48,6 +48,7 @@ use axum::routing::{get, post};
 use crate::config::Config;
 use crate::pipeline::Pipeline;
 use crate::system::Clock;
+use crate::words;
 
 /// What every page may use. Cheap to clone.
 #[derive(Clone)]
@@ -100,7 +101,7 @@ pub fn router(pages: Pages) -> Router {
 
 /// For what takes its time: other requests are not to wait for it.
 async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    match tokio::task::spawn_blocking(work).await {
+    match words::spawn_blocking(work).await {
         Ok(done) => done,
         // It is never cancelled, so it has panicked: as if it had done so here.
         Err(failed) => std::panic::resume_unwind(failed.into_panic()),

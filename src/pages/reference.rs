@@ -96,7 +96,7 @@ impl Against {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::new(404, "No such reference", format!("there is no campaign or record {id}"))
+    Problem::no_such_reference(id)
 }
 
 fn parts(t: &Text, split: &SplitBody) -> Markup {

@@ -60,7 +60,7 @@ pub(super) async fn enter(
             response
         }
         Ok(Err(_)) => viewer.respond(StatusCode::UNAUTHORIZED, &form(&viewer, Some(back), Some(t.wrong_token))),
-        Err(refused) => viewer.show(Err(Problem::new(503, "Try again", refused.to_string()))),
+        Err(refused) => viewer.show(Err(Problem::new(503, "title_try_again", refused.message()))),
     }
 }
 
@@ -70,7 +70,7 @@ pub(super) async fn leave(Held(pages): Held<Pages>, viewer: Viewer) -> Response 
             let gone = session_cookie("", 0);
             (StatusCode::SEE_OTHER, [(LOCATION, header("/sign-in")), (SET_COOKIE, header(&gone))]).into_response()
         }
-        Err(refused) => viewer.show(Err(Problem::new(503, "Try again", refused.to_string()))),
+        Err(refused) => viewer.show(Err(Problem::new(503, "title_try_again", refused.message()))),
     }
 }
 

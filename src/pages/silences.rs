@@ -14,6 +14,8 @@ use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::judge::Rule;
+use crate::core::message::Message;
+use crate::message;
 use crate::pipeline::{Id, Matchers, SilenceOrder};
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
@@ -79,7 +81,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
     new.word.check(viewer, &mut faults);
     let days = new.days.trim().parse().ok().filter(|days| *days > 0.0 && *days <= LONGEST_SILENCE);
     if days.is_none() {
-        faults.push("days", format!("0 … {LONGEST_SILENCE}"));
+        faults.push("days", Message::verbatim(format_args!("0 … {LONGEST_SILENCE}")));
     }
     let mut name = |field: &str, text: &str| {
         let text = Some(text.trim()).filter(|text| !text.is_empty())?;
@@ -92,7 +94,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
         rule: Rule::from_name(&new.rule),
     };
     if matchers == Matchers::default() {
-        faults.push("serial", viewer.text().silence_of_nothing);
+        faults.push("serial", Message::verbatim(viewer.text().silence_of_nothing));
     }
     if !faults.is_empty() {
         return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
@@ -128,7 +130,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) 
 }
 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
-    let unknown = || Problem::new(404, "Unknown silence", format!("there is no silence {id}"));
+    let unknown = || Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = id.to_owned()));
     let number: Id = id.parse().map_err(|_| unknown())?;
     Ok((number, pages.pipeline.silence(number).await?.ok_or_else(unknown)?))
 }

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use axum::extract::{FromRequestParts, Query};
-use axum::http::header::{ACCEPT_LANGUAGE, COOKIE, LOCATION, SET_COOKIE};
+use axum::http::header::{COOKIE, LOCATION, SET_COOKIE};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
@@ -13,6 +13,7 @@ use super::Pages;
 use super::text::{Language, Text};
 use crate::core::access::Role;
 use crate::pipeline::{By, Caller};
+use crate::words;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -64,8 +65,7 @@ impl FromRequestParts<Pages> for Viewer {
             Some("dark") => Some(Theme::Dark),
             _ => None,
         };
-        let chosen = cookie(&parts.headers, "language").and_then(Language::from_name);
-        let language = chosen.unwrap_or_else(|| preferred(&parts.headers));
+        let language = words::asked().into();
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
         let caller = parts.extensions.get::<Caller>();
         let session = caller.filter(|caller| matches!(caller.by, By::Session { .. }));
@@ -79,22 +79,6 @@ fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
     let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
     let mut pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
     pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
-}
-
-/// The first language of `Accept-Language` that there is, by weight; English where there is none.
-fn preferred(headers: &HeaderMap) -> Language {
-    let accepted = headers.get(ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    let mut wanted: Vec<(f32, Language)> = accepted
-        .split(',')
-        .filter_map(|range| {
-            let (tag, weight) = range.split_once(';').unwrap_or((range, ""));
-            let weight = weight.trim().strip_prefix("q=").map_or(Some(1.0), |q| q.parse().ok())?;
-            let language = tag.trim().split('-').next().and_then(Language::from_name)?;
-            (weight > 0.0).then_some((weight, language))
-        })
-        .collect();
-    wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
-    wanted.first().map_or(Language::English, |(_, language)| *language)
 }
 
 #[derive(Debug, Deserialize)]
@@ -127,22 +111,6 @@ pub(super) fn is_local(path: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn accepting(value: &str) -> Language {
-        let mut headers = HeaderMap::new();
-        headers.insert(ACCEPT_LANGUAGE, value.parse().unwrap());
-        preferred(&headers)
-    }
-
-    #[test]
-    fn the_browser_says_which_language() {
-        assert_eq!(accepting("zh-CN,zh;q=0.9,en;q=0.8"), Language::Chinese);
-        assert_eq!(accepting("en-GB,zh;q=0.9"), Language::English);
-        assert_eq!(accepting("fr, zh-TW;q=0.3, en;q=0.5"), Language::English);
-        assert_eq!(accepting("de"), Language::English);
-        assert_eq!(accepting("en;q=0, zh;q=0.1"), Language::Chinese);
-        assert_eq!(preferred(&HeaderMap::new()), Language::English);
-    }
 
     #[test]
     fn nobody_is_sent_to_another_host() {

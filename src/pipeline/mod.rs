@@ -23,6 +23,7 @@ mod hooks;
 mod ingest;
 mod queries;
 
+use std::fmt;
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
@@ -32,7 +33,9 @@ use tokio::task::JoinHandle;
 use crate::config::Config;
 use crate::core::alert_decision::Late;
 use crate::core::judge::Verdict;
+use crate::core::message::{Message, list, text};
 use crate::core::note::Note;
+use crate::message;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
@@ -146,68 +149,122 @@ pub struct Judged {
 }
 
 /// Why a submission was not taken.
-#[derive(Debug, Clone, thiserror::Error)]
+#[derive(Debug, Clone)]
 pub enum Refused {
-    #[error("an item with the same key is stored with other content (id {existing}); they differ {differences}")]
     Differs { existing: Id, differences: Differences },
-    #[error("the Idempotency-Key was used before for other content (id {existing})")]
     KeyReused { existing: Id },
-    #[error("gyro {serial} has another calibration at the same time (id {existing})")]
     GyroElsewhere { existing: Id, index: usize, serial: String },
-    #[error("there is no record {id}")]
     UnknownRecord { id: Id },
-    #[error("there is no bench result {id}")]
     UnknownBench { id: Id },
-    #[error("{id} has been voided or revised already: by another author, for another reason or by other content")]
     AlreadyCorrected { id: Id, existing: Id },
-    #[error("{id} is not set aside: there is nothing to confirm")]
     NotSetAside { id: Id },
-    #[error("is of another IMU than what it is to replace")]
     AnotherImu,
-    #[error("another calibration of the IMU stands at that time (id {existing})")]
     TimeTaken { existing: Id, kind: Kind },
-    #[error("no gyro with the serial {serial} is known")]
     UnknownGyro { serial: String },
-    #[error("no IMU {imu} is known")]
     UnknownImu { imu: String },
-    #[error("there is no hook {id}")]
     NoSuchHook { id: Id },
-    #[error("there is no token {id}")]
     NoSuchToken { id: Id },
-    #[error("the token is for {station} alone")]
     OtherStation { station: String },
-    #[error("a token has been made, and the setup secret is worth nothing any more")]
     SetupOver,
-    #[error("the operating system gives no random numbers")]
     NoRandomNumbers,
-    #[error("there is no delivery {id}")]
     NoSuchDelivery { id: Id },
-    #[error("hook {id} is disabled; enable it first")]
     HookDisabled { id: Id },
-    #[error("delivery {id} has not had its turn yet: an earlier one of the same alert comes first")]
     StillBehind { id: Id },
-    #[error("a standard-webhooks hook always signs: name a new secret instead")]
     SecretNeeded,
-    #[error("there are {most} hooks already, and no more can be")]
     TooManyHooks { most: usize },
-    #[error("there is no order of diagnoses {id}")]
     NoSuchDiagnoses { id: Id },
-    #[error("order {id} of diagnoses has ended: there is nothing to cancel")]
     DiagnosesEnded { id: Id },
-    #[error("there is no alert {id}")]
     UnknownAlert { id: Id },
-    #[error("alert {id} is resolved: there is nothing to acknowledge")]
     AlertResolved { id: Id },
-    #[error("there is no silence {id}")]
     UnknownSilence { id: Id },
-    #[error("there are {most} silences in force already, and no more can be")]
     TooManySilences { most: usize },
-    #[error("too many writes are waiting")]
     Busy,
-    #[error("the service is stopping")]
     Stopping,
-    #[error(transparent)]
     Store(Arc<StoreError>),
+}
+
+impl Refused {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Differs { existing, differences } => differs(*existing, differences),
+            Self::KeyReused { existing } => message!("key_reused", id = text(existing)),
+            Self::GyroElsewhere { existing, serial, .. } => {
+                message!("gyro_elsewhere", serial = serial.clone(), id = text(existing))
+            }
+            Self::UnknownRecord { id } => message!("no_such_record", id = text(id)),
+            Self::UnknownBench { id } => message!("no_such_bench_result", id = text(id)),
+            Self::AlreadyCorrected { id, .. } => message!("corrected_otherwise", id = text(id)),
+            Self::NotSetAside { id } => message!("not_set_aside", id = text(id)),
+            Self::AnotherImu => message!("another_imu"),
+            Self::TimeTaken { existing, .. } => message!("time_taken", id = text(existing)),
+            Self::UnknownGyro { serial } => message!("unknown_gyro", serial = serial.clone()),
+            Self::UnknownImu { imu } => message!("unknown_imu", imu = imu.clone()),
+            Self::NoSuchHook { id } => message!("no_such_hook", id = text(id)),
+            Self::NoSuchToken { id } => message!("no_such_token", id = text(id)),
+            Self::OtherStation { station } => message!("other_station", station = station.clone()),
+            Self::SetupOver => message!("setup_over"),
+            Self::NoRandomNumbers => message!("no_random_numbers"),
+            Self::NoSuchDelivery { id } => message!("no_such_delivery", id = text(id)),
+            Self::HookDisabled { id } => message!("hook_disabled", id = text(id)),
+            Self::StillBehind { id } => message!("still_behind", id = text(id)),
+            Self::SecretNeeded => message!("secret_needed"),
+            Self::TooManyHooks { most } => message!("too_many_hooks", most = *most),
+            Self::NoSuchDiagnoses { id } => message!("no_such_diagnoses", id = text(id)),
+            Self::DiagnosesEnded { id } => message!("diagnoses_ended", id = text(id)),
+            Self::UnknownAlert { id } => message!("unknown_alert", id = text(id)),
+            Self::AlertResolved { id } => message!("alert_resolved", id = text(id)),
+            Self::UnknownSilence { id } => message!("unknown_silence", id = text(id)),
+            Self::TooManySilences { most } => message!("too_many_silences", most = *most),
+            Self::Busy => message!("busy"),
+            Self::Stopping => message!("stopping"),
+            Self::Store(error) => of_store(error),
+        }
+    }
+}
+
+fn differs(existing: Id, differences: &Differences) -> Message {
+    let (id, further) = (text(existing), differences.further);
+    let places = list(differences.pointers.iter().cloned());
+    match differences.pointers.iter().any(String::is_empty) {
+        true => message!("differs_in_everything", id = id),
+        false if further > 0 => message!("differs_further", id = id, places = places, further = further),
+        false => message!("differs", id = id, places = places),
+    }
+}
+
+/// What a client is told of a failure of the store. The log has the rest.
+pub fn of_store(error: &StoreError) -> Message {
+    match error {
+        StoreError::Full => message!("disk_full"),
+        StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) => message!("cannot_write"),
+        StoreError::Unanswered(_) => message!("perhaps_stored"),
+        StoreError::NotDurable(_) => message!("disk_failed"),
+        StoreError::Damaged(what) => message!("database_damaged", what = what.to_string()),
+        StoreError::Refused(_)
+        | StoreError::InUse(_)
+        | StoreError::File(_)
+        | StoreError::Key(_)
+        | StoreError::Other(_) => message!("service_failed"),
+    }
+}
+
+/// For logs: what refused it, in no language.
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Store(error) => error.fmt(f),
+            other => other.message().fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Refused {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Store(error) => error.source(),
+            _ => None,
+        }
+    }
 }
 
 impl From<StoreError> for Refused {

@@ -8,16 +8,18 @@ use crate::core::fault::Faults;
 
 use super::fault_at::fault;
 use super::scenario::{Profile, Temperature};
+use crate::core::message::text;
+use crate::message;
 
 /// True temperature in deg C at each of the mid-times (hours, ascending).
 pub fn temperatures(spec: &Temperature, mid_h: &[f64], rng: &mut ChaCha8Rng) -> Result<Vec<f64>, Faults> {
     for (name, value) in [("size_k", spec.size_k), ("time_h", spec.time_h), ("reading_sd_k", spec.reading_sd_k)] {
         if !(value.is_finite() && value >= 0.0) {
-            return Err(fault(&format!("/temperature/{name}"), format!("{value} is not zero or more")));
+            return Err(fault(&format!("/temperature/{name}"), message!("not_zero_or_more", value = text(value))));
         }
     }
     if spec.time_h == 0.0 {
-        return Err(fault("/temperature/time_h", "must not be zero".into()));
+        return Err(fault("/temperature/time_h", message!("must_not_be_zero")));
     }
     let deviation: Vec<f64> = match spec.profile {
         Profile::Constant => vec![0.0; mid_h.len()],

@@ -1,10 +1,11 @@
 //! One fault at one place of a scenario.
 
 use crate::core::fault::Faults;
+use crate::core::message::Message;
 
-pub(crate) fn fault(pointer: &str, detail: String) -> Faults {
+pub(crate) fn fault(pointer: &str, message: Message) -> Faults {
     let mut faults = Faults::default();
-    faults.push(pointer, detail);
+    faults.push(pointer, message);
     faults
 }
 

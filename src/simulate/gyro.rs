@@ -10,6 +10,8 @@ use crate::core::units::radians_from_arcmin;
 
 use super::fault_at::fault;
 use super::scenario::{GyroChoice, Population, StatedE, slot_named};
+use crate::core::message::text;
+use crate::message;
 
 /// The truth about one gyro.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,16 +80,16 @@ pub fn gyros(
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<TrueGyro>, Faults> {
     if choices.is_empty() || choices.len() > 3 {
-        return Err(fault("/gyros", format!("must hold one to three gyros, holds {}", choices.len())));
+        return Err(fault("/gyros", message!("gyros_one_to_three", have = choices.len())));
     }
     choices
         .iter()
         .enumerate()
         .map(|(k, choice)| {
             let slot = slot_named(&choice.slot, &format!("/gyros/{k}/slot"))?;
-            let nominal = geometry.triad(slot).ok_or_else(|| {
-                fault(&format!("/gyros/{k}/slot"), format!("the geometry names no axes for {}", slot.name()))
-            })?;
+            let nominal = geometry
+                .triad(slot)
+                .ok_or_else(|| fault(&format!("/gyros/{k}/slot"), message!("no_axes_for", slot = text(slot.name()))))?;
             let drawn = Drawn::new(population, rng)?;
             let arcmin = choice.misalignment_arcmin.map_or(drawn.misalignment_arcmin, Vector3::from);
             let in_mount = Rotation3::new(arcmin.map(radians_from_arcmin));
@@ -118,7 +120,8 @@ struct Drawn {
 impl Drawn {
     fn new(population: &Population, rng: &mut ChaCha8Rng) -> Result<Self, Faults> {
         let mut draw = |name: &str, mean: f64, sd: f64| {
-            let refuse = || fault(&format!("/population/{name}"), format!("{sd} is not a standard deviation"));
+            let refuse =
+                || fault(&format!("/population/{name}"), message!("not_a_standard_deviation", value = text(sd)));
             if !(sd.is_finite() && sd >= 0.0) {
                 return Err(refuse());
             }

@@ -12,6 +12,8 @@ use super::fault_at::fault;
 use super::outside::Outside;
 use super::scenario::{EffectChoice, slot_named};
 use super::world::World;
+use crate::core::message::{sent, text};
+use crate::message;
 
 /// A response of which less than this share is left over by the model cannot be seen.
 const UNSEEN: f64 = 1e-5;
@@ -27,8 +29,8 @@ pub fn injected(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut C
         Particulars { time_h: choice.time_h, dwell: choice.dwell, direction: choice.direction.map(Vector3::from) };
     check_particulars(world, choice, pointer)?;
     let unknown = || {
-        let detail = format!("{:?} is no known effect; they are {}", choice.effect, known());
-        fault(&format!("{pointer}/effect"), detail)
+        let unknown = message!("unknown_effect", effect = sent(&choice.effect), effects = known());
+        fault(&format!("{pointer}/effect"), unknown)
     };
     let (kind, typical) = match choice.effect.strip_prefix("outside:") {
         Some(family) => (Kind::Outside(Outside::draw(family, &mid_h, rng).ok_or_else(unknown)?), 1e-6),
@@ -44,17 +46,18 @@ pub fn injected(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut C
         (Some(size), None) if size.is_finite() => Ok(Cause { size, ..cause }),
         (None, Some(d)) if d.is_finite() && d > 0.0 => sized(world, cause, d, pointer),
         (None, None) => Ok(cause),
-        _ => Err(fault(pointer, "wants either a finite size or a positive detectability".into())),
+        _ => Err(fault(pointer, message!("size_or_detectability"))),
     }
 }
 
 fn check_particulars(world: &World, choice: &EffectChoice, pointer: &str) -> Result<(), Faults> {
     let mut faults = Faults::default();
     if let Some(time_h) = choice.time_h.filter(|t| !(t.is_finite() && *t > 0.0)) {
-        faults.push(format!("{pointer}/time_h"), format!("{time_h} is not a positive time"));
+        faults.push(format!("{pointer}/time_h"), message!("not_positive_time", value = text(time_h)));
     }
     if let Some(dwell) = choice.dwell.filter(|&k| k >= world.plan.len()) {
-        faults.push(format!("{pointer}/dwell"), format!("{dwell} is beyond the last of {} dwells", world.plan.len()));
+        faults
+            .push(format!("{pointer}/dwell"), message!("beyond_last_dwell", dwell = dwell, dwells = world.plan.len()));
     }
     faults.or(())
 }
@@ -77,7 +80,7 @@ fn weights(world: &World, choice: &EffectChoice, pointer: &str, rng: &mut ChaCha
         }
     }
     if weights == [0.0; 3] {
-        return Err(fault(&format!("{pointer}/gyros"), "names no gyro of this campaign".into()));
+        return Err(fault(&format!("{pointer}/gyros"), message!("names_no_gyro")));
     }
     Ok(weights)
 }
@@ -88,8 +91,8 @@ fn sized(world: &World, mut cause: Cause, d: f64, pointer: &str) -> Result<Cause
         let (seen, power) = world.detectability(std::slice::from_ref(&cause));
         let (seen, power) = (norm(&seen), norm(&power));
         if !is_visible(seen, power) {
-            let detail = format!("this design cannot see {}: give it a size instead", cause.label);
-            return Err(fault(&format!("{pointer}/detectability"), detail));
+            let unseen = message!("effect_not_seen", effect = cause.label.clone());
+            return Err(fault(&format!("{pointer}/detectability"), unseen));
         }
         cause.size *= d / seen;
     }

@@ -8,6 +8,8 @@ use crate::core::fault::Faults;
 
 use super::programme::Planned;
 use super::scenario::Noise;
+use crate::core::message::text;
+use crate::message;
 
 const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Correlation times of the Gauss-Markov processes that together make up the bias instability: over two decades
@@ -28,7 +30,7 @@ impl Noise {
             ("pulse_quantum", self.pulse_quantum),
         ] {
             if !(value.is_finite() && value >= 0.0) {
-                faults.push(format!("/noise/{name}"), format!("{value} is not zero or more"));
+                faults.push(format!("/noise/{name}"), message!("not_zero_or_more", value = text(value)));
             }
         }
         faults.or(())

@@ -10,6 +10,8 @@ use crate::core::campaign::Phase;
 use crate::core::fault::Faults;
 
 use super::fault_at::fault;
+use crate::core::message::text;
+use crate::message;
 
 /// Whole revolution, arcsec.
 const TURN_ARCSEC: f64 = 360.0 * 3600.0;
@@ -132,7 +134,7 @@ pub fn plan(programme: &Programme, pole_elevation: f64, rng: &mut ChaCha8Rng) ->
         order.extend(one_cycle(programme, pole_elevation, rng));
     }
     if order.is_empty() {
-        return Err(fault("/programme", "has neither positions nor rates".into()));
+        return Err(fault("/programme", message!("no_positions_or_rates")));
     }
     Ok(clocked(programme, &order))
 }
@@ -141,7 +143,7 @@ fn check(programme: &Programme) -> Result<(), Faults> {
     let mut faults = Faults::default();
     let mut positive = |name: &str, value: f64, zero_too: bool| {
         if !(value.is_finite() && (value > 0.0 || zero_too && value == 0.0)) {
-            faults.push(format!("/programme/{name}"), format!("{value} is not a positive number of seconds"));
+            faults.push(format!("/programme/{name}"), message!("not_positive_seconds", value = text(value)));
         }
     };
     positive("dwell_s", programme.dwell_s, false);
@@ -149,12 +151,12 @@ fn check(programme: &Programme) -> Result<(), Faults> {
     positive("power_off_s", programme.power_off_s, true);
     for (i, rate) in programme.rates_arcsec_s.iter().enumerate() {
         if !(rate.is_finite() && *rate != 0.0) {
-            faults.push(format!("/programme/rates_arcsec_s/{i}"), format!("{rate} is not a rate other than zero"));
+            faults.push(format!("/programme/rates_arcsec_s/{i}"), message!("not_a_rate", value = text(rate)));
         }
     }
     for (name, count) in [("cycles", programme.cycles), ("power_ups", programme.power_ups)] {
         if count == 0 {
-            faults.push(format!("/programme/{name}"), "must be at least 1");
+            faults.push(format!("/programme/{name}"), message!("at_least_1"));
         }
     }
     faults.or(())

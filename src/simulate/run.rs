@@ -9,6 +9,7 @@ use rand_distr::StandardNormal;
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell};
 use crate::core::fault::Faults;
 use crate::core::frames::Rotation;
+use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
 
@@ -180,10 +181,10 @@ fn gyro_key(gyro: &TrueGyro, axes: &Matrix3<f64>) -> GyroKey {
 }
 
 fn name(text: &str, pointer: &str) -> Result<Name, Faults> {
-    Name::parse(text).map_err(|detail| fault(pointer, detail))
+    Name::parse(text).map_err(|why| fault(pointer, why))
 }
 
 fn instant(text: &str) -> Result<UtcMicros, Faults> {
     let parsed: Result<jiff::Timestamp, _> = text.parse();
-    parsed.map(|t| UtcMicros(t.as_microsecond())).map_err(|e| fault("/measured_at", e.to_string()))
+    parsed.map(|t| UtcMicros(t.as_microsecond())).map_err(|e| fault("/measured_at", Message::verbatim(e)))
 }

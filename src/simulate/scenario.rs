@@ -12,6 +12,8 @@ use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot, Triad};
 
 use super::programme::Programme;
+use crate::core::message::sent;
+use crate::message;
 
 /// One simulated campaign, whole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -315,7 +317,7 @@ impl GeometryChoice {
         match self {
             Self::Named(name) if name == "skewed" => Ok(Geometry::Skewed),
             Self::Named(name) if name == "orthogonal" => Ok(Geometry::Orthogonal),
-            Self::Named(name) => Err(fault("/geometry", format!("{name:?} is neither skewed nor orthogonal"))),
+            Self::Named(name) => Err(fault("/geometry", message!("unknown_geometry", value = sent(name)))),
             Self::Axes(slots) => {
                 let mut triads = [None; 3];
                 for (name, axes) in slots {
@@ -335,7 +337,7 @@ impl Scenario {
         let Some(names) = &self.model else { return Ok(None) };
         let mut terms = Vec::new();
         for (i, name) in names.iter().enumerate() {
-            let unknown = || fault(&format!("/model/{i}"), format!("{name:?} is no term of the model"));
+            let unknown = || fault(&format!("/model/{i}"), message!("unknown_model_term", value = sent(name)));
             terms.push(Term::from_name(name).ok_or_else(unknown)?);
         }
         Ok(Some(Terms::of(&terms)))
@@ -344,10 +346,10 @@ impl Scenario {
     pub fn test_kind(&self) -> Result<TestKind, Faults> {
         let all = [TestKind::Imu, TestKind::TorqueFeedback, TestKind::TurntableServo];
         let known = all.into_iter().find(|kind| kind.name() == self.test);
-        known.ok_or_else(|| fault("/test", format!("{:?} is not imu, torque_feedback or turntable_servo", self.test)))
+        known.ok_or_else(|| fault("/test", message!("scenario_test", value = sent(&self.test))))
     }
 }
 
 pub(crate) fn slot_named(name: &str, pointer: &str) -> Result<Slot, Faults> {
-    Slot::from_name(name).ok_or_else(|| fault(pointer, format!("{name:?} is no slot; G1, G2 and G3 are")))
+    Slot::from_name(name).ok_or_else(|| fault(pointer, message!("scenario_slot", value = sent(name))))
 }

@@ -9,6 +9,8 @@ use crate::core::units::{EARTH_RATE_DEG_H, STANDARD_GRAVITY_M_S2, radians};
 use super::fault_at::fault;
 use super::programme::Planned;
 use super::scenario::SiteChoice;
+use crate::core::message::text;
+use crate::message;
 
 /// Moments over which one turn of the table is averaged. Equal steps are exact for harmonics of the heading below
 /// this number; products of up to four first harmonics occur.
@@ -29,16 +31,16 @@ pub struct Earth {
 impl Earth {
     pub fn at(site: &SiteChoice) -> Result<Self, Faults> {
         if !(-90.0..=90.0).contains(&site.latitude_deg) {
-            return Err(fault("/site/latitude_deg", format!("{} is not between -90 and 90", site.latitude_deg)));
+            return Err(fault("/site/latitude_deg", message!("scenario_latitude", value = text(site.latitude_deg))));
         }
         let field = Vector3::from(site.magnetic_field_nav);
         if !(field.norm().is_finite() && field.norm() > 0.0) {
-            return Err(fault("/site/magnetic_field_nav", "has no direction".into()));
+            return Err(fault("/site/magnetic_field_nav", message!("has_no_direction")));
         }
         let latitude = radians(site.latitude_deg);
         let g0 = site.gravity_g0.unwrap_or_else(|| normal_gravity_g0(latitude, site.height_m));
         if !(g0.is_finite() && g0 > 0.0) {
-            return Err(fault("/site/gravity_g0", format!("{g0} is not a positive gravity")));
+            return Err(fault("/site/gravity_g0", message!("not_positive_gravity", value = text(g0))));
         }
         let rate = EARTH_RATE_DEG_H * Vector3::new(0.0, latitude.cos(), latitude.sin());
         Ok(Self { latitude, gravity: Vector3::new(0.0, 0.0, g0), rate, field: field.normalize() })

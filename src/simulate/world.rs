@@ -17,6 +17,7 @@ use super::programme::{Planned, plan};
 use super::scenario::Scenario;
 use super::station::{Earth, Moment, TableErrors, commanded, moments};
 use super::{Stream, random};
+use crate::message;
 
 const SECONDS_PER_HOUR: f64 = 3600.0;
 /// Two body directions are one vertical within this angle.
@@ -65,7 +66,7 @@ impl World {
         };
         let sd: Vec<Vec<f64>> = gyros.iter().map(sd_of).collect();
         if sd.iter().flatten().any(|s| *s == 0.0) && scenario.effects.iter().any(|e| e.detectability.is_some()) {
-            return Err(fault("/noise", "without noise nothing has a detectability: give sizes instead".into()));
+            return Err(fault("/noise", message!("no_noise_no_detectability")));
         }
         let situations = situations(&plan, &commanded, &temperature_c);
         let terms = scenario.asked_terms()?.unwrap_or_default();

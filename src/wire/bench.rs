@@ -6,7 +6,9 @@ use utoipa::ToSchema;
 use super::{json, text, time};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::fault::Faults;
-use crate::core::record::{beyond_drift, short};
+use crate::core::message::text;
+use crate::core::record::short;
+use crate::message;
 
 /// A bench result as it stands on the wire.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -79,7 +81,7 @@ impl BenchBody {
         };
         for (pointer, value) in [("/d_i_deg_per_h_g0", result.d_i), ("/d_s_deg_per_h_g0", result.d_s)] {
             if value.abs() > max_drift {
-                faults.push(pointer, format!("{} {}", short(value), beyond_drift(max_drift)));
+                faults.push(pointer, message!("coefficient_range", value = short(value), most = text(max_drift)));
             }
         }
         faults.or(result)

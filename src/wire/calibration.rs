@@ -17,6 +17,7 @@ use crate::core::calibrate::{GyroCalibration, Parameter, ScaleSource};
 use crate::core::campaign::{self, Campaign};
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
+use crate::words;
 
 mod parameters;
 
@@ -185,7 +186,11 @@ impl CampaignAnswer {
                     match separation {
                         Ok(s) => answer.separations.push(SeparationBody::of(&serial, s, method)),
                         Err(why) => {
-                            answer.not_separated.push(NotSeparatedBody { slot, serial, reason: why.to_string() });
+                            answer.not_separated.push(NotSeparatedBody {
+                                slot,
+                                serial,
+                                reason: words::asked().words(&why.message()),
+                            });
                         }
                     }
                 }

@@ -11,9 +11,11 @@ use crate::core::campaign::{
 };
 use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
+use crate::core::message::{figure, list, sent};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::units::radians;
+use crate::message;
 
 pub mod commanded;
 mod write;
@@ -161,16 +163,15 @@ pub fn terms_from_names<S: AsRef<str>>(names: &[S]) -> Result<Terms, Faults> {
     let mut terms = Vec::new();
     for (i, name) in names.iter().map(AsRef::as_ref).enumerate() {
         match Term::from_name(name) {
-            Some(term) if terms.contains(&term) => faults.push(format!("/{i}"), format!("{name} is named twice")),
+            Some(term) if terms.contains(&term) => {
+                faults.push(format!("/{i}"), message!("named_twice", name = format_args!("{name}")))
+            }
             Some(term) => terms.push(term),
-            None => faults.push(
-                format!("/{i}"),
-                format!("unknown term {name:?}; the terms are bias, g_linear, g_squared and scale"),
-            ),
+            None => faults.push(format!("/{i}"), message!("unknown_term", value = sent(name))),
         }
     }
     if names.is_empty() {
-        faults.push("", "must name at least one term");
+        faults.push("", message!("no_terms"));
     }
     faults.or(Terms::of(&terms))
 }
@@ -208,7 +209,7 @@ impl CampaignBody {
         let measured_at = text::instant("/measured_at", &self.measured_at, faults);
         let test = self.test(faults);
         if let Some(rates) = self.rates.as_deref().filter(|rates| !matches!(*rates, INERTIAL | TABLE)) {
-            faults.push("/rates", format!("must be {INERTIAL} or {TABLE}, is {rates:?}"));
+            faults.push("/rates", message!("rates_inertial_or_table", value = sent(rates)));
         }
         let gyros = self.gyros(test != TestKind::Imu, faults);
         let geometry = self.geometry.to_core().unwrap_or_else(|part| {
@@ -237,15 +238,13 @@ impl CampaignBody {
             None | Some(INERTIAL) => Ok(campaign),
             Some(_) => with_earth_rate(&campaign, Part::All).map_err(|lacks| {
                 let mut missing = Vec::new();
-                missing.extend(lacks.site.then(|| "site".to_owned()));
+                missing.extend(lacks.site.then(|| message!("site_missing")));
                 missing.extend(lacks.attitudes.first().map(|first| {
-                    format!("attitude in {} static dwells, the first /dwells/{first}", lacks.attitudes.len())
+                    let first = format_args!("/dwells/{first}");
+                    message!("attitudes_missing", count = lacks.attitudes.len(), first = first)
                 }));
-                let detail = format!(
-                    "the service adds the Earth's rate where site and attitude are known; missing: {}",
-                    missing.join("; ")
-                );
-                Fault { pointer: "/rates".to_owned(), detail }.into()
+                let message = message!("earth_rate_needs", missing = list(missing));
+                Fault { pointer: "/rates".to_owned(), message }.into()
             }),
         }
     }
@@ -253,19 +252,18 @@ impl CampaignBody {
     fn test(&self, faults: &mut Faults) -> TestKind {
         let name = self.test.as_deref().unwrap_or(TestKind::Imu.name());
         let Some(test) = TestKind::from_name(name) else {
-            let tests = "imu, torque_feedback and turntable_servo";
-            faults.push("/test", format!("unknown test {name:?}; the tests are {tests}"));
+            faults.push("/test", message!("unknown_test", value = sent(name)));
             return TestKind::Imu;
         };
         if test != TestKind::Imu && self.gyros.len() != 1 {
-            faults.push("/gyros", format!("a {name} test has one gyro, here are {}", self.gyros.len()));
+            faults.push("/gyros", message!("bench_one_gyro", test = test.name(), have = self.gyros.len()));
         }
         test
     }
 
     fn gyros(&self, bench: bool, faults: &mut Faults) -> Vec<CampaignGyro> {
         if self.gyros.is_empty() || self.gyros.len() > 3 {
-            faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
+            faults.push("/gyros", message!("gyros_one_to_three", have = self.gyros.len()));
             return Vec::new();
         }
         self.gyros.iter().enumerate().map(|(i, gyro)| gyro.to_core(i, bench, faults)).collect()
@@ -288,11 +286,11 @@ impl CampaignGyroBody {
         let slot = match self.slot.as_deref() {
             None if bench => Slot::G1,
             None => {
-                faults.push(place, "`slot` is missing");
+                faults.push(place, message!("missing_member", member = "slot"));
                 Slot::ALL[i]
             }
             Some(text) => Slot::from_name(text).unwrap_or_else(|| {
-                faults.push(place, format!("must be G1, G2 or G3, is {text:?}"));
+                faults.push(place, message!("unknown_slot", value = sent(text)));
                 Slot::ALL[i]
             }),
         };
@@ -307,18 +305,16 @@ impl SiteBody {
     fn to_core(&self, faults: &mut Faults) -> Option<Site> {
         let before = faults.0.len();
         if !(-90.0..=90.0).contains(&self.latitude_deg) {
-            faults.push("/site/latitude_deg", format!("must be from -90 to 90, is {}", self.latitude_deg));
+            faults
+                .push("/site/latitude_deg", message!("latitude_range", value = format_args!("{}", self.latitude_deg)));
         }
         if !(0.9..=1.1).contains(&self.gravity_g0) {
-            faults.push(
-                "/site/gravity_g0",
-                format!("must be local gravity in g0 (9.80665 m/s^2), 0.9 to 1.1, is {}", self.gravity_g0),
-            );
+            faults.push("/site/gravity_g0", message!("gravity_range", value = format_args!("{}", self.gravity_g0)));
         }
         let place = "/site/magnetic_field_nav";
         let magnetic_field_nav = self.magnetic_field_nav.as_ref().and_then(|b| b.vector(place, faults));
         if magnetic_field_nav.is_some_and(|b| b.norm() == 0.0) {
-            faults.push(place, "must have a direction");
+            faults.push(place, message!("no_direction"));
         }
         (faults.0.len() == before).then_some(Site {
             latitude: radians(self.latitude_deg),
@@ -333,7 +329,7 @@ impl DwellBody {
         let before = faults.0.len();
         let phase = Phase::from_name(&self.phase);
         if phase.is_none() {
-            faults.push(format!("/dwells/{i}/phase"), format!("must be static or rate, is {:?}", self.phase));
+            faults.push(format!("/dwells/{i}/phase"), message!("unknown_phase", value = sent(&self.phase)));
         }
         in_range(self.start_s, format_args!("/dwells/{i}/start_s"), faults);
         in_range(self.duration_s, format_args!("/dwells/{i}/duration_s"), faults);
@@ -369,10 +365,7 @@ fn attitude(q: &Numbers, i: usize, faults: &mut Faults) -> Option<Rotation<Nav, 
     let q = q.exactly::<4>(format_args!("/dwells/{i}/attitude"), faults)?;
     let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
     if (length - 1.0).abs() > MAX_QUATERNION_EXCESS {
-        faults.push(
-            format!("/dwells/{i}/attitude"),
-            format!("must be a unit quaternion [w, x, y, z], its length is {length:.6}"),
-        );
+        faults.push(format!("/dwells/{i}/attitude"), message!("not_unit_quaternion", length = figure(length, 6)));
         return None;
     }
     Some(Rotation::from_attitude(q))

@@ -20,13 +20,15 @@ mod write;
 
 pub use write::to_csv;
 
-use cells::{Columns, Row};
+use cells::{Columns, Row, at_cell};
 use head::Head;
 
 use super::campaign::{CampaignBody, commanded};
 use super::json;
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
+use crate::core::message::Message;
+use crate::message;
 
 /// Reads and checks a campaign in CSV.
 ///
@@ -71,41 +73,41 @@ pub fn parse_csv_as_sent(bytes: &[u8]) -> Result<(CampaignBody, Campaign), Fault
 
 fn text_of(bytes: &[u8]) -> Result<&str, Faults> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(fault("", "the file is UTF-16; save it as UTF-8 (\"CSV UTF-8\" in a spreadsheet)".into()));
+        return Err(fault("", message!("utf16")));
     }
     let bytes = json::without_mark(bytes);
     std::str::from_utf8(bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
-        fault("", format!("line {line}: not UTF-8 text"))
+        fault("", message!("at_line", line = line, fault = message!("not_utf8_text")))
     })
 }
 
-fn fault(pointer: &str, detail: String) -> Faults {
-    Fault { pointer: pointer.to_owned(), detail }.into()
+fn fault(pointer: &str, message: Message) -> Faults {
+    Fault { pointer: pointer.to_owned(), message }.into()
 }
 
 /// Adds the line and column to faults that only know their JSON pointer.
 fn located(part: Faults, head: &Head, columns: &Columns, rows: &[Row], faults: &mut Faults) {
     for fault in part.0 {
-        let place = place(&fault.pointer, head, columns, rows);
-        faults.push(fault.pointer, format!("{place}{}", fault.detail));
+        let message = placed(fault.message, &fault.pointer, head, columns, rows);
+        faults.push(fault.pointer, message);
     }
 }
 
-fn place(pointer: &str, head: &Head, columns: &Columns, rows: &[Row]) -> String {
+fn placed(fault: Message, pointer: &str, head: &Head, columns: &Columns, rows: &[Row]) -> Message {
     let mut tokens = pointer.split('/').skip(1);
     let first = tokens.next().unwrap_or_default();
     if first != "dwells" {
         return match head.line_of(pointer) {
-            Some(line) => format!("line {line} ({first}): "),
-            None => format!("head line \"# {first}: ...\": "),
+            Some(line) => message!("at_line_key", line = line, key = first.to_owned(), fault = fault),
+            None => message!("at_head_line", key = first.to_owned(), fault = fault),
         };
     }
     let row = tokens.next().and_then(|i| i.parse::<usize>().ok()).and_then(|i| rows.get(i));
-    let (Some(row), Some(field)) = (row, tokens.next()) else { return String::new() };
+    let (Some(row), Some(field)) = (row, tokens.next()) else { return fault };
     match columns.place(field, tokens.next().and_then(|k| k.parse().ok())) {
-        Some((number, name)) => format!("line {}, column {number} ({name}): ", row.line),
-        None => format!("line {} ({field}): ", row.line),
+        Some((number, name)) => at_cell((row.line, number), name, fault),
+        None => message!("at_line_key", line = row.line, key = field.to_owned(), fault = fault),
     }
 }
 

@@ -3,7 +3,9 @@
 use super::text;
 use crate::core::fault::Faults;
 use crate::core::judge::Event;
+use crate::core::message::text;
 use crate::core::time::UtcMicros;
+use crate::message;
 
 /// End and kind of an environmental test, which other events do not have.
 pub fn read_test(
@@ -15,22 +17,22 @@ pub fn read_test(
     if event != Event::EnvironmentalTest {
         for (place, is_there) in [("/to", to.is_some()), ("/kind", kind.is_some())] {
             if is_there {
-                faults.push(place, format!("belongs to environmental_test, not to {}", event.name()));
+                faults.push(place, message!("only_environmental", event = text(event.name())));
             }
         }
         return (None, None);
     }
     let test = text::short("/kind", &kind, faults).filter(|kind| !kind.trim().is_empty());
     if test.is_none() && faults.is_empty() {
-        faults.push("/kind", "must say which test it was, as vibration or thermal cycling");
+        faults.push("/kind", message!("which_test"));
     }
     let Some(to) = to else {
-        faults.push("/to", "must say when the test was over");
+        faults.push("/to", message!("test_end"));
         return (None, test);
     };
     let until = text::instant("/to", &to, faults);
     if until < from && faults.is_empty() {
-        faults.push("/to", "lies before the beginning of the test");
+        faults.push("/to", message!("end_before_begin"));
     }
     (Some(until), test)
 }

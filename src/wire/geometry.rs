@@ -10,6 +10,7 @@ use utoipa::ToSchema;
 use super::triple::Triple;
 use crate::core::fault::Faults;
 use crate::core::mounting::{Geometry, Slot, Triad};
+use crate::message;
 
 /// `"skewed"` (the paper's Tables 1-2), `"orthogonal"`, or the nominal axes of each slot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -99,15 +100,15 @@ impl StatedAxes {
                 Triad::from_stated_axes(input.vector(), spin.vector()).map_err(|part| faults.absorb("", part)).ok()
             }
             (Some(_), Some(_)) => {
-                faults.push("/input", "axes are given by slot or once for a fixture, not both");
+                faults.push("/input", message!("axes_stated_twice"));
                 None
             }
             (Some(_), None) => {
-                faults.push("/spin", "is missing beside `input`");
+                faults.push("/spin", message!("missing_beside", member = "input"));
                 None
             }
             (None, Some(_)) => {
-                faults.push("/input", "is missing beside `spin`");
+                faults.push("/input", message!("missing_beside", member = "spin"));
                 None
             }
         }

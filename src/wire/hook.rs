@@ -6,9 +6,12 @@ use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
 use super::alert::AlertBody;
+use super::message::MessageBody;
 use crate::core::fault::Faults;
 use crate::core::judge::{Rule, Severity};
+use crate::core::message::{Message, sent, text};
 use crate::core::name::{Name, normal_form};
+use crate::message;
 
 /// A hook to be set up.
 #[derive(Deserialize, ToSchema)]
@@ -90,22 +93,21 @@ const MOST_EXPECTED: usize = 32;
 impl ExpectBody {
     pub fn check(&self, pointer: &str, faults: &mut Faults) {
         if !(1..=MOST_EXPECTED).contains(&self.json.len()) {
-            faults.push(
-                format!("{pointer}/json"),
-                format!("must have 1 to {MOST_EXPECTED} members, as {{\"errcode\": 0}}"),
-            );
+            faults.push(format!("{pointer}/json"), message!("expected_members", most = MOST_EXPECTED));
         }
     }
 
-    /// What keeps an answer from being the expected one, in words; none where it is.
-    pub fn differs(&self, answer: &[u8]) -> Option<String> {
+    /// What keeps an answer from being the expected one; none where it is.
+    pub fn differs(&self, answer: &[u8]) -> Option<Message> {
         let Ok(serde_json::Value::Object(said)) = serde_json::from_slice(answer) else {
-            return Some("the answer is no JSON object".to_owned());
+            return Some(message!("answer_not_object"));
         };
         self.json.iter().find_map(|(name, wanted)| match said.get(name) {
             Some(value) if same(value, wanted) => None,
-            Some(value) => Some(format!("{name} is {value}, not {wanted}")),
-            None => Some(format!("{name} is missing")),
+            Some(value) => {
+                Some(message!("answer_differs", member = name.clone(), value = text(value), wanted = text(wanted)))
+            }
+            None => Some(message!("answer_lacks", member = name.clone())),
         })
     }
 }
@@ -139,7 +141,7 @@ impl FilterBody {
     pub fn check(&self, pointer: &str, faults: &mut Faults) {
         for (i, rule) in self.rules.iter().enumerate() {
             if Rule::from_name(rule).is_none() {
-                faults.push(format!("{pointer}/rules/{i}"), format!("there is no rule {rule:?}"));
+                faults.push(format!("{pointer}/rules/{i}"), message!("unknown_rule", rule = sent(rule)));
             }
         }
         for (i, serial) in self.gyros.iter().enumerate() {
@@ -149,13 +151,16 @@ impl FilterBody {
         }
         for (list, length) in [("rules", self.rules.len()), ("gyros", self.gyros.len())] {
             if length > MOST_FILTERED {
-                faults.push(format!("{pointer}/{list}"), format!("must hold at most {MOST_FILTERED}, holds {length}"));
+                faults.push(
+                    format!("{pointer}/{list}"),
+                    message!("too_many_entries", most = MOST_FILTERED, have = length),
+                );
             }
         }
         if let Some(severity) = &self.min_severity
             && Severity::from_name(severity).is_none()
         {
-            faults.push(format!("{pointer}/min_severity"), "must be `warning` or `critical`");
+            faults.push(format!("{pointer}/min_severity"), message!("unknown_severity"));
         }
     }
 
@@ -262,6 +267,9 @@ pub struct AttemptBody {
     pub status: Option<u16>,
     /// What went wrong, in words.
     pub detail: String,
+    /// The same for programs.
+    #[serde(flatten)]
+    pub message: Option<MessageBody>,
     /// The first kilobyte of what the target answered, made printable; null where it said nothing.
     pub answer: Option<String>,
     pub took_ms: f64,
@@ -322,14 +330,20 @@ mod tests {
     fn an_answer_says_what_it_is_to_say_or_in_which_member_it_does_not() {
         let expect: ExpectBody =
             serde_json::from_value(serde_json::json!({ "json": { "errcode": 0, "ok": true } })).unwrap();
-        let differs = |answer: &str| expect.differs(answer.as_bytes());
+        let differs = |answer: &str| expect.differs(answer.as_bytes()).map(|why| why.to_string());
         assert_eq!(differs(r#"{"errcode": 0, "ok": true, "errmsg": "ok"}"#), None);
         assert_eq!(differs(r#"{"ok": true, "errcode": 0.0}"#), None, "the same number");
-        assert_eq!(differs(r#"{"errcode": 40001, "ok": true}"#).unwrap(), "errcode is 40001, not 0");
-        assert_eq!(differs(r#"{"errcode": "0", "ok": true}"#).unwrap(), "errcode is \"0\", not 0");
-        assert_eq!(differs(r#"{"errcode": 0}"#).unwrap(), "ok is missing");
+        assert_eq!(
+            differs(r#"{"errcode": 40001, "ok": true}"#).unwrap(),
+            "answer_differs (member: errcode, value: 40001, wanted: 0)"
+        );
+        assert_eq!(
+            differs(r#"{"errcode": "0", "ok": true}"#).unwrap(),
+            "answer_differs (member: errcode, value: \"0\", wanted: 0)"
+        );
+        assert_eq!(differs(r#"{"errcode": 0}"#).unwrap(), "answer_lacks (member: ok)");
         for answer in ["", "ok", "[0]", "{\"errcode\": 0, \"ok\": tr"] {
-            assert_eq!(differs(answer).unwrap(), "the answer is no JSON object", "{answer}");
+            assert_eq!(differs(answer).unwrap(), "answer_not_object", "{answer}");
         }
         let mut faults = Faults::default();
         ExpectBody { json: serde_json::Map::new() }.check("/expect", &mut faults);

@@ -9,6 +9,8 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_path_to_error::{Path, Segment};
 
 use crate::core::fault::{Fault, Faults};
+use crate::core::message::{Message, Parameter};
+use crate::message;
 
 pub use lines::{from_line, on_a_line};
 
@@ -22,8 +24,8 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Faults> {
     let bytes = without_mark(bytes);
     if bytes.trim_ascii_start().starts_with(b"[") && is_json(bytes) {
         // serde would take the list for the members in their order.
-        let detail = "invalid type: an array, expected an object".to_owned();
-        return Err(Fault { pointer: String::new(), detail }.into());
+        let message = message!("invalid_type", found = message!("json_array"), expected = message!("json_object"));
+        return Err(Fault { pointer: String::new(), message }.into());
     }
     // Letters are looked at once for the whole document, which takes a fifth less than once a string.
     let read = std::str::from_utf8(bytes).ok().and_then(|text| serde_json::from_str(text).ok());
@@ -81,21 +83,22 @@ fn fault_at(path: &Path, error: &serde_json::Error) -> Fault {
 /// serde reports an absent, repeated or unknown member at the object that should or does hold it; the pointer
 /// returned here names the member itself.
 fn fault(mut pointer: String, error: &serde_json::Error) -> Fault {
-    let text = error.to_string();
-    for (opening, what) in [("missing field `", "is missing"), ("duplicate field `", "is given twice")] {
-        if let Some(member) = quoted_after(&text, opening) {
-            append_member(&mut pointer, member);
-            return Fault { pointer, detail: format!("`{member}` {what}") };
-        }
-    }
-    if let Some(member) = quoted_after(&text, "unknown field `") {
+    let message = said_of(error);
+    let within = words::innermost(&message);
+    if let Some(Parameter::Text(member)) = within.parameter("member") {
         append_member(&mut pointer, member);
     }
-    Fault { pointer, detail: words::plain(&text) }
+    // Where a member is missing or given twice, its pointer says more than the end of its object.
+    let message = match &*within.code {
+        "missing_member" | "member_twice" => within.clone(),
+        _ => message,
+    };
+    Fault { pointer, message }
 }
 
-fn quoted_after<'t>(text: &'t str, opening: &str) -> Option<&'t str> {
-    text.strip_prefix(opening)?.split('`').next()
+/// What is wrong, with line and column where serde knows them.
+pub fn said_of(error: &serde_json::Error) -> Message {
+    words::said(&error.to_string())
 }
 
 fn append_member(pointer: &mut String, member: &str) {
@@ -108,6 +111,7 @@ fn append_member(pointer: &mut String, member: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::Language;
     use serde::Deserialize;
 
     #[derive(Debug, Deserialize)]
@@ -125,7 +129,7 @@ mod tests {
 
     fn refused(text: &str) -> (String, String) {
         let fault = parse::<Outer>(text.as_bytes()).unwrap_err().0.remove(0);
-        (fault.pointer, fault.detail)
+        (fault.pointer, Language::English.words(&fault.message))
     }
 
     #[test]
@@ -134,7 +138,7 @@ mod tests {
         assert_eq!(refused(r#"{"list":[{"x":1,"x":2}]}"#), ("/list/0/x".into(), "`x` is given twice".into()));
         let (pointer, detail) = refused(r#"{"list":[{"x":1,"a/b":2}]}"#);
         assert_eq!(pointer, "/list/0/a~1b");
-        assert!(detail.contains("unknown field `a/b`"), "{detail}");
+        assert!(detail.contains("unknown member `a/b`"), "{detail}");
         assert_eq!(refused(r#"{"list":[{"x":"1"}]}"#).0, "/list/0/x");
         assert_eq!(refused(r#"{"list":[{"x":1e400}]}"#).0, "/list/0/x");
         assert_eq!(refused(r#"{"list":[]} {}"#).0, "");
@@ -148,25 +152,25 @@ mod tests {
                 assert!(!detail.contains(word), "{text}: {pointer}: {detail}");
             }
         }
-        assert_eq!(refused("3").1, "invalid type: integer `3`, expected an object at line 1 column 1");
+        assert_eq!(refused("3").1, "must be an object, is the integer 3 at line 1 column 1");
         assert_eq!(refused(r#"{"list":[[]]}"#).0, "/list/0");
     }
 
     #[test]
     fn what_is_not_json_is_told_where_it_ceases_to_be_and_nothing_of_what_it_says_before() {
         for (text, pointer, detail) in [
-            (r#"{"list":[{"x":NaN}]}"#, "/list/0/x", "not JSON: expected value at line 1 column 15"),
-            (r#"{"colour":1,"list":NaN}"#, "", "not JSON: expected value at line 1 column 20"),
+            (r#"{"list":[{"x":NaN}]}"#, "/list/0/x", "not JSON: expected a value at line 1 column 15"),
+            (r#"{"colour":1,"list":NaN}"#, "", "not JSON: expected a value at line 1 column 20"),
             (r#"{"colour":1} x"#, "", "not JSON: trailing characters at line 1 column 14"),
-            (r#"{"list":[{"x":1e400}]"#, "", "not JSON: EOF while parsing an object at line 1 column 21"),
-            ("{\"list\":[]\n", "", "not JSON: EOF while parsing an object at line 1 column 10"),
+            (r#"{"list":[{"x":1e400}]"#, "", "not JSON: it ends within an object at line 1 column 21"),
+            ("{\"list\":[]\n", "", "not JSON: it ends within an object at line 1 column 10"),
         ] {
             assert_eq!(refused(text), (pointer.into(), detail.into()), "{text}");
         }
         for text in ["{\"list\":[]}\n{\"list\":[]}", "{\"colour\":1}\n{\"list\":"] {
             let (pointer, detail) = refused(text);
             assert_eq!(pointer, "");
-            assert!(detail.starts_with("several JSON documents follow one another"), "{detail}");
+            assert!(detail.starts_with("several JSON documents, but only one is accepted here"), "{detail}");
             assert!(detail.ends_with("the second begins at line 2 column 1"), "{detail}");
         }
     }

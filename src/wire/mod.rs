@@ -25,6 +25,7 @@ pub mod history_note;
 pub mod hook;
 pub mod json;
 pub mod located;
+pub mod message;
 pub mod model;
 pub mod note;
 pub mod numbers;

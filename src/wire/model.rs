@@ -12,7 +12,9 @@ use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
 use crate::core::effects::Estimate;
 use crate::core::effects::{self, Effect, Parameter, Scope, Shape};
 use crate::core::fault::Faults;
+use crate::core::message::{Parameter as Filling, list, sent, text};
 use crate::core::mounting::Slot;
+use crate::message;
 
 /// An augmented error model. Without effects it is model (6), or as much of it as `terms` names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -161,7 +163,7 @@ impl AdoptionBody {
         let mut faults = Faults::default();
         for (pointer, said) in [("/author", &self.author), ("/reason", &self.reason)] {
             if said.trim().is_empty() {
-                faults.push(pointer, "must not be empty");
+                faults.push(pointer, message!("empty_text"));
             }
         }
         let author = text::short("/author", &Some(self.author), &mut faults).unwrap_or_default();
@@ -182,8 +184,8 @@ impl KnownEffectBody {
         let place = format!("/effects/{i}");
         let before = faults.0.len();
         let Some(effect) = Effect::from_id(&self.effect) else {
-            let detail = format!("{:?} is no effect of the catalogue; they are {}", self.effect, effects::known());
-            faults.push(format!("{place}/effect"), detail);
+            let message = message!("unknown_effect", effect = sent(&self.effect), effects = effects::known());
+            faults.push(format!("{place}/effect"), message);
             return None;
         };
         let slots = self.slots(&place, faults);
@@ -203,14 +205,14 @@ impl KnownEffectBody {
         for (k, name) in self.gyros.iter().enumerate() {
             match Slot::from_name(name) {
                 Some(slot) if slots.contains(&slot) => {
-                    faults.push(format!("{place}/gyros/{k}"), format!("{name} is named twice"));
+                    faults.push(format!("{place}/gyros/{k}"), message!("named_twice", name = text(name)));
                 }
                 Some(slot) => slots.push(slot),
-                None => faults.push(format!("{place}/gyros/{k}"), format!("must be G1, G2 or G3, is {name:?}")),
+                None => faults.push(format!("{place}/gyros/{k}"), message!("unknown_slot", value = sent(name))),
             }
         }
         if self.gyros.is_empty() {
-            faults.push(format!("{place}/gyros"), "must name at least one gyro");
+            faults.push(format!("{place}/gyros"), message!("no_gyros_named"));
         }
         slots
     }
@@ -233,21 +235,27 @@ impl KnownEstimateBody {
             None => common && self.slot == "all",
         };
         if !known {
-            let wanted = if common { "all" } else { "one of the effect's gyros" };
-            faults.push(format!("{place}/slot"), format!("must be {wanted}, is {:?}", self.slot));
+            let wanted = if common { "all".into() } else { Filling::from(message!("a_gyro_of_the_effect")) };
+            faults.push(format!("{place}/slot"), message!("must_be", wanted = wanted, value = sent(&self.slot)));
         }
         let coefficients = entry.coefficients(shape);
         let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
             let names: Vec<&str> = coefficients.iter().map(|c| c.name).collect();
-            faults.push(format!("{place}/name"), format!("must be one of {}, is {:?}", names.join(", "), self.name));
+            faults.push(
+                format!("{place}/name"),
+                message!("must_be_one_of", known = list(names), value = sent(&self.name)),
+            );
             return None;
         };
         if self.unit != coefficient.unit {
-            faults.push(format!("{place}/unit"), format!("must be {:?}, is {:?}", coefficient.unit, self.unit));
+            faults.push(
+                format!("{place}/unit"),
+                message!("must_be", wanted = sent(coefficient.unit), value = sent(&self.unit)),
+            );
         }
         in_range(self.value, format_args!("{place}/value"), faults);
         if in_range(self.sd, format_args!("{place}/sd"), faults) && self.sd < 0.0 {
-            faults.push(format!("{place}/sd"), format!("must not be negative, is {}", self.sd));
+            faults.push(format!("{place}/sd"), message!("negative", value = text(self.sd)));
         }
         Some(Estimate { slot, name: coefficient.name, value: self.value, sd: self.sd, unit: coefficient.unit })
     }
@@ -279,7 +287,7 @@ impl ShapeBody {
         let mut given = given.into_iter().flatten();
         let shape = given.next().unwrap_or(Shape::Linear);
         if unknown || given.next().is_some() || !effect.entry().parameter.takes(shape) {
-            faults.push(place, format!("must be {} for {}", wanted(effect), effect.id()));
+            faults.push(place, message!("shape_for", wanted = wanted(effect), effect = text(effect.id())));
             return None;
         }
         let sound = match shape {
@@ -288,7 +296,7 @@ impl ShapeBody {
             _ => true,
         };
         if !sound {
-            faults.push(place, "must be finite, and a time constant or period positive");
+            faults.push(place, message!("shape_not_finite"));
         }
         sound.then_some(shape)
     }
@@ -311,18 +319,19 @@ impl ShapeBody {
     }
 }
 
-fn wanted(effect: Effect) -> &'static str {
+fn wanted(effect: Effect) -> Filling {
+    let absent_or = |shape: &'static str| message!("absent_or", shape = shape).into();
     match effect.entry().parameter {
-        Parameter::Tau => "{\"tau_s\": seconds}",
-        Parameter::Instant => "{\"instant_s\": seconds}",
-        Parameter::Dwell => "{\"dwell\": index}",
-        Parameter::Period => "{\"period_s\": seconds}",
-        Parameter::FieldAzimuth => "{\"field_azimuth_rad\": angle}",
-        Parameter::Clocking => "{\"clocking_rad\": angle}",
-        Parameter::Product => "absent or {\"product\": 0, 1 or 2}",
-        Parameter::Tilt => "{\"with_rate\": true or false}",
-        Parameter::Axes => "absent or {\"axes\": \"input_spin\"}",
-        Parameter::None => "absent",
+        Parameter::Tau => "{\"tau_s\": seconds}".into(),
+        Parameter::Instant => "{\"instant_s\": seconds}".into(),
+        Parameter::Dwell => "{\"dwell\": index}".into(),
+        Parameter::Period => "{\"period_s\": seconds}".into(),
+        Parameter::FieldAzimuth => "{\"field_azimuth_rad\": angle}".into(),
+        Parameter::Clocking => "{\"clocking_rad\": angle}".into(),
+        Parameter::Product => absent_or("{\"product\": 0|1|2}"),
+        Parameter::Tilt => "{\"with_rate\": true|false}".into(),
+        Parameter::Axes => absent_or("{\"axes\": \"input_spin\"}"),
+        Parameter::None => message!("absent").into(),
     }
 }
 

@@ -7,6 +7,8 @@ use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::core::fault::Faults;
+use crate::core::message::text;
+use crate::message;
 
 const KEPT: usize = 4;
 
@@ -42,7 +44,7 @@ impl Numbers {
     /// As [`Numbers::exactly`], for a length known only at run time.
     pub fn slice(&self, length: usize, pointer: impl Display, faults: &mut Faults) -> Option<&[f64]> {
         if self.length != length || length > KEPT {
-            faults.push(pointer.to_string(), format!("must have {length} elements, has {}", self.length));
+            faults.push(pointer.to_string(), message!("wrong_length", need = length, have = self.length));
             return None;
         }
         let mut sound = true;
@@ -57,8 +59,10 @@ impl Numbers {
 pub fn in_range(value: f64, pointer: impl Display, faults: &mut Faults) -> bool {
     let sound = value.abs() <= LARGEST;
     if !sound {
-        faults
-            .push(pointer.to_string(), format!("must be a finite number of magnitude at most {LARGEST:e}, is {value}"));
+        faults.push(
+            pointer.to_string(),
+            message!("magnitude_at_most", most = format_args!("{LARGEST:e}"), value = text(value)),
+        );
     }
     sound
 }
@@ -114,14 +118,14 @@ mod tests {
         let mut faults = Faults::default();
         let numbers: Numbers = serde_json::from_str(text).expect("a list");
         let found = numbers.exactly::<3>("/v", &mut faults);
-        (found, faults.0.into_iter().map(|f| format!("{} {}", f.pointer, f.detail)).collect())
+        (found, faults.0.into_iter().map(|f| format!("{} {}", f.pointer, f.message)).collect())
     }
 
     #[test]
     fn wrong_lengths_and_sizes_are_named() {
         assert_eq!(read("[1, 2, 3]"), (Some([1.0, 2.0, 3.0]), vec![]));
-        assert_eq!(read("[1, 2]").1, ["/v must have 3 elements, has 2"]);
-        assert_eq!(read("[1, 2, 3, 4, 5, 6]").1, ["/v must have 3 elements, has 6"]);
+        assert_eq!(read("[1, 2]").1, ["/v wrong_length (need: 3, have: 2)"]);
+        assert_eq!(read("[1, 2, 3, 4, 5, 6]").1, ["/v wrong_length (need: 3, have: 6)"]);
         assert_eq!(read("[1, 1e13, -1e308]").1.len(), 2);
     }
 }

@@ -1,18 +1,45 @@
 //! Errors as clients read them: problem details for HTTP APIs (RFC 9457).
 
+use std::borrow::Cow;
+use std::fmt::Display;
+
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::openapi::{RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
-use crate::core::fault::Faults;
+use super::message::MessageBody;
+use crate::core::fault::{Fault, Faults};
+use crate::core::message::{Message, text};
+use crate::message;
+use crate::words::Language;
 
-/// What went wrong, for a program (`status`, `errors`) and for a person (`title`, `detail`).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+/// What went wrong, before it is words.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
+    /// The HTTP status.
+    pub status: u16,
+    /// The code of its title: short, the same for every occurrence.
+    pub title: &'static str,
+    /// What happened this time.
+    pub message: Message,
+    /// The places in the body at fault, where there are any.
+    pub places: Vec<Fault>,
+    /// The stored item that stands in the way, where there is one.
+    pub existing: Option<String>,
+}
+
+/// What went wrong, for a program (`status`, `code`, `parameters`, `errors`) and for a person (`title`, `detail`).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = Problem)]
+pub struct ProblemBody {
     /// Short, the same for every occurrence.
     pub title: String,
     /// The HTTP status.
     pub status: u16,
-    /// What happened this time.
+    /// What happened this time, and its parameters.
+    #[serde(flatten)]
+    pub message: MessageBody,
+    /// The same in words, in the language of `Accept-Language`.
     pub detail: String,
     /// The places in the body at fault, where there are any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -27,39 +54,97 @@ pub struct Problem {
 pub struct Place {
     /// JSON pointer into the body as it was sent; empty for the whole document.
     pub pointer: String,
+    #[serde(flatten)]
+    pub message: MessageBody,
+    /// The same in words.
     pub detail: String,
 }
 
 impl Problem {
-    pub fn new(status: u16, title: &str, detail: impl Into<String>) -> Self {
-        Self { title: title.to_owned(), status, detail: detail.into(), errors: Vec::new(), existing: None }
+    pub fn new(status: u16, title: &'static str, message: Message) -> Self {
+        Self { status, title, message, places: Vec::new(), existing: None }
     }
 
     pub fn unknown_gyro(serial: &str) -> Self {
-        Self::new(404, "Unknown gyro", format!("no gyro with the serial {serial} is known"))
+        Self::new(404, "title_unknown_gyro", message!("unknown_gyro", serial = serial.to_owned()))
     }
 
-    /// Nothing of that kind has the identifier.
-    pub fn no_such(what: &str, id: impl std::fmt::Display) -> Self {
-        Self::new(404, &format!("No such {what}"), format!("there is no {what} {id}"))
+    pub fn no_such_record(id: impl Display) -> Self {
+        Self::new(404, "title_no_such_record", message!("no_such_record", id = text(id)))
     }
 
-    /// A body that is no JSON (400) or says what cannot be stored (422).
-    pub fn of_faults(status: u16, title: &str, faults: Faults) -> Self {
-        let detail = faults.to_string();
-        let errors = faults.0.into_iter().map(|f| Place { pointer: f.pointer, detail: f.detail }).collect();
-        Self { errors, ..Self::new(status, title, detail) }
+    pub fn no_such_campaign(id: impl Display) -> Self {
+        Self::new(404, "title_no_such_campaign", message!("no_such_campaign", id = text(id)))
     }
-}
 
-impl Problem {
+    pub fn no_such_bench_result(id: impl Display) -> Self {
+        Self::new(404, "title_no_such_bench_result", message!("no_such_bench_result", id = text(id)))
+    }
+
+    pub fn no_such_reference(id: impl Display) -> Self {
+        Self::new(404, "title_no_such_reference", message!("no_such_reference", id = text(id)))
+    }
+
+    /// A body that is no JSON (400) or says what cannot be stored (422): the faults at their places.
+    pub fn of_faults(status: u16, title: &'static str, faults: Faults) -> Self {
+        Self { places: faults.0, ..Self::new(status, title, message!("faults_in_document")) }
+    }
+
+    pub fn internal(message: Message) -> Self {
+        Self::new(500, "title_internal_error", message)
+    }
+
     pub fn with_existing(mut self, id: impl ToString) -> Self {
         self.existing = Some(id.to_string());
         self
     }
 
-    pub fn with_place(mut self, place: Place) -> Self {
-        self.errors.push(place);
+    pub fn with_place(mut self, pointer: impl Into<String>, message: Message) -> Self {
+        self.places.push(Fault { pointer: pointer.into(), message });
         self
+    }
+
+    /// In words.
+    pub fn body(&self, language: Language) -> ProblemBody {
+        let place = |fault: &Fault| Place {
+            pointer: fault.pointer.clone(),
+            message: MessageBody::of(&fault.message, language),
+            detail: language.words(&fault.message),
+        };
+        let errors = self.places.iter().map(place).collect();
+        let detail = if self.message.code == "faults_in_document" {
+            summary(&self.places, language)
+        } else {
+            language.words(&self.message)
+        };
+        let message = MessageBody::of(&self.message, language);
+        let (title, existing) = (language.word(self.title), self.existing.clone());
+        ProblemBody { title, status: self.status, message, detail, errors, existing }
+    }
+}
+
+/// Every fault with its place, for those who show no more than the detail.
+pub fn summary(faults: &[Fault], language: Language) -> String {
+    let document = language.word("whole_document");
+    let place = |fault: &Fault| {
+        let pointer = if fault.pointer.is_empty() { &document } else { &fault.pointer };
+        format!("{pointer}: {}", language.words(&fault.message))
+    };
+    faults.iter().map(place).collect::<Vec<_>>().join("; ")
+}
+
+impl PartialSchema for Problem {
+    fn schema() -> RefOr<Schema> {
+        ProblemBody::schema()
+    }
+}
+
+impl ToSchema for Problem {
+    fn name() -> Cow<'static, str> {
+        ProblemBody::name()
+    }
+
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        ProblemBody::schemas(schemas);
     }
 }

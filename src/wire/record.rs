@@ -10,6 +10,7 @@ use super::{json, text, time};
 use crate::core::fault::Faults;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{GyroParameters, Plausibility, Record};
+use crate::message;
 
 /// A record as it stands on the wire.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -162,14 +163,11 @@ impl GyroBody {
             }
             (None, None) => {
                 let pointer = format!("/gyros/{index}/g_pulse_per_s_g0");
-                faults.push(pointer, "`g_pulse_per_s_g0` is missing (or `g_deg_per_h_g0`, already divided by |E|)");
+                faults.push(pointer, message!("no_drift_stated"));
                 (Vector3::zeros(), 1.0)
             }
             (Some(_), Some(_)) => {
-                faults.push(
-                    format!("/gyros/{index}/g_deg_per_h_g0"),
-                    "give `g_pulse_per_s_g0` or `g_deg_per_h_g0`, not both",
-                );
+                faults.push(format!("/gyros/{index}/g_deg_per_h_g0"), message!("two_drifts_stated"));
                 (Vector3::zeros(), 1.0)
             }
         }

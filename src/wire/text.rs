@@ -10,8 +10,10 @@ use nalgebra::Vector3;
 use super::time;
 use super::triple::Triple;
 use crate::core::fault::Faults;
+use crate::core::message::text;
 use crate::core::record::{MAX_NAME_CHARS, MAX_NOTE_CHARS, Name};
 use crate::core::time::UtcMicros;
+use crate::message;
 
 /// A name that something is to match: in its one spelling, without characters that nobody sees.
 pub fn matched(pointer: &str, text: &str, faults: &mut Faults) -> Option<String> {
@@ -72,7 +74,7 @@ pub fn required_note(pointer: &str, text: String, faults: &mut Faults) -> String
 
 fn required(pointer: &str, text: &str, faults: &mut Faults) {
     if text.trim().is_empty() {
-        faults.push(pointer, "must not be empty");
+        faults.push(pointer, message!("empty_text"));
     }
 }
 
@@ -86,10 +88,10 @@ fn optional(
     let text = text.as_ref()?;
     let chars = text.chars().count();
     if chars > most {
-        faults.push(pointer, format!("must have at most {most} characters, has {chars}"));
+        faults.push(pointer, message!("too_many_characters", most = most, have = chars));
     }
     if let Some(c) = text.chars().find(|&c| forbidden(c)) {
-        faults.push(pointer, format!("must not contain the control character U+{:04X}", c as u32));
+        faults.push(pointer, message!("control_character", character = format_args!("U+{:04X}", c as u32)));
     }
     Some(text.clone())
 }
@@ -99,7 +101,7 @@ pub fn temperature(pointer: impl Display, celsius: Option<f64>, faults: &mut Fau
     if let Some(t) = celsius
         && !TEMPERATURE_RANGE_C.contains(&t)
     {
-        faults.push(pointer.to_string(), format!("must be a temperature between -273.15 and 1000 deg C, is {t}"));
+        faults.push(pointer.to_string(), message!("temperature_range", value = text(t)));
     }
     celsius
 }
@@ -115,7 +117,8 @@ pub fn deviation(pointer: &str, sd: Option<f64>, faults: &mut Faults) -> Option<
     if let Some(sd) = sd
         && !(0.0..=LARGEST_DEVIATION).contains(&sd)
     {
-        faults.push(pointer, format!("must be a standard deviation from 0 to {LARGEST_DEVIATION:e}, is {sd}"));
+        faults
+            .push(pointer, message!("deviation_range", most = format_args!("{LARGEST_DEVIATION:e}"), value = text(sd)));
     }
     sd
 }

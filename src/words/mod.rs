@@ -1,8 +1,12 @@
 //! Words for people: messages of the core and the edges in English and in Chinese (Project Fluent).
 //!
+//! Which language is asked for is known to the task: [`asked`]. The outermost middleware of the service says it for each request, by the cookie of
+//! the pages or by `Accept-Language`; on the command line the environment says it. Elsewhere it is English.
+//!
 //! One message a code, in `en/*.ftl` and `zh/*.ftl`; `tests/words.rs` proves that both languages have the same codes with the same parameters.
 
-use std::sync::LazyLock;
+use std::env;
+use std::sync::{LazyLock, OnceLock};
 
 use fluent_bundle::concurrent::FluentBundle;
 use fluent_bundle::{FluentArgs, FluentResource, FluentValue};
@@ -14,6 +18,43 @@ pub enum Language {
     #[default]
     English,
     Chinese,
+}
+
+tokio::task_local! {
+    static ASKED: Language;
+}
+
+static OF_PROCESS: OnceLock<Language> = OnceLock::new();
+
+/// The language that whoever waits for this task has asked for.
+pub fn asked() -> Language {
+    ASKED.try_with(|language| *language).unwrap_or_else(|_| OF_PROCESS.get().copied().unwrap_or_default())
+}
+
+/// Does `work` for somebody who has asked for this language.
+pub async fn asked_in<T>(language: Language, work: impl Future<Output = T>) -> T {
+    ASKED.scope(language, work).await
+}
+
+/// As tokio's, for whoever this task is for.
+pub fn spawn_blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> tokio::task::JoinHandle<T> {
+    let language = asked();
+    tokio::task::spawn_blocking(move || ASKED.sync_scope(language, work))
+}
+
+/// Every message of a language as its sources have it: a line a code, with the names of its parameters.
+pub fn sources(language: Language) -> &'static [&'static str] {
+    match language {
+        Language::English => ENGLISH,
+        Language::Chinese => CHINESE,
+    }
+}
+
+/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process. Not for a service: what it stores is not its operator's.
+pub fn speak_as_the_environment() {
+    let set = ["LC_ALL", "LANG"].into_iter().filter_map(|name| env::var(name).ok()).find(|value| !value.is_empty());
+    let language = set.and_then(|locale| Language::from_tag(&locale.replace(['_', '.'], "-")));
+    OF_PROCESS.get_or_init(|| language.unwrap_or_default());
 }
 
 /// The sources of each language, by file.
@@ -51,8 +92,8 @@ impl Language {
         let mut wanted: Vec<(f32, Self)> = accepted
             .split(',')
             .filter_map(|part| {
-                let (tag, weight) = part.split_once(";q=").map_or((part, "1"), |(tag, weight)| (tag, weight));
-                let weight: f32 = weight.trim().parse().ok()?;
+                let (tag, weight) = part.split_once(';').unwrap_or((part, ""));
+                let weight: f32 = weight.trim().strip_prefix("q=").map_or(Some(1.0), |weight| weight.parse().ok())?;
                 (weight > 0.0).then_some((weight, Self::from_tag(tag)?))
             })
             .collect();
@@ -104,15 +145,11 @@ impl Language {
     }
 
     fn bundle(self) -> FluentBundle<FluentResource> {
-        let sources = match self {
-            Self::English => ENGLISH,
-            Self::Chinese => CHINESE,
-        };
         let tag = self.tag().parse().expect("the tags are well-formed");
         let mut bundle = FluentBundle::new_concurrent(vec![tag]);
         // Marks around what is filled in would get into JSON, CSV and what people copy.
         bundle.set_use_isolating(false);
-        for source in sources {
+        for source in sources(self) {
             let resource = FluentResource::try_new((*source).to_owned()).expect("tests read every source");
             bundle.add_resource(resource).expect("tests know that no code is said twice");
         }
@@ -131,7 +168,9 @@ mod tests {
         for (accepted, language) in [
             ("zh-CN,zh;q=0.9,en;q=0.8", Language::Chinese),
             ("en-GB,zh;q=0.9", Language::English),
-            ("fr, zh;q=0.2", Language::Chinese),
+            ("fr, zh-TW; q=0.3, en;q=0.2", Language::Chinese),
+            ("en;q=0, zh;q=0.1", Language::Chinese),
+            ("de", Language::English),
             ("zh;q=0", Language::English),
             ("", Language::English),
         ] {

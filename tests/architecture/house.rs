@@ -103,9 +103,9 @@ impl House {
             }
         }
         let mut found = BTreeSet::new();
-        for (i, row) in reaches.iter().enumerate() {
-            if row[i] {
-                let members = (0..names.len()).filter(|&j| row[j] && reaches[j][i]);
+        for (i, reached) in reaches.iter().enumerate() {
+            if reached[i] {
+                let members = (0..names.len()).filter(|&j| reached[j] && reaches[j][i]);
                 found.insert(members.map(|j| self.modules[names[j]].file.clone()).collect::<Vec<_>>());
             }
         }

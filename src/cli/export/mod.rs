@@ -22,7 +22,6 @@ use crate::config::Config;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Statuses;
 use crate::store::{self, Figures, Span, Store};
-use crate::wire::time;
 
 /// Write the history of every gyro into one file, CSV or Parquet: a row a gyro and calibration, all methods, all verdicts
 #[derive(Debug, Args)]
@@ -35,10 +34,10 @@ pub struct Export {
     #[arg(long = "serial", value_name = "SERIAL")]
     serials: Vec<String>,
     /// Oldest instant, RFC 3339, itself included
-    #[arg(long, value_name = "TIME", value_parser = time::parse)]
+    #[arg(long, value_name = "TIME", value_parser = super::instant)]
     from: Option<UtcMicros>,
     /// Newest instant, itself included
-    #[arg(long, value_name = "TIME", value_parser = time::parse)]
+    #[arg(long, value_name = "TIME", value_parser = super::instant)]
     to: Option<UtcMicros>,
     /// Also what was voided or revised, flagged in the column `voided`
     #[arg(long)]

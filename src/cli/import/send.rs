@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::source::{Content, Document, MAX_DOCUMENT_BYTES, read_line};
 use crate::cli::client::{LineAnswer, Sent, Service, Trouble};
-use crate::wire::problem::Problem;
+use crate::wire::problem::ProblemBody;
 
 /// A batch ends at either: enough to share a commit, little enough to answer soon.
 const BATCH_LINES: usize = 1000;
@@ -255,7 +255,7 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
 
 /// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what stands in the
 /// way, and how the two differ.
-fn in_words(problem: &Problem) -> String {
+fn in_words(problem: &ProblemBody) -> String {
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
     }

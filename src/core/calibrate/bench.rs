@@ -19,9 +19,11 @@ use super::{ScaleSource, sem_scatter, weights_sd};
 use crate::core::bench::{BenchMethod, BenchResult};
 use crate::core::campaign::repeats::{PureError, repeats};
 use crate::core::campaign::{Campaign, TestKind};
+use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::Triad;
 use crate::core::numerics::least_squares::{Factor, Fit};
+use crate::message;
 
 /// Condition that makes D_F, D_II and D_SS unique in a tumble about the output axis.
 pub const GAUGE: &str = "D_II + D_SS = 0";
@@ -85,6 +87,20 @@ pub enum NotFitted {
         "the output answers the Earth's rate with {found:.4} where a table rate in arcsec/s answers with 1 or -1; state known_e_pulse_per_arcsec if the output is in other units"
     )]
     NotATableRate { found: f64 },
+}
+
+impl NotFitted {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NotABench => message!("not_a_bench_test"),
+            Self::NoAxes(slot) => message!("no_fixture_axes", slot = *slot),
+            Self::Undetermined(parameters) => {
+                message!("bench_undetermined", parameters = list(parameters.iter().copied()))
+            }
+            Self::NoScale => message!("bench_no_scale"),
+            Self::NotATableRate { found } => message!("not_a_table_rate", found = figure(*found, 4)),
+        }
+    }
 }
 
 /// What is fitted besides the drift, and the axes that follow from it.

@@ -1,31 +1,59 @@
 //! From fitted E and G to D_I, D_S, D_O, with the covariance of the fit carried through.
 
 use super::{Calibration, GyroCalibration, ScaleSource};
+use crate::core::message::{Message, figure, list};
 use crate::core::model::Term;
 use crate::core::mounting::Geometry;
 use crate::core::record::Plausibility;
-use crate::core::separate::{CovarianceEg, Separation, separate};
+use crate::core::separate::{CovarianceEg, Separation, Unseparable, separate};
+use crate::message;
 
 /// Smallest |E|/sd for which a quotient by E, and its first-order covariance, mean anything.
 const LEAST_SCALE_TO_NOISE: f64 = 10.0;
 
 /// Why a fitted gyro has no drift coefficients in deg/(h g0).
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum NotSeparated {
-    #[error("the model has no g_linear term: no acceleration-sensitive drift was fitted")]
     NoDrift,
-    #[error(
-        "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s g0) and D_I, D_S cannot be had in deg/(h g0)"
-    )]
     NoScale,
-    #[error("the dwells do not determine {}; {}", .parameters.join(", "), .needs)]
-    Undetermined { parameters: Vec<&'static str>, needs: &'static str },
-    #[error("E is not resolved from the noise: |E| is {ratio:.1} of its standard deviations")]
+    Undetermined { parameters: Vec<&'static str>, needs: Message },
     ScaleInNoise { ratio: f64 },
-    #[error("the fitted E is impossible: {0}")]
-    Implausible(String),
-    #[error("{0}")]
-    Unseparable(#[from] crate::core::separate::Unseparable),
+    Implausible(Message),
+    Unseparable(Unseparable),
+}
+
+impl From<Unseparable> for NotSeparated {
+    fn from(why: Unseparable) -> Self {
+        Self::Unseparable(why)
+    }
+}
+
+/// For logs, in no language.
+impl std::fmt::Display for NotSeparated {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.message().fmt(f)
+    }
+}
+
+impl std::error::Error for NotSeparated {}
+
+impl NotSeparated {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoDrift => message!("no_drift_fitted"),
+            Self::NoScale => message!("no_scale_fitted"),
+            Self::Undetermined { parameters, needs } => {
+                message!(
+                    "parameters_undetermined",
+                    parameters = list(parameters.iter().copied()),
+                    needs = needs.clone()
+                )
+            }
+            Self::ScaleInNoise { ratio } => message!("scale_in_noise", ratio = figure(*ratio, 1)),
+            Self::Implausible(why) => message!("implausible_scale", why = why.clone()),
+            Self::Unseparable(why) => why.message(),
+        }
+    }
 }
 
 impl GyroCalibration {
@@ -72,9 +100,9 @@ impl GyroCalibration {
         let (g, e) = (missing(Term::GLinear), missing(Term::Scale));
         let needs = match (g.is_empty(), e.is_empty()) {
             (true, true) => return Ok(()),
-            (false, true) => "dwells with other directions of the specific force are needed",
-            (true, false) => "dwells with other rates are needed",
-            (false, false) => "dwells with other directions of the specific force and other rates are needed",
+            (false, true) => message!("needs_directions"),
+            (true, false) => message!("needs_rates"),
+            (false, false) => message!("needs_directions_and_rates"),
         };
         Err(NotSeparated::Undetermined { parameters: [g, e].concat(), needs })
     }

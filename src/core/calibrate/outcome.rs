@@ -37,7 +37,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     let mut faults = Faults::default();
     if campaign.test != TestKind::Imu {
         return calibrate_bench(campaign).map(Box::new).map(Outcome::Bench).map_err(|why| {
-            faults.push("/dwells", why.to_string());
+            faults.push("/dwells", why.message());
             faults
         });
     }
@@ -46,7 +46,7 @@ pub fn evaluate_with(campaign: &Campaign, model: &Options, limits: &Plausibility
     let separations = calibration.separate(&campaign.geometry, limits);
     for (i, separation) in separations.iter().enumerate() {
         if let Err(why @ (NotSeparated::Implausible(_) | NotSeparated::Unseparable(_))) = separation {
-            faults.push(format!("/gyros/{i}"), why.to_string());
+            faults.push(format!("/gyros/{i}"), why.message());
         }
     }
     faults.or(Outcome::Imu { calibration, separations })

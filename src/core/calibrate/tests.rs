@@ -7,6 +7,7 @@ use crate::core::model::Term;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::record::{Name, Plausibility};
 use crate::core::time::UtcMicros;
+use crate::words::Language;
 
 /// Commanded specific force, rate, output, standard error.
 type Row = ([f64; 3], [f64; 3], f64, Option<f64>);
@@ -113,7 +114,8 @@ fn reason(rows: &[Row], known_e: Option<[f64; 3]>, terms: Terms) -> String {
         assert!(fit.residuals.iter().chain(fit.leverage.iter()).all(|x| x.is_finite()));
         assert!(fit.standardised.iter().flat_map(|s| s.iter()).all(|x| x.is_finite()));
     }
-    calibration.separate(&campaign.geometry, &Plausibility::default())[0].as_ref().expect_err("no drift").to_string()
+    let separations = calibration.separate(&campaign.geometry, &Plausibility::default());
+    Language::English.words(&separations[0].as_ref().expect_err("no drift").message())
 }
 
 #[test]

@@ -7,8 +7,10 @@ use nalgebra::Vector3;
 use super::{Campaign, CampaignGyro, Dwell, Phase, Site};
 use crate::core::fault::Faults;
 use crate::core::frames::Vector;
+use crate::core::message::{figure, text};
 use crate::core::mounting::Geometry;
 use crate::core::record::Plausibility;
+use crate::message;
 
 /// What is refused as impossible.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,11 +51,11 @@ impl Campaign {
     pub fn check(&self, limits: &Limits) -> Result<(), Faults> {
         let mut faults = Faults::default();
         if self.gyros.is_empty() || self.gyros.len() > 3 {
-            faults.push("/gyros", format!("must hold one to three gyros, holds {}", self.gyros.len()));
+            faults.push("/gyros", message!("gyros_one_to_three", have = self.gyros.len()));
         }
         check_gyros(&self.gyros, &self.geometry, limits, &mut faults);
         if self.dwells.is_empty() {
-            faults.push("/dwells", "must hold at least one dwell");
+            faults.push("/dwells", message!("no_dwells"));
         }
         check_dwells(self.dwells.iter().enumerate(), self.site.as_ref(), limits, &mut faults);
         faults.or(())
@@ -79,14 +81,20 @@ impl Campaign {
 fn check_gyros(gyros: &[CampaignGyro], geometry: &Geometry, limits: &Limits, faults: &mut Faults) {
     for (i, gyro) in gyros.iter().enumerate() {
         if let Some(twin) = gyros[..i].iter().position(|g| g.serial == gyro.serial) {
-            faults.push(format!("/gyros/{i}/serial"), format!("{} is already named by /gyros/{twin}", gyro.serial));
+            faults.push(
+                format!("/gyros/{i}/serial"),
+                message!("serial_taken", serial = text(&gyro.serial), place = format_args!("/gyros/{twin}")),
+            );
         }
         if let Some(twin) = gyros[..i].iter().position(|g| g.slot == gyro.slot) {
-            faults.push(format!("/gyros/{i}/slot"), format!("{} is already taken by /gyros/{twin}", gyro.slot.name()));
+            faults.push(
+                format!("/gyros/{i}/slot"),
+                message!("slot_taken", slot = gyro.slot.name(), place = format_args!("/gyros/{twin}")),
+            );
             continue;
         }
         if geometry.triad(gyro.slot).is_none() {
-            faults.push(format!("/gyros/{i}/slot"), format!("the geometry names no axes for {}", gyro.slot.name()));
+            faults.push(format!("/gyros/{i}/slot"), message!("no_axes_for", slot = text(gyro.slot.name())));
             continue;
         }
         if let Some(e) = gyro.known_e
@@ -115,13 +123,10 @@ pub fn check_dwells<'a>(
 
 fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: &Limits, faults: &mut Faults) {
     if dwell.duration_s <= 0.0 {
-        faults.push(format!("/dwells/{i}/duration_s"), format!("must be positive, is {}", dwell.duration_s));
+        faults.push(format!("/dwells/{i}/duration_s"), message!("not_positive", value = text(dwell.duration_s)));
     }
     if dwell.start_s < 0.0 {
-        faults.push(
-            format!("/dwells/{i}/start_s"),
-            format!("must not be negative (it counts from the first dwell), is {}", dwell.start_s),
-        );
+        faults.push(format!("/dwells/{i}/start_s"), message!("negative_start", value = text(dwell.start_s)));
     }
     let Some((j, before)) = before else { return };
     let place = || format!("/dwells/{i}/start_s");
@@ -129,10 +134,18 @@ fn check_time(i: usize, dwell: &Dwell, before: Option<(usize, &Dwell)>, limits: 
     if dwell.start_s < before.start_s {
         faults.push(
             place(),
-            format!("out of time order: starts at {} s, /dwells/{j} at {} s", dwell.start_s, before.start_s),
+            message!(
+                "out_of_time_order",
+                start = text(dwell.start_s),
+                place = format_args!("/dwells/{j}"),
+                earlier = text(before.start_s)
+            ),
         );
     } else if dwell.start_s < end - limits.overlap_s {
-        faults.push(place(), format!("overlaps /dwells/{j}: starts at {} s, that ends at {end} s", dwell.start_s));
+        faults.push(
+            place(),
+            message!("overlaps", place = format_args!("/dwells/{j}"), start = text(dwell.start_s), end = text(end)),
+        );
     }
 }
 
@@ -144,21 +157,18 @@ fn check_force(i: usize, dwell: &Dwell, site: Option<&Site>, limits: &Limits, fa
         if (force - gravity).abs() > limits.gravity_share * gravity {
             faults.push(
                 place(),
-                format!(
-                    "its length is {force:.5} g0 in a static dwell; the {} is {gravity} g0 and {} % off is accepted",
-                    if site.is_some() { "site's gravity" } else { "standard gravity (no site given)" },
-                    limits.gravity_share * 100.0
+                message!(
+                    "force_not_gravity",
+                    length = figure(force, 5),
+                    reference = if site.is_some() { message!("site_gravity") } else { message!("standard_gravity") },
+                    gravity = text(gravity),
+                    percent = text(limits.gravity_share * 100.0)
                 ),
             );
         }
         let rate = dwell.rate_arcsec_s.norm();
         if rate > limits.static_rate_arcsec_s {
-            faults.push(
-                format!("/dwells/{i}/rate_arcsec_s"),
-                format!(
-                    "{rate:.3} arcsec/s is too fast for a static dwell (the Earth turns at 15.04); is the phase rate?"
-                ),
-            );
+            faults.push(format!("/dwells/{i}/rate_arcsec_s"), message!("static_too_fast", rate = figure(rate, 3)));
         }
     }
     if let Some(attitude) = dwell.attitude
@@ -169,10 +179,7 @@ fn check_force(i: usize, dwell: &Dwell, site: Option<&Site>, limits: &Limits, fa
         if angle > limits.attitude {
             faults.push(
                 format!("/dwells/{i}/attitude"),
-                format!(
-                    "contradicts the specific force: the vertical that it gives is {:.3} deg from specific_force_g0 (v_body = C(q) v_nav, nav = East-North-Up)",
-                    angle.to_degrees()
-                ),
+                message!("attitude_contradicts_force", angle = figure(angle.to_degrees(), 3)),
             );
         }
     }
@@ -183,7 +190,7 @@ fn check_sem(i: usize, dwell: &Dwell, faults: &mut Faults) {
         if sem < SMALLEST_SEM {
             faults.push(
                 format!("/dwells/{i}/output_sem_pulse_s/{j}"),
-                format!("a standard error must be positive (at least {SMALLEST_SEM:e} pulse/s), is {sem}"),
+                message!("sem_not_positive", least = format_args!("{SMALLEST_SEM:e}"), value = text(sem)),
             );
         }
     }

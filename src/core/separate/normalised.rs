@@ -2,7 +2,9 @@
 
 use nalgebra::{Matrix6, Vector3};
 
+use crate::core::message::{Message, figure};
 use crate::core::mounting::Slot;
+use crate::message;
 
 /// Covariance of (E_x, E_y, E_z, G_x, G_y, G_z) of one gyro, in the units of E and G.
 pub type CovarianceEg = Matrix6<f64>;
@@ -21,6 +23,17 @@ pub enum Unseparable {
         .0.to_degrees()
     )]
     PointsAway(f64),
+}
+
+impl Unseparable {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoAxes(slot) => message!("no_axes_for", slot = slot.name()),
+            Self::ZeroScale => message!("zero_scale"),
+            Self::NotFinite => message!("quotient_not_finite"),
+            Self::PointsAway(angle) => message!("points_away", angle = figure(angle.to_degrees(), 1)),
+        }
+    }
 }
 
 /// The measured input axis and G resolved per unit of scale: what both methods start from.

@@ -13,13 +13,14 @@ use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use rules::Least;
 
 use super::App;
 use super::edge::{Forwarded, NO_STORE};
 use crate::core::access::Role;
+use crate::message;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
 use crate::wire::problem::Problem;
-use rules::Least;
 
 /// Lets a request through to its handler as its caller, or answers it 401, 403, 421 or 429.
 pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
@@ -67,8 +68,8 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
         if matches!(caller.by, By::Presence) {
             return unproven(role).into_response();
         }
-        let detail = format!("this takes the role {}; the token has the role {}", role.name(), caller.role.name());
-        return challenged(Problem::new(403, "Not allowed", detail), "Bearer error=\"insufficient_scope\"");
+        let detail = message!("role_needed", needed = role.name(), role = caller.role.name());
+        return challenged(Problem::new(403, "title_not_allowed", detail), "Bearer error=\"insufficient_scope\"");
     }
     request.extensions_mut().insert(caller.clone());
     let mut response = caller.during(next.run(request)).await;
@@ -106,7 +107,7 @@ impl Origin {
 }
 
 fn foreign() -> Problem {
-    Problem::new(403, "Foreign page", "the request was sent by a page of another site")
+    Problem::new(403, "title_foreign_page", message!("foreign_page"))
 }
 
 /// Whether a request is for this machine by the name it uses. Any site can let its own name lead here, and to a browser its page is then
@@ -120,19 +121,13 @@ fn names_this_machine(headers: &HeaderMap) -> bool {
 }
 
 fn misnamed() -> Problem {
-    let detail = "until the first token is made, the service answers under localhost and loopback addresses alone: \
-                  a page of another site could use any other name";
-    Problem::new(421, "Not this machine's name", detail)
+    Problem::new(421, "title_other_name", message!("other_name"))
 }
 
 /// Nobody has shown who they are, and this takes more than being on this machine: a proxy on it lets everybody in.
 fn unproven(role: Role) -> Response {
-    let detail = format!(
-        "this takes a token of the role {}, and none has been made: make the first with `gyrowatch token create NAME --role admin`, or \
-         send the setup secret that the log shows as Authorization: Bearer",
-        role.name()
-    );
-    challenged(Problem::new(401, "Token needed", detail), "Bearer realm=\"gyrowatch\"")
+    let detail = message!("first_token_needed", role = role.name());
+    challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
 }
 
 /// The token of `Authorization: Bearer`.
@@ -169,19 +164,19 @@ fn sign_in_for(uri: &Uri) -> String {
 }
 
 fn denied_response(denied: &Denied) -> Response {
-    let detail = denied.to_string();
+    let detail = denied.message();
     match denied {
         Denied::NoToken | Denied::SignedOut => {
-            challenged(Problem::new(401, "Token needed", detail), "Bearer realm=\"gyrowatch\"")
+            challenged(Problem::new(401, "title_token_needed", detail), "Bearer realm=\"gyrowatch\"")
         }
         Denied::Wrong | Denied::Revoked | Denied::Expired => challenged(
-            Problem::new(401, "Token not valid", detail),
+            Problem::new(401, "title_token_not_valid", detail),
             "Bearer realm=\"gyrowatch\", error=\"invalid_token\"",
         ),
-        Denied::NotHere | Denied::Proxied => Problem::new(403, "Not allowed", detail).into_response(),
-        Denied::TooManyFailures { wait } => later(Problem::new(429, "Too many wrong tokens", detail), *wait),
-        Denied::TooManyRequests { wait } => later(Problem::new(429, "Too many requests", detail), *wait),
-        Denied::Unreadable => Problem::new(503, "Try again", detail).into_response(),
+        Denied::NotHere | Denied::Proxied => Problem::new(403, "title_not_allowed", detail).into_response(),
+        Denied::TooManyFailures { wait } => later(Problem::new(429, "title_too_many_wrong_tokens", detail), *wait),
+        Denied::TooManyRequests { wait } => later(Problem::new(429, "title_too_many_requests", detail), *wait),
+        Denied::Unreadable => Problem::new(503, "title_try_again", detail).into_response(),
     }
 }
 

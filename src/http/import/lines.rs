@@ -6,7 +6,9 @@ use bytes::{Bytes, BytesMut};
 use futures::{Stream, StreamExt};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
+use crate::core::message::text;
 use crate::http::problem;
+use crate::message;
 use crate::wire::problem::Problem;
 
 /// Text that may be under way at a time, from reading a line to its answer, KiB begun a line. What is made of a record takes dozens of times
@@ -121,13 +123,12 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
             Some(Ok(bytes)) => {
                 self.read += bytes.len();
                 self.pending.extend_from_slice(&bytes);
-                (self.read > self.longest.body).then(|| {
-                    let mut problem = problem::too_large("an import", self.longest.body, "server.max_import_bytes");
-                    problem.detail.push_str("; what came before this line is answered");
-                    problem
-                })
+                let (most, key) = (self.longest.body, "server.max_import_bytes");
+                (self.read > most).then(|| problem::too_large(message!("too_long_import", most = most, key = key)))
             }
-            Some(Err(error)) => Some(Problem::new(400, "Broken off", format!("the body broke off: {error}"))),
+            Some(Err(error)) => {
+                Some(Problem::new(400, "title_broken_off", message!("body_broke_off", why = text(error))))
+            }
         };
         match failed {
             None => Some(Ok(())),
@@ -141,7 +142,7 @@ impl<B: Stream<Item = Result<Bytes, axum::Error>> + Unpin> Splitter<B> {
 }
 
 fn too_long(longest: usize) -> Problem {
-    problem::too_large("a line", longest, "server.max_import_line_bytes")
+    problem::too_large(message!("too_long_line", most = longest, key = "server.max_import_line_bytes"))
 }
 
 #[cfg(test)]

@@ -9,7 +9,8 @@ use crate::core::period::{Gatherer, Period, Summary};
 use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::events::EventBody;
-use crate::http::query::bad;
+use crate::http::query::{bad, not_one_of};
+use crate::message;
 use crate::pipeline::{Span, sample_of};
 use crate::store;
 use crate::wire::problem::Problem;
@@ -52,10 +53,9 @@ impl Request {
     /// `every`, which goes with what counts only.
     pub(super) fn period(name: Option<&str>, voided: bool) -> Result<Option<Period>, Problem> {
         let Some(name) = name else { return Ok(None) };
-        let period =
-            Period::from_name(name).ok_or_else(|| bad(&format!("every must be day, week or month, is {name}")))?;
+        let period = Period::from_name(name).ok_or_else(|| not_one_of("every", ["day", "week", "month"], name))?;
         if voided {
-            return Err(bad("every goes with what counts only, not with voided=include"));
+            return Err(bad(message!("every_counts_only")));
         }
         Ok(Some(period))
     }
@@ -127,7 +127,7 @@ impl Request {
             next: next.clone(),
         };
         let text = if self.csv { csv(&trend) } else { serde_json::to_vec(&trend).ok() };
-        let text = text.ok_or_else(|| Problem::new(500, "Internal error", "the periods could not be written"))?;
+        let text = text.ok_or_else(|| Problem::new(500, "title_internal_error", message!("not_written")))?;
         Ok(Written { text, csv: self.csv, next })
     }
 }

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::{Filters, at, beginning, build, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{answered, see_other};
 use crate::pages::text::Text;
@@ -62,7 +63,7 @@ pub(in crate::pages) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Fo
 
 pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let canceled = async {
-        let unknown = || Problem::new(404, "No such diagnoses", format!("there is no order of diagnoses {id}"));
+        let unknown = || Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = id.clone()));
         let number: Id = id.parse().map_err(|_| unknown())?;
         pages.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number)).await?;
         Ok(see_other("/diagnoses#orders"))
@@ -80,7 +81,7 @@ pub(super) fn faults(t: &Text, faults: &Faults) -> Markup {
         _ => t.effect,
     };
     html! {
-        ul.fault role="alert" { @for fault in &faults.0 { li { (field(&fault.pointer)) ": " (t.spoken(&fault.detail)) } } }
+        ul.fault role="alert" { @for fault in &faults.0 { li { (field(&fault.pointer)) ": " (t.words(&fault.message)) } } }
     }
 }
 

@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 use super::known;
 use crate::core::fault::Faults;
 use crate::core::judge::Severity;
+use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, see_other};
 use crate::pages::layout::{Page, Section};
@@ -191,7 +192,7 @@ pub(crate) async fn switch(
         let (number, _) = known(&pages, &id).await?;
         let document = json!({"enabled": switch.enabled == "true"}).to_string();
         let patch = pages.pipeline.read_hook_patch(document.as_bytes());
-        let patch = patch.map_err(|faults| Problem::of_faults(422, "Cannot be stored as it is", faults))?;
+        let patch = patch.map_err(|faults| Problem::of_faults(422, "title_cannot_be_stored", faults))?;
         pages.pipeline.order(Order::Change(number, patch)).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };
@@ -204,7 +205,8 @@ pub(crate) async fn redeliver(
     Path((id, delivery)): Path<(String, String)>,
 ) -> Response {
     let sent = async {
-        let unknown = || Problem::new(404, "No such delivery", format!("there is no delivery {delivery}"));
+        let unknown =
+            || Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = delivery.clone()));
         pages.pipeline.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
         known(&pages, &id).await?;
         Ok(see_other(&format!("/hooks/{id}")))

@@ -107,7 +107,7 @@ fn line(viewer: &Viewer, hook: &str, delivery: &DeliveryBody) -> Markup {
             td.words {
                 @if let Some(last) = delivery.attempts.last() {
                     (written(&last.at)) " " @if let Some(status) = last.status { (status) " " }
-                    span.quiet { (t.spoken(&last.detail)) " " (format!("{:.0} ms", last.took_ms)) }
+                    span.quiet { (last.detail) " " (format!("{:.0} ms", last.took_ms)) }
                     @if let Some(answer) = &last.answer { br; code translate="no" { (answer) } }
                 }
             }

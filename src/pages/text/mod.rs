@@ -16,6 +16,15 @@ pub(super) enum Language {
     Chinese,
 }
 
+impl From<crate::words::Language> for Language {
+    fn from(language: crate::words::Language) -> Self {
+        match language {
+            crate::words::Language::English => Self::English,
+            crate::words::Language::Chinese => Self::Chinese,
+        }
+    }
+}
+
 impl Language {
     /// By its tag (RFC 5646).
     pub fn from_name(name: &str) -> Option<Self> {

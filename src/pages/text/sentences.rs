@@ -1,32 +1,33 @@
-//! What the service says in English, said in Chinese: faults of documents, reasons of a diagnosis, refusals.
+//! What the service says in English, said in Chinese: verdicts, notes, reasons of a diagnosis.
 //!
 //! Those words are made where they are known (`core`, `wire`, `pipeline`), for programs as well as for people, and in one
 //! language. Here each form of sentence stands beside its Chinese. `{}` stands for whatever was filled in; in Chinese `{0}`,
 //! `{1}` … (`{a}` after `{9}`) for what the first, the second … held. What was filled in may be a sentence or the name of an effect itself.
 //! What is not known is left as it is.
 
-mod commanded;
 mod diagnosis;
-mod faults;
 mod notes;
-mod refusals;
 mod verdicts;
 
 use super::Text;
 use crate::core::effects::Effect;
+use crate::core::message::{Message, Parameter};
+use crate::words::Language;
 
 type Sentence = (&'static str, &'static str);
 
-const ALL: [&[Sentence]; 6] = [
-    verdicts::SENTENCES,
-    notes::SENTENCES,
-    diagnosis::SENTENCES,
-    commanded::SENTENCES,
-    faults::SENTENCES,
-    refusals::SENTENCES,
-];
+const ALL: [&[Sentence]; 3] = [verdicts::SENTENCES, notes::SENTENCES, diagnosis::SENTENCES];
 
 impl Text {
+    /// A message in this language. A text that is not ours may have a form that is known.
+    pub fn words(&self, message: &Message) -> String {
+        let language = if self.tag == "zh" { Language::Chinese } else { Language::English };
+        match message.parameter("text") {
+            Some(Parameter::Text(text)) if message.code == "verbatim" => self.spoken(text),
+            _ => language.words(message),
+        }
+    }
+
     /// Words of the service in this language.
     pub fn spoken(&self, english: &str) -> String {
         if self.tag == "zh" { in_chinese(english) } else { english.to_owned() }
@@ -83,8 +84,6 @@ mod tests {
 
     #[test]
     fn what_was_filled_in_is_kept_and_said_in_chinese_itself() {
-        assert_eq!(in_chinese("must have 3 elements, has 4"), "应有3个元素，实有4个");
-        assert_eq!(in_chinese("line 7, column 2 (start_s): empty"), "第7行第2列（start_s）：为空");
         let reason = in_chinese("it explains the same dwells as warmup less well, and nothing beside it");
         assert!(reason.contains("上电预热") && reason.contains("位置段"), "{reason}");
         assert_eq!(in_chinese("what nobody has said before"), "what nobody has said before");

@@ -12,36 +12,48 @@ use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::Access;
 use crate::core::access::Role;
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::store;
 use crate::store::{Id, SessionRow, Store, StoreError, TokenRow};
 
 /// Why somebody is not let in.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Denied {
-    #[error("a token is needed: send Authorization: Bearer, or sign in")]
     NoToken,
-    #[error("no token was ever made, and until then the service answers this machine alone")]
+    /// No token was ever made, and the request is not from this machine.
     NotHere,
-    #[error(
-        "a reverse proxy is in front and no token was ever made, so anybody could be asking: make one with \
-         `gyrowatch token create NAME --role admin`"
-    )]
+    /// No token was ever made, and a reverse proxy is in front.
     Proxied,
-    #[error("the token is none of this service")]
     Wrong,
-    #[error("the token was revoked")]
     Revoked,
-    #[error("the token has expired")]
     Expired,
-    #[error("the sign-in is over; sign in again")]
     SignedOut,
-    #[error("too many wrong tokens came from this address")]
-    TooManyFailures { wait: Duration },
-    #[error("this token asks for more than it may in a second")]
-    TooManyRequests { wait: Duration },
-    #[error("who may come in cannot be read now")]
+    TooManyFailures {
+        wait: Duration,
+    },
+    TooManyRequests {
+        wait: Duration,
+    },
     Unreadable,
+}
+
+impl Denied {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoToken => message!("no_token"),
+            Self::NotHere => message!("not_here"),
+            Self::Proxied => message!("proxied"),
+            Self::Wrong => message!("wrong_token"),
+            Self::Revoked => message!("revoked_token"),
+            Self::Expired => message!("expired_token"),
+            Self::SignedOut => message!("signed_out"),
+            Self::TooManyFailures { .. } => message!("too_many_failures"),
+            Self::TooManyRequests { .. } => message!("too_many_requests"),
+            Self::Unreadable => message!("access_unreadable"),
+        }
+    }
 }
 
 #[derive(Debug, Default)]

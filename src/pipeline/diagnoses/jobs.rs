@@ -5,6 +5,7 @@ use tokio::sync::oneshot;
 use super::program;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::access::Actor;
 use crate::pipeline::{Accepted, Job, Pipeline, Refused};
 use crate::store;
@@ -13,7 +14,9 @@ use crate::store::{
     TaskCounts, Writer,
 };
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, WhichBody};
+use crate::wire::message::from_stored;
 use crate::wire::{cursor, json, text, time};
+use crate::words;
 
 /// Which campaigns somebody wants diagnosed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -144,8 +147,11 @@ impl Pipeline {
     pub(super) fn campaign_filter(&self, asked: &WhichBody, faults: &mut Faults) -> CampaignFilter {
         let mut known = |what: &str, name: &Option<String>, number: Option<u32>| {
             if let (Some(name), None) = (name, number) {
-                let kind = if what == "imu" { "IMU" } else { "station" };
-                faults.push(format!("/{what}"), format!("no {kind} with the name {name} is known"));
+                let unknown = match what {
+                    "imu" => message!("unknown_imu", imu = name.clone()),
+                    _ => message!("unknown_station", station = name.clone()),
+                };
+                faults.push(format!("/{what}"), unknown);
             }
             number
         };
@@ -161,7 +167,7 @@ impl Pipeline {
         let from = instant("/since", &asked.since, Span::EVER.from);
         let to = instant("/until", &asked.until, Span::EVER.to);
         if faults.is_empty() && from > to {
-            faults.push("/until", "must not lie before `since`");
+            faults.push("/until", message!("until_before_since"));
         }
         CampaignFilter { imu, station, measured: Span { from, to } }
     }
@@ -210,7 +216,7 @@ impl Pipeline {
             campaign: task.record.to_string(),
             imu: tables.imus.name(task.imu).map_or_else(String::new, |name| name.to_string()),
             measured_at: time::format(task.measured_at),
-            reason: task.reason,
+            reason: words::asked().words(&from_stored(&task.reason)),
         };
         Ok(Some(JobDetailBody { job, failures: failed.into_iter().map(failure).collect(), next }))
     }

@@ -24,6 +24,7 @@ use super::{Job, Pipeline, Refused};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
 use crate::pipeline::diagnoses::digest::{Gist, Seat, seats};
 use crate::pipeline::diagnoses::models::{InForce, ModelBook};
@@ -37,6 +38,7 @@ use crate::system::Clock;
 use crate::telemetry;
 use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::message::to_stored;
 use crate::wire::record::parse_record;
 use crate::wire::split::{SplitBody, residuals};
 
@@ -106,9 +108,6 @@ pub(super) struct Diagnoser {
     under_way: Arc<Mutex<UnderWay>>,
     known: Arc<Mutex<VecDeque<Known>>>,
 }
-
-/// Why an order has no diagnosis of a campaign that should have one.
-const BROKEN_OFF: &str = "its computation broke off; the service's log says why";
 
 /// Which program a kept diagnosis is of.
 fn program() -> String {
@@ -219,7 +218,7 @@ impl Diagnoser {
                     diagnoser.remember(known.clone());
                     Outcome::Known { known, gyros }
                 }
-                None => Outcome::Failed(BROKEN_OFF.to_owned()),
+                None => Outcome::Failed(to_stored(&message!("computation_broke_off"))),
             };
             diagnoser.have_kept(Made { campaign, begun_at, ended_at: diagnoser.clock.now(), outcome }).await;
             if made.is_some() {

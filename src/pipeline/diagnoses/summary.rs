@@ -7,7 +7,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::program;
 use crate::core::effects::{self, Effect};
 use crate::core::fault::Faults;
+use crate::core::message::text;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::Pipeline;
 use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
 use crate::store;
@@ -300,7 +302,7 @@ impl Pipeline {
         let campaigns = self.campaign_filter(asked, &mut faults);
         let known = effect.and_then(Effect::from_id);
         if let (Some(id), None) = (effect, known) {
-            faults.push("/effect", format!("{id} is no effect of the catalogue; they are {}", effects::known()));
+            faults.push("/effect", message!("unknown_effect", effect = text(id), effects = text(effects::known())));
         }
         faults.or(SummaryFilter { campaigns, effect: known })
     }

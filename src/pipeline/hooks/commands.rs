@@ -9,6 +9,7 @@ use crate::alert::HookKind;
 use crate::core::alert_decision::Status;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
 use crate::pipeline::{Actor, Refused};
 use crate::store;
@@ -16,6 +17,7 @@ use crate::store::{
     AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
     Subject, Writer,
 };
+use crate::wire::message::to_stored;
 use crate::wire::time;
 
 /// Each hook costs a task and a queue.
@@ -297,7 +299,7 @@ impl HookDesk<'_> {
         let Some(url) = &attempted.gone else { return Ok(()) };
         // Who has changed the address meanwhile has heard already.
         if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(|hook| hook.url == *url) {
-            let because = format!("the target answered 410 Gone at {}", time::format(attempted.at));
+            let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
             changes.hooks.push(HookRow {
                 enabled: false,
                 disabled_because: Some(because),

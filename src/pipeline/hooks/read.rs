@@ -4,7 +4,9 @@ use crate::alert::HookKind;
 use crate::alert::sign::Secret;
 use crate::alert::target::TargetPolicy;
 use crate::core::fault::Faults;
+use crate::core::message::{list, sent, text};
 use crate::core::record::Name;
+use crate::message;
 use crate::wire::hook::{ExpectBody, FilterBody, HookPatchBody, NewHookBody};
 use crate::wire::json;
 
@@ -59,8 +61,8 @@ pub(super) fn new_hook(bytes: &[u8], policy: &TargetPolicy) -> Result<NewHook, F
     let mut faults = Faults::default();
     let kind = HookKind::from_name(&body.kind);
     if kind.is_none() {
-        let kinds = HookKind::ALL.map(HookKind::name).join(", ");
-        faults.push("/kind", format!("must be one of {kinds}, is {:?}", body.kind));
+        let kinds = list(HookKind::ALL.map(HookKind::name));
+        faults.push("/kind", message!("must_be_one_of", known = kinds, value = sent(&body.kind)));
     }
     let kind = kind.unwrap_or(HookKind::StandardWebhooks);
     check_name(body.name.as_deref(), &mut faults);
@@ -92,7 +94,7 @@ pub(super) fn patch(bytes: &[u8], policy: &TargetPolicy) -> Result<HookPatch, Fa
         expect.check("/expect", &mut faults);
     }
     if body.rotate_secret && body.secret.is_some() {
-        faults.push("/rotate_secret", "draws a secret, so `secret` must be left out");
+        faults.push("/rotate_secret", message!("secret_is_drawn"));
     }
     let secret = match &body.secret {
         _ if body.rotate_secret => Some(draw("/rotate_secret", &mut faults)),
@@ -120,7 +122,7 @@ fn check_authorization(value: Option<&str>, faults: &mut Faults) {
     let Some(value) = value else { return };
     let sendable = value.bytes().all(|byte| (b' '..=b'~').contains(&byte)) && value.trim() == value;
     if value.is_empty() || value.len() > MAX_AUTHORIZATION || !sendable {
-        let detail = format!("must be 1 to {MAX_AUTHORIZATION} visible ASCII characters, as a header holds them");
+        let detail = message!("authorization_form", most = MAX_AUTHORIZATION);
         faults.push("/authorization", detail);
     }
 }
@@ -139,7 +141,7 @@ fn draw(pointer: &str, faults: &mut Faults) -> Option<Secret> {
     match Secret::generate() {
         Ok(secret) => Some(secret),
         Err(error) => {
-            faults.push(pointer, format!("no secret can be drawn, name one: {error}"));
+            faults.push(pointer, message!("no_secret_drawn", why = text(error)));
             None
         }
     }

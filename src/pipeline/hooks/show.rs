@@ -8,7 +8,9 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::hooks::registry::DIGEST;
 use crate::store::{AttemptRow, DeliveryRow, DeliveryState, HookRow, Id, QueueState, StoreError, Subject};
 use crate::wire::hook::{AttemptBody, DeliveryBody, FilterBody, HookBody, QueueBody};
+use crate::wire::message::{MessageBody, from_stored};
 use crate::wire::time;
+use crate::words;
 
 pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<HookBody, StoreError> {
     let filter = filter(&row)?;
@@ -27,7 +29,7 @@ pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<Ho
         enabled: row.enabled,
         batch: row.batch,
         expect,
-        disabled_because: row.disabled_because,
+        disabled_because: row.disabled_because.map(|why| words::asked().words(&from_stored(&why))),
         created_at: time::format(row.created_at),
         changed_at: time::format(row.changed_at),
         queue: QueueBody { open: queue.open, oldest_open: queue.oldest_open.map(time::format), dead: queue.dead },
@@ -71,5 +73,8 @@ pub(super) fn delivery(row: DeliveryRow) -> DeliveryBody {
 fn attempt(row: AttemptRow) -> AttemptBody {
     let took = Duration::from_micros(row.took_us.unsigned_abs());
     let AttemptRow { status, detail, answer, .. } = row;
-    AttemptBody { at: time::format(row.at), status, detail, answer, took_ms: took.as_secs_f64() * 1e3 }
+    let said = Some(from_stored(&detail)).filter(|_| !detail.is_empty());
+    let detail = said.as_ref().map(|said| words::asked().words(said)).unwrap_or_default();
+    let message = said.map(|said| MessageBody::of(&said, words::asked()));
+    AttemptBody { at: time::format(row.at), status, message, detail, answer, took_ms: took.as_secs_f64() * 1e3 }
 }

@@ -7,6 +7,7 @@ use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
 use crate::core::judge::Verdict;
+use crate::message;
 use crate::pipeline::Pipeline;
 use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::ingest::submission::{
@@ -21,6 +22,7 @@ use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
 use crate::wire::history_note;
+use crate::words;
 
 /// A campaign that can be stored.
 #[derive(Debug, Clone)]
@@ -126,7 +128,7 @@ impl Pipeline {
     /// A stored campaign, fitted again with the model that it was fitted with. Computes on a thread for that.
     pub(crate) async fn fitted_again(&self, row: &RecordRow) -> Result<Result<CampaignFit, Faults>, StoreError> {
         let (model, body) = (self.fitted_with(row.id).await?, Arc::clone(&row.body));
-        let work = tokio::task::spawn_blocking(move || {
+        let work = words::spawn_blocking(move || {
             let (campaign, outcome) = evaluated(&body, &model)?;
             Ok(CampaignFit { campaign, outcome, model: model.id })
         });
@@ -204,7 +206,7 @@ impl Pipeline {
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
-                Err(Fault { pointer: "/test".to_owned(), detail: "is no bench test".to_owned() }.into())
+                Err(Fault { pointer: "/test".to_owned(), message: message!("is_no_bench_test") }.into())
             }
         }
     }

@@ -7,10 +7,12 @@ use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::is_unset;
 use crate::core::judge::{Event, FixedLevels, Verdict};
+use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::record::{GyroParameters, Name, Plausibility, Record};
-use crate::core::separate::{CovarianceEg, Separation, separate, stated_covariance};
+use crate::core::separate::{CovarianceEg, Separation, Unseparable, separate, stated_covariance};
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::{Actor, Pipeline};
 use crate::store::{Id, Kind};
 use crate::system::sha256;
@@ -161,8 +163,9 @@ impl Pipeline {
     fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
         let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
             let covariance = stated_covariance(gyro);
-            self.calibrated(&record, (i, gyro), covariance.as_ref())
-                .map_err(|detail| Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), detail }.into())
+            self.calibrated(&record, (i, gyro), covariance.as_ref()).map_err(|why| {
+                Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), message: why.message() }.into()
+            })
         });
         let gyros = gyros.collect::<Result<_, Faults>>()?;
         let Record { imu, station, calibrated_at, .. } = record;
@@ -183,15 +186,14 @@ impl Pipeline {
     /// Separates one gyro and holds it to the requirements.
     ///
     /// # Errors
-    /// In words, why E and G cannot be separated.
+    /// Why E and G cannot be separated.
     pub fn calibrated(
         &self,
         Record { geometry, imu, .. }: &Record,
         (place, gyro): (usize, &GyroParameters),
         covariance: Option<&CovarianceEg>,
-    ) -> Result<CalibratedGyro, String> {
-        let separation =
-            separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance).map_err(|error| error.to_string())?;
+    ) -> Result<CalibratedGyro, Unseparable> {
+        let separation = separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance)?;
         let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
         let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
         Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
@@ -213,16 +215,16 @@ impl Pipeline {
     /// for as long, what lies long before all else would become the baseline.
     pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
         let PlausibilityKeys { max_future_hours: hours, earliest, clock_epochs, .. } = &self.config.plausibility;
-        let detail = if at > self.clock.now().plus_days(hours / 24.0) {
-            format!("lies more than {hours} hours in the future of the service's clock")
+        let message = if at > self.clock.now().plus_days(hours / 24.0) {
+            message!("time_in_future", hours = text(hours))
         } else if at < *earliest {
-            format!("lies before {}, the earliest time that `plausibility.earliest` accepts", time::format(*earliest))
+            message!("before_earliest", earliest = text(time::format(*earliest)))
         } else if is_unset(at) && clock_epochs.contains(&UtcMicros(0)) {
-            "is that of a clock that was never set and counts from 1970-01-01; set the station's clock and send the true time, or take the date out of `plausibility.clock_epochs`".to_owned()
+            message!("clock_never_set")
         } else {
             return Ok(());
         };
-        Err(Fault { pointer: pointer.to_owned(), detail }.into())
+        Err(Fault { pointer: pointer.to_owned(), message }.into())
     }
 }
 
@@ -241,8 +243,9 @@ pub(crate) fn check_names<'a>(named: &[(&str, &Name)], serials: impl Iterator<It
 /// The body as it is kept, without a byte-order mark, and its hash.
 pub(crate) fn kept(bytes: &[u8]) -> Result<(Arc<str>, [u8; 32]), Faults> {
     let bytes = without_mark(bytes);
-    let text = std::str::from_utf8(bytes)
-        .map_err(|error| Faults::from(Fault { pointer: String::new(), detail: format!("is not UTF-8: {error}") }))?;
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        Faults::from(Fault { pointer: String::new(), message: message!("not_utf8", why = text(error)) })
+    })?;
     Ok((text.into(), sha256(bytes)))
 }
 

@@ -7,6 +7,7 @@ use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
 use crate::store;
 use crate::store::{Figures, Id, Span, StoreError};
+use crate::words;
 
 /// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the
 /// stations' offsets take one column a peer.
@@ -43,7 +44,7 @@ impl Pipeline {
                 break;
             }
         }
-        let explained = tokio::task::spawn_blocking(move || {
+        let explained = words::spawn_blocking(move || {
             let coefficients = diagnose_history(&history, &peers);
             ExplainedHistory { peers: peers.len(), coefficients }
         });

@@ -1,10 +1,12 @@
-//! Words for what was commanded as the Earth does not allow it, and the faults of a campaign that must not be believed for it.
+//! What is said of what was commanded as the Earth does not allow it, and the faults of a campaign that must not be believed for it.
 
 use serde_json::{Value, json};
 
 use crate::core::campaign::Campaign;
 use crate::core::campaign::commanded::{Cause, Finding, Part, Symptom, Vectors, findings};
 use crate::core::fault::{Fault, Faults};
+use crate::core::message::{Message, Parameter, figure, signed};
+use crate::message;
 
 /// Fields of a dwell that a station commands.
 const COMMANDED: [&str; 3] = ["attitude", "specific_force_g0", "rate_arcsec_s"];
@@ -38,15 +40,15 @@ pub(super) fn explained(campaign: &Campaign, faults: Faults) -> Faults {
 }
 
 fn faults_of(finding: &Finding) -> Vec<Fault> {
-    let fault = |pointer, detail| Fault { pointer, detail };
+    let fault = |pointer, message| Fault { pointer, message };
     if finding.single {
         let one = |(k, value): &(usize, f64)| {
             let alone = Finding { dwells: vec![(*k, *value)], ..finding.clone() };
-            fault(pointer(finding, *k), words(&alone))
+            fault(pointer(finding, *k), message(&alone))
         };
         return finding.dwells.iter().map(one).collect();
     }
-    vec![fault(pointer(finding, finding.dwells[0].0), words(finding))]
+    vec![fault(pointer(finding, finding.dwells[0].0), message(finding))]
 }
 
 fn pointer(finding: &Finding, dwell: usize) -> String {
@@ -71,99 +73,78 @@ fn pointer(finding: &Finding, dwell: usize) -> String {
 }
 
 /// What it most likely is, then what was measured.
-pub(crate) fn words(finding: &Finding) -> String {
-    let causes: Vec<String> = finding.causes.iter().map(cause).collect();
-    let likely = match causes.as_slice() {
-        [] => "unit, sign or axes of specific_force_g0 or rate_arcsec_s are wrong".to_owned(),
-        [one] => one.clone(),
-        several => format!("either {}", several.join(", or ")),
+pub(crate) fn message(finding: &Finding) -> Message {
+    let mut causes = finding.causes.iter().map(cause);
+    let likely = match (causes.next(), causes.next(), causes.next()) {
+        (None, ..) => message!("commanded_wrong"),
+        (Some(one), None, _) => one,
+        (Some(first), Some(second), None) => message!("either_of_two", first = first, second = second),
+        (Some(first), Some(second), Some(third)) => {
+            message!("either_of_three", first = first, second = second, third = third)
+        }
     };
-    let hidden = if finding.matters { "" } else { "; the noise of these gyros hides it" };
-    format!("{likely}. Measured: {}{hidden}", measured(finding))
-}
-
-fn measured(finding: &Finding) -> String {
-    let (n, of, value) = (finding.dwells.len(), finding.of, finding.measured());
-    let share = if finding.single && n == 1 { "this dwell".to_owned() } else { format!("{n} of {of} dwells") };
-    match (finding.symptom, finding.expected) {
-        (Symptom::StaticRate, _) => {
-            format!("|rate_arcsec_s| is {value:.3} arcsec/s at rest in {share}; the Earth turns at 15.041")
-        }
-        (Symptom::VerticalRate, expected) => format!(
-            "w.f/|f| is {value:+.3} arcsec/s at rest in {share}; Omega sin(latitude) is {:+.3}",
-            expected.unwrap_or(0.0)
-        ),
-        (Symptom::TurningRate, _) => format!(
-            "in {share} the table turns, but rate_arcsec_s is not along specific_force_g0 or is slower than any table ({value:.3} arcsec/s)"
-        ),
-        (Symptom::Heading, _) => {
-            format!("rate_arcsec_s is {value:.2} arcsec/s from the Earth's rate at the attitude in {share}")
-        }
-        (Symptom::Output, _) => format!("the outputs are {value:.2} arcsec/s from the model in the root mean square"),
-        (Symptom::Gravity, expected) => {
-            format!("|specific_force_g0| is {value:.5} g0 in {share}; gravity is {:.5} g0", expected.unwrap_or(1.0))
-        }
-        (Symptom::Attitude, _) => {
-            format!("the vertical of the attitude is {value:.3} deg from specific_force_g0 in {share}")
-        }
+    let measured = measured(finding);
+    match finding.matters {
+        true => message!("commanded", likely = likely, measured = measured),
+        false => message!("commanded_hidden", likely = likely, measured = measured),
     }
 }
 
-fn cause(cause: &Cause) -> String {
+fn measured(finding: &Finding) -> Message {
+    let (n, of, value) = (finding.dwells.len(), finding.of, finding.measured());
+    let share = match finding.single && n == 1 {
+        true => message!("this_dwell"),
+        false => message!("share_of_dwells", count = n, of = of),
+    };
+    match (finding.symptom, finding.expected) {
+        (Symptom::StaticRate, _) => message!("measured_static_rate", value = figure(value, 3), share = share),
+        (Symptom::VerticalRate, expected) => {
+            let expected = signed(expected.unwrap_or(0.0), 3);
+            message!("measured_vertical_rate", value = signed(value, 3), share = share, expected = expected)
+        }
+        (Symptom::TurningRate, _) => message!("measured_turning_rate", value = figure(value, 3), share = share),
+        (Symptom::Heading, _) => message!("measured_heading", value = figure(value, 2), share = share),
+        (Symptom::Output, _) => message!("measured_output", value = figure(value, 2)),
+        (Symptom::Gravity, expected) => {
+            let expected = figure(expected.unwrap_or(1.0), 5);
+            message!("measured_gravity", value = figure(value, 5), share = share, expected = expected)
+        }
+        (Symptom::Attitude, _) => message!("measured_attitude", value = figure(value, 3), share = share),
+    }
+}
+
+fn cause(cause: &Cause) -> Message {
     let axis = |k: usize| ["x", "y", "z"][k];
     let vectors = |of: Vectors| match of {
-        Vectors::Force => "specific_force_g0",
-        Vectors::Rate => "rate_arcsec_s",
-        Vectors::Both => "specific_force_g0 and rate_arcsec_s",
+        Vectors::Force => Parameter::from("specific_force_g0"),
+        Vectors::Rate => "rate_arcsec_s".into(),
+        Vectors::Both => message!("force_and_rate").into(),
     };
     match *cause {
-        Cause::ForceReversed => {
-            "the specific force is reversed: it must point up, away from the Earth, in a static dwell".to_owned()
-        }
-        Cause::RateReversed => {
-            "the rates are reversed: send them positive for a turn about the positive axis by the right-hand rule".to_owned()
-        }
-        Cause::LatitudeReversed => {
-            "the latitude has the wrong sign, in site.latitude_deg or where the rates were made: north is positive".to_owned()
-        }
-        Cause::NedForEnu => "North-East-Down is mixed with East-North-Up: attitude, specific force and rate must all be made with \
-                             nav = East-North-Up"
-            .to_owned(),
-        Cause::AttitudeInverted => {
-            "the attitude is inverted: send the quaternion with v_body = C(q) v_nav".to_owned()
-        }
-        Cause::EarthRateLeftOut => "the Earth's rate is left out of the rates: send inertial rates; with attitudes and a site \
-                                    \"rates\": \"table\" lets the service add it"
-            .to_owned(),
+        Cause::ForceReversed => message!("force_reversed"),
+        Cause::RateReversed => message!("rates_reversed"),
+        Cause::LatitudeReversed => message!("latitude_reversed"),
+        Cause::NedForEnu => message!("ned_for_enu"),
+        Cause::AttitudeInverted => message!("attitude_inverted"),
+        Cause::EarthRateLeftOut => message!("earth_rate_left_out"),
         Cause::RateUnit { unit, part } => {
             let dwells = match part {
-                Part::All => "all dwells",
-                Part::Static => "static dwells",
-                Part::Turning => "rate dwells",
+                Part::All => message!("all_dwells"),
+                Part::Static => message!("static_dwells"),
+                Part::Turning => message!("rate_dwells"),
             };
-            format!("the rates of {dwells} are in {unit}: send them in arcsec/s")
+            message!("rate_unit", dwells = dwells, unit = unit)
         }
-        Cause::AxisReversed { axis: k, of } => format!("the {} axis of {} is reversed", axis(k), vectors(of)),
+        Cause::AxisReversed { axis: k, of } => message!("axis_reversed", axis = axis(k), vectors = vectors(of)),
         Cause::AxesExchanged { axes: (a, b), of } => {
-            format!("the {} and {} axes of {} are exchanged", axis(a), axis(b), vectors(of))
+            message!("axes_exchanged", first = axis(a), second = axis(b), vectors = vectors(of))
         }
-        Cause::OtherLatitude { degrees } => {
-            format!("the rates are those of latitude {degrees:.3} deg: correct site.latitude_deg or the rates")
-        }
-        Cause::OtherEarthRate { arcsec_s } => format!(
-            "the rates are made with an Earth that turns at {arcsec_s:.3} arcsec/s: use 15.041, that of a sidereal day"
-        ),
-        Cause::OtherHeadings => {
-            "the rates of static dwells are made with other headings than the attitudes: send the Earth's rate at each attitude"
-                .to_owned()
-        }
-        Cause::ForceUnit { unit } => format!("the specific force is in {unit}: send it in g0 = 9.80665 m/s^2"),
-        Cause::ForceNormalised => {
-            "the specific force is normalised to 1: multiply it by the site's gravity in g0".to_owned()
-        }
-        Cause::ForceScale { ratio } => {
-            format!("the specific force is {ratio:.5} times gravity: correct it, or state the gravity of the site in site.gravity_g0")
-        }
+        Cause::OtherLatitude { degrees } => message!("other_latitude", degrees = figure(degrees, 3)),
+        Cause::OtherEarthRate { arcsec_s } => message!("other_earth_rate", rate = figure(arcsec_s, 3)),
+        Cause::OtherHeadings => message!("other_headings"),
+        Cause::ForceUnit { unit } => message!("force_unit", unit = unit),
+        Cause::ForceNormalised => message!("force_normalised"),
+        Cause::ForceScale { ratio } => message!("force_scale", ratio = figure(ratio, 5)),
     }
 }
 

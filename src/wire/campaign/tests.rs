@@ -213,9 +213,11 @@ fn the_service_adds_the_earths_rate_to_rates_of_the_table() {
     document["dwells"][1].as_object_mut().expect("an object").remove("attitude");
     let fault = |document: &Value| parse_json(document.to_string().as_bytes()).unwrap_err().0.remove(0);
     assert_eq!(fault(&document).pointer, "/rates");
-    assert!(fault(&document).detail.ends_with("missing: attitude in 1 static dwells, the first /dwells/1"));
+    let lacks = |document: &Value| fault(document).message.to_string();
+    let attitudes = "attitudes_missing (count: 1, first: /dwells/1)";
+    assert_eq!(lacks(&document), format!("earth_rate_needs (missing: {attitudes})"));
     document.as_object_mut().expect("an object").remove("site");
-    assert!(fault(&document).detail.contains("missing: site; attitude"), "{}", fault(&document).detail);
+    assert_eq!(lacks(&document), format!("earth_rate_needs (missing: site_missing, {attitudes})"));
     assert_eq!(places(&with("/rates", json!("relative"))), ["/rates"]);
 }
 

@@ -1,6 +1,8 @@
 //! The table: a header that names columns, and rows whose cells are read by it.
 
 use crate::core::fault::Faults;
+use crate::core::message::{Message, Parameter, list, sent};
+use crate::message;
 use crate::wire::campaign::DwellBody;
 use crate::wire::numbers::Numbers;
 
@@ -36,10 +38,7 @@ pub(super) struct Row {
 /// Reads header and rows from `first_line` (counted from 0) on; none without a usable header.
 pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option<(Columns, Vec<Row>)> {
     let Some(header) = text.lines().nth(first_line) else {
-        faults.push(
-            "/dwells",
-            "no table: below the \"# key: value\" lines a header row and one row a dwell are expected",
-        );
+        faults.push("/dwells", message!("no_table"));
         return None;
     };
     let delimiter = delimiter_of(header);
@@ -63,7 +62,7 @@ pub(super) fn read(text: &str, first_line: usize, faults: &mut Faults) -> Option
                 rows.extend(columns.row(&record, dwell, line, faults));
                 dwell += 1;
             }
-            Err(error) => faults.push("/dwells", format!("the table cannot be read: {error}")),
+            Err(error) => faults.push("/dwells", message!("table_unreadable", why = format_args!("{error}"))),
         }
     }
     Some((columns, rows))
@@ -86,12 +85,15 @@ impl Columns {
         let names: Vec<String> = header.iter().map(str::to_owned).collect();
         let mut places: Vec<Vec<Option<usize>>> = FIELDS.iter().map(|(_, parts, _)| vec![None; parts.len()]).collect();
         for (index, name) in names.iter().enumerate() {
-            let at = |what: &str| format!("line {line}, column {}: {what} {name:?}", index + 1);
+            let at = |fault: Message| message!("at_column", line = line, column = index + 1, fault = fault);
             match field_and_part(name) {
                 None if name.is_empty() => {}
-                None => faults.push("/dwells", format!("{}{}", at("unknown column"), suggestion(name))),
+                None => faults.push("/dwells", at(unknown(name))),
                 Some((field, part)) if places[field][part].is_some() => {
-                    faults.push(format!("/dwells/0/{}", FIELDS[field].0), at("a second column"));
+                    faults.push(
+                        format!("/dwells/0/{}", FIELDS[field].0),
+                        at(message!("second_column", name = sent(name))),
+                    );
                 }
                 Some((field, part)) => places[field][part] = Some(index),
             }
@@ -110,16 +112,16 @@ impl Columns {
                 continue;
             }
             // How many outputs there must be only the head knows: see `check_outputs`.
-            let missing: Vec<String> = parts
+            let missing: Vec<Parameter> = parts
                 .iter()
                 .zip(places)
                 .take(if is_output { last_given(places).max(1) } else { parts.len() })
                 .filter(|(_, place)| place.is_none())
-                .map(|(part, _)| format!("{field}{part}"))
+                .map(|(part, _)| format_args!("{field}{part}").into())
                 .collect();
             if !missing.is_empty() {
-                let line = self.line;
-                faults.push(format!("/dwells/0/{field}"), format!("line {line}: no column {}", missing.join(", ")));
+                let missing = message!("missing_columns", names = list(missing));
+                faults.push(format!("/dwells/0/{field}"), message!("at_line", line = self.line, fault = missing));
             }
         }
     }
@@ -129,10 +131,8 @@ impl Columns {
         for ((field, ..), places) in FIELDS.iter().zip(&self.places).filter(|((f, ..), _)| f.starts_with("output")) {
             let given = last_given(places);
             if given != gyros && (given > 0 || *field == "output_pulse_s") {
-                faults.push(
-                    format!("/dwells/0/{field}"),
-                    format!("line {}: {given} columns of {field}, but {gyros} gyros in the head", self.line),
-                );
+                let counts = message!("columns_and_gyros", columns = given, field = *field, gyros = gyros);
+                faults.push(format!("/dwells/0/{field}"), message!("at_line", line = self.line, fault = counts));
             }
         }
     }
@@ -155,9 +155,9 @@ impl Columns {
             for column in self.places[field].iter().flatten() {
                 match record.get(*column).filter(|cell| !cell.is_empty()).map(number).transpose() {
                     Ok(value) => numbers[*column] = value,
-                    Err(detail) => faults.push(
+                    Err(fault) => faults.push(
                         format!("/dwells/{dwell}/{name}"),
-                        format!("line {line}, column {} ({}): {detail}", column + 1, self.names[*column]),
+                        at_cell((line, column + 1), &self.names[*column], fault),
                     ),
                 }
             }
@@ -180,30 +180,31 @@ impl Columns {
             for column in empty() {
                 faults.push(
                     format!("/dwells/{dwell}/{field}"),
-                    format!("line {line}, column {} ({}): empty", column + 1, self.names[*column]),
+                    at_cell((line, column + 1), &self.names[*column], message!("empty_cell")),
                 );
             }
         }
     }
 
     /// More cells than columns: most often decimal commas. Names the first cell that looks like half a number.
-    fn too_many(&self, record: &csv::StringRecord, line: usize) -> String {
+    fn too_many(&self, record: &csv::StringRecord, line: usize) -> Message {
         let digits = |cell: &str| !cell.is_empty() && cell.bytes().all(|b| b.is_ascii_digit());
         let half = |i: usize| {
             let whole = record.get(i).unwrap_or_default();
             digits(whole.trim_start_matches(['-', '+'])) && record.get(i + 1).is_some_and(digits)
         };
         let competitor = (0..self.names.len()).find(|&i| self.names[i] != "phase" && half(i));
-        let count = format!("{} cells under {} columns", record.len(), self.names.len());
+        let (cells, columns) = (record.len(), self.names.len());
         match competitor {
-            Some(i) => format!(
-                "line {line}, column {} ({}): {count}; is {},{} a number with a decimal comma? Write decimals with a point",
-                i + 1,
-                self.names[i],
-                &record[i],
-                &record[i + 1]
-            ),
-            None => format!("line {line}, column {}: {count}", self.names.len() + 1),
+            Some(i) => {
+                let number = format_args!("{},{}", &record[i], &record[i + 1]);
+                let fault = message!("cells_decimal_comma", cells = cells, columns = columns, number = number);
+                at_cell((line, i + 1), &self.names[i], fault)
+            }
+            None => {
+                let fault = message!("cells_under_columns", cells = cells, columns = columns);
+                message!("at_column", line = line, column = columns + 1, fault = fault)
+            }
         }
     }
 }
@@ -243,13 +244,20 @@ fn field_and_part(column: &str) -> Option<(usize, usize)> {
     })
 }
 
-/// The known column that an unknown one most resembles, in words; nothing where none is near.
-fn suggestion(name: &str) -> String {
+/// A fault in the cell of a line and column.
+pub(super) fn at_cell((line, column): (usize, usize), name: &str, fault: Message) -> Message {
+    message!("at_cell", line = line, column = column, name = name.to_owned(), fault = fault)
+}
+
+/// An unknown column, with the known one that it most resembles where one is near.
+fn unknown(name: &str) -> Message {
     let known = FIELDS.iter().flat_map(|(field, parts, _)| parts.iter().map(move |part| format!("{field}{part}")));
     let nearest = known.map(|k| (edits(&name.to_lowercase(), &k), k)).min();
     match nearest {
-        Some((distance, known)) if distance <= 1 + known.len() / 3 => format!("; did you mean {known:?}?"),
-        _ => String::new(),
+        Some((distance, known)) if distance <= 1 + known.len() / 3 => {
+            message!("unknown_column_like", name = sent(name), known = sent(&known))
+        }
+        _ => message!("unknown_column", name = sent(name)),
     }
 }
 
@@ -270,14 +278,12 @@ fn edits(a: &str, b: &str) -> usize {
 }
 
 /// A number with a decimal point.
-pub(super) fn number(text: &str) -> Result<f64, String> {
+pub(super) fn number(text: &str) -> Result<f64, Message> {
     let parsed = text.parse::<f64>().ok();
     match parsed {
         Some(value) if value.is_finite() => Ok(value),
-        Some(_) => Err(format!("must be a finite number, is {text:?}")),
-        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => {
-            Err(format!("{text:?} has a decimal comma; write decimals with a point"))
-        }
-        None => Err(format!("{text:?} is no number")),
+        Some(_) => Err(message!("not_finite", value = sent(text))),
+        None if text.replacen(',', ".", 1).parse::<f64>().is_ok() => Err(message!("decimal_comma", value = sent(text))),
+        None => Err(message!("not_a_number", value = sent(text))),
     }
 }

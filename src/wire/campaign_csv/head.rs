@@ -3,6 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::core::fault::Faults;
+use crate::core::message::{Message, list, sent};
+use crate::message;
 
 /// What stands above the table.
 pub(super) struct Head {
@@ -73,23 +75,24 @@ impl Head {
             return;
         }
         let Some((pointer, kind)) = meaning(key) else {
-            let known: Vec<&str> = KEYS.iter().map(|(key, ..)| *key).collect();
-            faults.push(
-                format!("/{key}"),
-                format!(
-                    "line {number}: unknown key {key:?}; the keys are {}, slot_1, serial_1, known_e_pulse_per_arcsec_1",
-                    known.join(", ")
-                ),
-            );
+            let of_gyros = ["slot_1", "serial_1", "known_e_pulse_per_arcsec_1"];
+            let known = list(KEYS.iter().map(|(key, ..)| *key).chain(of_gyros));
+            let unknown = message!("unknown_key", key = sent(key), known = known);
+            faults.push(format!("/{key}"), message!("at_line", line = number, fault = unknown));
             return;
         };
         if self.lines.iter().any(|(given, _)| *given == pointer) {
-            faults.push(&pointer, format!("line {number}: {key} is given twice"));
+            faults.push(
+                &pointer,
+                message!("at_line", line = number, fault = message!("key_twice", key = key.to_owned())),
+            );
             return;
         }
         match read_value(value, kind) {
             Ok(value) => place(&mut self.document, &pointer, value),
-            Err(detail) => faults.push(&pointer, format!("line {number} ({key}): {detail}")),
+            Err(fault) => {
+                faults.push(&pointer, message!("at_line_key", line = number, key = key.to_owned(), fault = fault));
+            }
         }
         self.lines.push((pointer, number));
     }
@@ -120,9 +123,10 @@ fn meaning(key: &str) -> Option<(String, Kind)> {
     })
 }
 
-fn read_value(text: &str, kind: Kind) -> Result<Value, String> {
+fn read_value(text: &str, kind: Kind) -> Result<Value, Message> {
     if text.starts_with(['{', '[', '"']) {
-        return serde_json::from_str(text).map_err(|e| format!("is not JSON: {e}"));
+        return serde_json::from_str(text)
+            .map_err(|error| message!("value_not_json", why = crate::wire::json::said_of(&error)));
     }
     match kind {
         Kind::Text => Ok(Value::from(text)),
@@ -140,11 +144,10 @@ fn read_value(text: &str, kind: Kind) -> Result<Value, String> {
 }
 
 /// `G1 LFG-0101`, `G1=LFG-0101` or `G1:LFG-0101`.
-fn gyro(text: &str) -> Result<Value, String> {
+fn gyro(text: &str) -> Result<Value, Message> {
     let text = text.trim();
-    let (slot, serial) = text
-        .split_once([' ', '=', ':'])
-        .ok_or_else(|| format!("{text:?} is not a slot and a serial, such as G1 LFG-0101"))?;
+    let (slot, serial) =
+        text.split_once([' ', '=', ':']).ok_or_else(|| message!("not_slot_and_serial", text = sent(text)))?;
     Ok(json!({"slot": slot.trim(), "serial": serial.trim_start_matches(['=', ':', ' ']).trim()}))
 }
 

@@ -1,6 +1,7 @@
 use super::*;
 use crate::core::campaign::{Dwell, Phase};
 use crate::wire::campaign::{parse, parse_json, to_json};
+use crate::words::Language;
 
 const TABLE: &str = "\
 # imu: IMU-07
@@ -30,7 +31,7 @@ const JSON: &str = r#"{"imu": "IMU-07", "station": "ST-2", "measured_at": "2026-
 fn faults(text: &str) -> Vec<String> {
     match parse(text.as_bytes()) {
         Ok(_) => Vec::new(),
-        Err(faults) => faults.0.into_iter().map(|f| f.detail).collect(),
+        Err(faults) => faults.0.into_iter().map(|f| Language::English.words(&f.message)).collect(),
     }
 }
 
@@ -102,7 +103,7 @@ fn a_wrong_header_is_named_by_line_and_column() {
 
 #[test]
 fn bad_cells_are_named_by_line_and_column() {
-    assert_eq!(fault_after("-1,0,-15.041067", "-1,0,x"), "line 11, column 12 (rate_arcsec_s_y): \"x\" is no number");
+    assert_eq!(fault_after("-1,0,-15.041067", "-1,0,x"), "line 11, column 12 (rate_arcsec_s_y): \"x\" is not a number");
     assert!(fault_after("45.1", "NaN").starts_with("line 11, column 14 (temperature_c): must be a finite number"));
     assert!(fault_after("240,180", "240,").starts_with("line 11, column 3 (duration_s): empty"));
     assert!(fault_after("240,180", "100,180").starts_with("line 11, column 2 (start_s): overlaps"));
@@ -146,8 +147,11 @@ fn the_head_is_checked_by_line() {
 
 #[test]
 fn what_is_not_utf_8_says_so() {
-    assert!(parse(b"\xff\xfe#\0").unwrap_err().0[0].detail.contains("UTF-16"));
-    assert!(parse(b"# imu: X\n# note: \xe9\n").unwrap_err().0[0].detail.contains("line 2: not UTF-8"));
+    assert!(parse(b"\xff\xfe#\0").unwrap_err().0[0].message.code == "utf16");
+    assert!(
+        parse(b"# imu: X\n# note: \xe9\n").unwrap_err().0[0].message.to_string()
+            == "at_line (line: 2, fault: not_utf8_text)"
+    );
 }
 
 /// What docs/api.md says of a campaign's CSV, and its example.

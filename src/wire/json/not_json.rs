@@ -2,29 +2,29 @@
 
 use serde::de::IgnoredAny;
 
-use super::fault;
+use super::{fault, words};
 use crate::core::fault::Fault;
+use crate::message;
 
 /// Reading it as what it should be has stopped at `found`, on this line and column. What a document says before the place where it
 /// ceases to be JSON is not what is wrong with it, and is not told.
 pub(super) fn why(bytes: &[u8], found: Fault, place: (usize, usize)) -> Fault {
     if let Err(error) = std::str::from_utf8(bytes) {
         // serde passes over the letters of members that it does not know.
-        let is_of_letters = found.detail.starts_with("invalid unicode code point");
+        let is_of_letters = words::innermost(&found.message).code == "json_invalid_code_point";
         let pointer = if is_of_letters { found.pointer } else { String::new() };
-        return Fault { pointer, detail: format!("not UTF-8 from byte {} on", error.valid_up_to()) };
+        return Fault { pointer, message: message!("not_utf8_from", byte = error.valid_up_to()) };
     }
     let Err(error) = serde_json::from_slice::<IgnoredAny>(bytes) else { return found };
     let stopped_there = (error.line(), error.column()) == place;
     let fault = if stopped_there { found } else { fault(String::new(), &error) };
-    let detail = match second_document(bytes) {
-        Some((line, column)) => format!(
-            "several JSON documents follow one another, where one is taken (POST /v1/import and `gyrowatch import` take many, one a line): \
-             the second begins at line {line} column {column}"
-        ),
-        None => format!("not JSON: {}", fault.detail),
+    let message = match second_document(bytes) {
+        Some((line, column)) => {
+            message!("several_documents", place = message!("line_and_column", line = line, column = column))
+        }
+        None => message!("not_json", why = fault.message),
     };
-    Fault { detail, ..fault }
+    Fault { message, pointer: fault.pointer }
 }
 
 /// Line and column, from 1, of the object that follows the first document.

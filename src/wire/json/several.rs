@@ -6,8 +6,9 @@
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use super::fault_at;
+use super::{fault_at, words};
 use crate::core::fault::{Fault, Faults};
+use crate::core::message::{Message, Parameter};
 
 /// Longer documents are not read again and again: whoever sends nonsense shall not keep a thread busy.
 const LONGEST: usize = 64 * 1024;
@@ -25,8 +26,9 @@ pub(super) fn faults<T: DeserializeOwned>(bytes: &[u8], first: Fault) -> Faults 
     while let Some(fault) = reader.fault::<T>() {
         let named = |known: &Fault| is_at_or_below(&fault.pointer, &known.pointer);
         let place = fault.pointer.clone();
-        let unknown = fault.detail.starts_with("unknown field ");
-        let stand_ins = stand_ins(&fault.detail);
+        let within = words::innermost(&fault.message);
+        let unknown = matches!(&*within.code, "unknown_member" | "no_members_here");
+        let stand_ins = stand_ins(within);
         if !faults.0.iter().any(named) {
             faults.0.push(fault);
         }
@@ -67,8 +69,11 @@ impl Reader {
 }
 
 /// What may be of the form that is wanted: one of the values that the message names, or the least of each kind.
-fn stand_ins(detail: &str) -> Vec<Value> {
-    let named = detail.split_once(", expected ").and_then(|(_, expected)| expected.split('`').nth(1));
+fn stand_ins(fault: &Message) -> Vec<Value> {
+    let named = match fault.parameter("known") {
+        Some(Parameter::List(known)) => known.first().map(ToString::to_string),
+        _ => None,
+    };
     let least =
         [json!(""), json!(0), json!([]), json!([0, 0, 0]), json!({}), json!(false), json!("G1"), json!("skewed")];
     named.map(|value| json!(value)).into_iter().chain(least).collect()

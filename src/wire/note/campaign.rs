@@ -6,6 +6,7 @@ use crate::core::calibrate::noise::overstated_note;
 use crate::core::campaign::{CampaignNote, Column, LeftOut};
 use crate::core::mounting::Slot;
 use crate::wire::campaign::commanded;
+use crate::words;
 
 /// Dwells that a sentence names before it counts.
 const NAMED: usize = 5;
@@ -35,7 +36,7 @@ pub(super) fn detail(note: &CampaignNote) -> String {
             "the temperature of /dwells/{dwell} is {celsius} deg C where the campaign's median is {median:.2} deg C: taken for a fault value of \
              the sensor and left out of temperature effects"
         ),
-        CampaignNote::Commanded(finding) => commanded::words(finding),
+        CampaignNote::Commanded(finding) => words::asked().words(&commanded::message(finding)),
         CampaignNote::RateNotOfAttitude { off, of, dwell, most_arcsec_s } => format!(
             "rate_arcsec_s of {off} of {of} static dwells is not the Earth's at their attitude and the site's latitude: by \
              {most_arcsec_s:.2} arcsec/s in /dwells/{dwell}"

@@ -41,4 +41,27 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("{} of {} is {} times what it was before: is it in another unit?", "{1}的{0}为此前的{2}倍：单位是否有误？"),
     ("{} of {} is {} times what it was before: is it in {}?", "{1}的{0}为此前的{2}倍：单位是否为{3}？"),
     ("{} was in {} in its last record and is in {} now", "{0}上次记录时在{1}，现在{2}"),
+    // Columns of a campaign.
+    (
+        "no attitude in {} of {} dwells ({}): these were not checked against it, and effects of the station cannot be seen",
+        "{1}个测点中有{0}个没有姿态（{2}）：这些测点未与姿态核对，且看不到测试站的效应",
+    ),
+    (
+        "no temperature in {} of {} dwells ({}): it is taken from the dwells beside them",
+        "{1}个测点中有{0}个没有温度（{2}）：取自相邻测点",
+    ),
+    (
+        "no temperature in {} of {} dwells ({}): with so few, effects of temperature cannot be seen",
+        "{1}个测点中有{0}个没有温度（{2}）：有温度的测点过少，看不到温度效应",
+    ),
+    (
+        "no standard errors in {} of {} dwells ({}): they get the median of the others, scaled to their duration",
+        "{1}个测点中有{0}个没有标准误差（{2}）：取其余测点的中位数，并按时长换算",
+    ),
+    ("{} and {} more", "{0}，另有{1}个"),
+    (
+        "the temperature of {} is {} deg C where the campaign's median is {} deg C: taken for a fault value of the sensor and left \
+         out of temperature effects",
+        "{0}的温度为{1} °C，而本次试验的中位数为{2} °C：视为传感器的故障值，不计入温度效应",
+    ),
 ];

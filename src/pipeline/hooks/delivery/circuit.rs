@@ -75,7 +75,7 @@ mod tests {
             Some(200) => Outcome::Delivered,
             _ => Outcome::Failed { retry_after: retry_after.map(Duration::from_secs) },
         };
-        Attempt { outcome, status, detail: String::new(), answer: None, took: Duration::ZERO }
+        Attempt { outcome, status, detail: None, answer: None, took: Duration::ZERO }
     }
 
     #[test]

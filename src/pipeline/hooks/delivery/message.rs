@@ -9,12 +9,15 @@ use crate::alert::payload::{self, Context, Payload};
 use crate::alert::sign::{self, Secret};
 use crate::alert::{Change, Event, HookKind, Message};
 use crate::core::alert_decision::Action;
+use crate::core::message::text;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::pipeline::hooks::{Attempted, webhook_id};
 use crate::store::{DeliveryState, DueDelivery, HookRow, Progress, Subject};
 use crate::system;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
+use crate::wire::message::to_stored;
 
 /// A hook, ready to send to.
 #[derive(Clone)]
@@ -57,7 +60,7 @@ impl Desk {
             Err(why) => Attempt {
                 outcome: Outcome::Failed { retry_after: None },
                 status: None,
-                detail: format!("the stored message cannot be read: {why}"),
+                detail: Some(message!("stored_message_unreadable", why = text(why))),
                 answer: None,
                 took: Duration::ZERO,
             },
@@ -130,7 +133,7 @@ pub(super) fn report(
         hook: due.hook,
         at,
         status: attempt.status,
-        detail: attempt.detail.clone(),
+        detail: attempt.detail.as_ref().map(to_stored).unwrap_or_default(),
         answer: attempt.answer.clone(),
         took_us: i64::try_from(attempt.took.as_micros()).unwrap_or(i64::MAX),
         progress,

@@ -4,7 +4,7 @@
 //! worker      one lane for every enabled hook                 a target that hangs holds up its own lane alone
 //! lane        what is due -> attempts, a few at a time        the store hands out the first of each alert's line only
 //! letter      a row of the outbox -> a signed request         the same bytes and `webhook-id` at every attempt
-//! attempt     the status, or what went wrong, in words
+//! attempt     the status, or what went wrong
 //! order       to the one writer: done, dead, or when again    on disk before the next of the line is looked for
 //! ```
 //!

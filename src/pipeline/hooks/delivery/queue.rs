@@ -248,7 +248,7 @@ impl Lane {
             }));
         }
         if attempt.outcome != Outcome::Delivered {
-            tracing::warn!(hook = %self.hook, why = attempt.detail, "an Alertmanager could not be sent what fires");
+            tracing::warn!(hook = %self.hook, why = said(&attempt), "an Alertmanager could not be sent what fires");
         }
         Ok(())
     }
@@ -281,6 +281,11 @@ impl Desk {
     }
 }
 
+/// What went wrong, for the log.
+fn said(attempt: &Attempt) -> String {
+    attempt.detail.as_ref().map(ToString::to_string).unwrap_or_default()
+}
+
 fn count(kind: HookKind, attempted: &Attempted, attempt: &Attempt) {
     let outcome = match (attempted.progress, attempt.outcome) {
         (_, Outcome::Gone) => "gone",
@@ -289,7 +294,7 @@ fn count(kind: HookKind, attempted: &Attempted, attempt: &Attempt) {
         (Progress::RetryAt(_), _) => "failed",
     };
     if matches!(outcome, "gone" | "dead") {
-        let why = &attempt.detail;
+        let why = said(attempt);
         tracing::warn!(hook = %attempted.hook, delivery = %attempted.delivery, why, "a delivery was given up");
     }
     metrics::counter!(telemetry::ATTEMPTS, "kind" => kind.name(), "outcome" => outcome).increment(1);

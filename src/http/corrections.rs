@@ -16,10 +16,10 @@ use super::answer::Answer;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{
     Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Id, Kind, Submission,
 };
-use crate::store;
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};

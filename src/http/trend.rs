@@ -27,8 +27,8 @@ use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::UtcMicros;
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
-use crate::store;
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 

@@ -14,8 +14,8 @@ use crate::core::fault::Faults;
 use crate::core::message::text;
 use crate::message;
 use crate::pages::history::name;
+use crate::pipeline::store;
 use crate::pipeline::{Actor, Confirmation, Id, Submission};
-use crate::store;
 use crate::wire::history_note;
 use crate::wire::problem::Problem;
 

@@ -18,8 +18,8 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pages::history::name;
+use crate::pipeline::store;
 use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
-use crate::store;
 use crate::wire::problem::Problem;
 
 /// What is to be voided, as it is shown to whoever is about to.

@@ -36,6 +36,7 @@ use crate::core::judge::Verdict;
 use crate::core::message::{Message, list, text};
 use crate::core::note::Note;
 use crate::message;
+pub(crate) use crate::store;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;

@@ -11,8 +11,8 @@ use crate::http::App;
 use crate::http::events::EventBody;
 use crate::http::query::{bad, not_one_of};
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{Span, sample_of};
-use crate::store;
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 

@@ -1,7 +1,7 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
-//! Reading order: [`design`] (what is fitted, in which gauge), [`crate::core::numerics::least_squares`] (least squares), [`repeats`] and
-//! [`noise`] with [`growth`] (how far outputs can be trusted), [`further`] (effects beyond model (6)) and `common`
+//! Reading order: [`design`] (what is fitted, in which gauge), [`crate::core::numerics::least_squares`] (least squares), `repeats` and
+//! [`noise`] with [`growth`] (how far outputs can be trusted), [`effect_columns`] (effects beyond model (6)) and `common`
 //! (those that all gyros share), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
 //! fixture). [`outcome`] puts them together: what a campaign comes to.
 

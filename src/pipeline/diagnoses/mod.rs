@@ -5,7 +5,7 @@
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 //!
 //! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says what many
-//! diagnoses say together, from the [`gist`] that is kept of each.
+//! diagnoses say together, from the [`digest`] that is kept of each.
 
 pub(super) mod background;
 pub(super) mod digest;

@@ -1,6 +1,6 @@
 //! Hooks: read and checked, kept, and shown with their deliveries.
 //!
-//! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`desk`]), so that changes never overlap.
+//! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`commands`]), so that changes never overlap.
 
 mod commands;
 pub(super) mod delivery;

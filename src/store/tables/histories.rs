@@ -13,14 +13,14 @@ const AT_ONCE: usize = 256;
 /// A gyro, and from when to when.
 pub type Stretch = (u32, Span);
 
-/// Of each stretch the newest `limit` rows that count, oldest first: as [`Store::newest_history`].
+/// Of each stretch the newest `limit` rows that count, oldest first: as `newest_history`.
 pub async fn newest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
     let mut all = counting_of_many(store, of, limit, true).await?;
     all.iter_mut().for_each(|rows| rows.reverse());
     Ok(all)
 }
 
-/// Of each stretch the oldest `limit` rows that count, oldest first: as [`Store::history`].
+/// Of each stretch the oldest `limit` rows that count, oldest first: as `history`.
 pub async fn oldest(store: &Store, of: &[Stretch], limit: usize) -> Result<Vec<Vec<Figures>>, StoreError> {
     counting_of_many(store, of, limit, false).await
 }

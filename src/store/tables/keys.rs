@@ -21,7 +21,7 @@ pub(crate) fn insert(keys: &[KeyRow], batch: &mut Batch) {
     batch.add(insert!("idempotency_key (key, item, body_sha256)", [words 0 1, int 2, blob 3 4]), rows);
 }
 
-/// As [`Store::key`], of many; those that were never used are left out.
+/// As `key`, of many; those that were never used are left out.
 pub async fn get_many(store: &Store, keys: &[&str]) -> Result<Vec<(String, (Id, Vec<u8>))>, StoreError> {
     let sql = store.readers.words(Sql {
         sqlite: "SELECT key, item, body_sha256 FROM idempotency_key WHERE key IN (SELECT value FROM json_each($1))",

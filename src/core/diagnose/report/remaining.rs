@@ -1,6 +1,6 @@
 //! What is left after adoption, tested by means that know no catalogue.
 //!
-//! Each test is a quadratic form `r' W r` of the residuals ([`likeness`]). `W` says which dwells ought to be strangers:
+//! Each test is a quadratic form `r' W r` of the residuals (`likeness`). `W` says which dwells ought to be strangers:
 //! neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
 //! Beside them stand the spread against the noise floor and repeats against the rest.
 

@@ -63,7 +63,7 @@ impl Ahead {
         }
     }
 
-    /// As [`Store::records_at`].
+    /// As `records_at`.
     pub(super) async fn records_at(&self, imu: u32, at: UtcMicros, store: &Store) -> Result<Vec<RecordAt>, StoreError> {
         match self.records.get(&(imu, at)) {
             Some(known) => Ok(known.clone()),

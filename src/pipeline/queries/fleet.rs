@@ -78,7 +78,7 @@ pub struct Glimpse {
 }
 
 impl Pipeline {
-    /// Every gyro, in the order in which they were first seen.
+    /// Every gyro, by serial.
     pub async fn fleet(&self) -> Result<Vec<Standing>, StoreError> {
         self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
     }

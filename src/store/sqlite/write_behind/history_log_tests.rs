@@ -20,7 +20,7 @@ const ROWS: usize = 1_500;
 type Expected = BTreeMap<(u32, i64), Figures>;
 
 fn names() -> Changes {
-    Changes { gyros: (1..=GYROS).map(|k| (k, format!("LFG-{k}"))).collect(), ..first_names() }
+    Changes { gyros: (1..=GYROS).map(|k| (k, format!("LFG-{k:02}"))).collect(), ..first_names() }
 }
 
 /// New rows at any instants, some of which are there already and are judged again.

@@ -96,7 +96,7 @@ impl Viewer {
         let t = self.text();
         html! {
             (DOCTYPE)
-            html lang=(self.language.name()) data-theme=[self.theme.map(Theme::name)] {
+            html lang=(self.language.tag()) data-theme=[self.theme.map(Theme::name)] {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";

@@ -65,7 +65,7 @@ impl FromRequestParts<Pages> for Viewer {
             Some("dark") => Some(Theme::Dark),
             _ => None,
         };
-        let language = words::asked().into();
+        let language = words::asked();
         let here = parts.uri.path_and_query().map_or("/", |here| here.as_str()).to_owned();
         let caller = parts.extensions.get::<Caller>();
         let session = caller.filter(|caller| matches!(caller.by, By::Session { .. }));
@@ -91,7 +91,8 @@ pub(super) struct Preference {
 
 /// Keeps a choice in a cookie and goes back to where it was made.
 pub(super) async fn prefer(Query(chosen): Query<Preference>) -> Response {
-    let language = chosen.language.as_deref().and_then(Language::from_name).map(|l| ("language", l.name()));
+    let named = |name: &str| Language::ALL.into_iter().find(|language| language.tag().eq_ignore_ascii_case(name));
+    let language = chosen.language.as_deref().and_then(named).map(|language| ("language", language.tag()));
     let theme = chosen.theme.as_deref().filter(|name| matches!(*name, "light" | "dark")).map(|name| ("theme", name));
     let back = chosen.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
     let mut response = (StatusCode::SEE_OTHER, [(LOCATION, back)]).into_response();

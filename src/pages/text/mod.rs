@@ -9,37 +9,11 @@ pub(super) use words::Text;
 
 use crate::core::access::Role;
 use crate::core::judge::{Coefficient, Event, Rule, Severity, Status};
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Language {
-    English,
-    Chinese,
-}
-
-impl From<crate::words::Language> for Language {
-    fn from(language: crate::words::Language) -> Self {
-        match language {
-            crate::words::Language::English => Self::English,
-            crate::words::Language::Chinese => Self::Chinese,
-        }
-    }
-}
+pub(super) use crate::words::Language;
 
 impl Language {
-    /// By its tag (RFC 5646).
-    pub fn from_name(name: &str) -> Option<Self> {
-        match name.to_ascii_lowercase().as_str() {
-            "en" => Some(Self::English),
-            "zh" => Some(Self::Chinese),
-            _ => None,
-        }
-    }
-
-    pub fn name(self) -> &'static str {
-        self.text().tag
-    }
-
-    pub fn text(self) -> &'static Text {
+    /// The words of the pages.
+    pub(in crate::pages) fn text(self) -> &'static Text {
         match self {
             Self::English => &words::ENGLISH,
             Self::Chinese => &words::CHINESE,

@@ -3,7 +3,8 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
-use gyrowatch::core::diagnose::{Options, Verdict, diagnose};
+use gyrowatch::core::augmented::Options;
+use gyrowatch::core::diagnose::{Verdict, diagnose};
 use gyrowatch::wire::campaign::parse_json;
 
 fn diagnosis(c: &mut Criterion) {

@@ -112,7 +112,7 @@ fn every_drawn_campaign_is_a_file_that_a_station_could_send() {
     assert_eq!(cases.len(), Case::ALL.len());
     assert_eq!(designs.into_iter().collect::<Vec<_>>(), ["24", "36", "60"]);
     assert_eq!(gyros.into_iter().collect::<Vec<_>>(), [1, 2, 3]);
-    let never: Vec<_> = CATALOGUE.iter().filter(|(id, _)| !hidden.contains(*id)).collect();
+    let never: Vec<_> = CATALOGUE.iter().filter(|known| !hidden.contains(known.id)).collect();
     assert!(never.is_empty(), "{never:?}");
 }
 
@@ -173,7 +173,7 @@ fn a_class_of_everything_is_a_wrong_answer() {
     let draw = Draw { cases: vec![Case::One], ..draw(4) };
     let report = scored(&draw, 40, |text| {
         let mut answer = oracle(text, &draw);
-        answer.effects[0].class = CATALOGUE.iter().map(|(id, _)| (*id).to_owned()).collect();
+        answer.effects[0].class = CATALOGUE.iter().map(|known| known.id.to_owned()).collect();
         answer
     });
     assert_eq!(row(&report, "one effect, d >= 8: named").rate, Some(1.0));

@@ -1,10 +1,11 @@
 //! Raw campaigns are fitted: figures against another program's, errors against sigmas, measured data against what
 //! others found in them.
 
+use gyrowatch::core::augmented::Options;
 use gyrowatch::core::calibrate::outcome::evaluate;
 use gyrowatch::core::calibrate::{Calibration, GyroCalibration, calibrate};
 use gyrowatch::core::campaign::Campaign;
-use gyrowatch::core::diagnose::{Options, diagnose};
+use gyrowatch::core::diagnose::diagnose;
 use gyrowatch::core::model::{Term, Terms};
 use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::separate::Separation;

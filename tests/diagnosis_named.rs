@@ -6,7 +6,8 @@ mod support;
 use std::collections::BTreeSet;
 
 use gyrowatch::blindcheck::draw::{Case, Draw, Trial};
-use gyrowatch::core::diagnose::{Diagnosis, Options, Verdict, diagnose};
+use gyrowatch::core::augmented::Options;
+use gyrowatch::core::diagnose::{Diagnosis, Verdict, diagnose};
 use gyrowatch::core::effects::Effect;
 use gyrowatch::core::mounting::Slot;
 use gyrowatch::simulate::scenario::{EffectChoice, Profile, Scenario};

@@ -213,7 +213,7 @@ fn detectability_is_what_a_singular_value_decomposition_leaves_over(
 
 #[test]
 fn every_effect_can_be_put_in_at_a_detectability_where_its_design_sees_it() {
-    for (id, _) in CATALOGUE {
+    for id in CATALOGUE.map(|known| known.id) {
         let mut scenario = with_effect(with_positions(Positions::WithTilts), EffectChoice::detectable(id, 8.0));
         match id {
             "g_linear" => scenario.model = Some(vec!["bias".into(), "g_squared".into(), "scale".into()]),

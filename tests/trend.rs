@@ -290,6 +290,22 @@ async fn gyros_are_listed_by_status() {
 }
 
 #[tokio::test]
+async fn gyros_are_listed_by_serial_whatever_came_first() {
+    let lab = lab_with(&[(0, 1.0)]).await;
+    for serial in ["Z", "M", "B"] {
+        lab.posts(&record(&format!("IMU-{serial}"), &day(1), &[("G1", serial, 1.0, 2.0)])).await;
+    }
+    let (mut listed, mut path) = (Vec::new(), "/v1/gyros?limit=1".to_owned());
+    loop {
+        let page = lab.get(&path).await.ok();
+        listed.extend(page["gyros"].as_array().unwrap().iter().map(|gyro| gyro["serial"].clone()));
+        let Some(cursor) = page["next"].as_str() else { break };
+        path = format!("/v1/gyros?limit=1&cursor={cursor}");
+    }
+    assert_eq!(listed, ["A", "B", "M", "Z"]);
+}
+
+#[tokio::test]
 async fn a_trend_that_has_not_changed_is_not_sent_again() {
     let lab = lab_with(&[(0, 1.0), (40, 1.0)]).await;
     let path = "/v1/gyros/A/trend";

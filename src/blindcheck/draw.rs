@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use super::reach::Structure;
-use crate::simulate::cause::{CATALOGUE, COMMON};
+use crate::simulate::cause::{CATALOGUE, Injectable, ShownBy};
 use crate::simulate::outside::FAMILIES;
 use crate::simulate::programme::{Order, Positions, Programme, any_direction};
 use crate::simulate::scenario::{
@@ -95,12 +95,6 @@ const LEAST_OUTSIDE: f64 = 6.0;
 /// Attempts at a design that can see what was drawn; the plain default design follows.
 const ATTEMPTS: usize = 40;
 
-const STATIC_ONLY_IDS: [&str; 7] =
-    ["temperature_bias", "temperature_g", "warmup", "time_ramp", "bias_step", "outlier_dwell", "periodic"];
-const ROTATION_IDS: [&str; 6] =
-    ["temperature_scale", "scale_asymmetry", "scale_quadratic", "scale_cubic", "anisoinertia", "g_rate_coupling"];
-const OFF_AXIS_IDS: [&str; 2] = ["cross_compliance", "cubic_g"];
-
 impl Draw {
     /// Trial `number` of this run. The same run and number give the same campaign.
     pub fn trial(&self, number: usize) -> Trial {
@@ -160,7 +154,9 @@ impl Draw {
             }
             Case::Unseen => {
                 scenario.programme.positions = Positions::TwentyFour;
-                let id = *["cross_compliance", "cubic_g", "output_axis_g", "mount_clocking"].choose(rng)?;
+                let unseen = |known: &&Injectable| matches!(known.shown_by, ShownBy::OffAxis | ShownBy::Closure);
+                let ids: Vec<&str> = CATALOGUE.iter().filter(unseen).map(|known| known.id).collect();
+                let id = *ids.choose(rng)?;
                 scenario.effects.push(EffectChoice { size: None, detectability: None, ..EffectChoice::sized(id, 0.0) });
             }
             Case::Withheld => withhold(&mut scenario, rng),
@@ -198,23 +194,24 @@ fn is_outside(simulated: &Simulated) -> bool {
     let structure = Structure::of(simulated);
     let slots: Vec<String> = simulated.world.slots().map(|slot| slot.name().to_owned()).collect();
     let mimics = |id: &str| structure.left_with(id, &slots).is_some_and(|left| left < LEAST_OUTSIDE);
-    !CATALOGUE.iter().any(|(id, _)| mimics(id))
+    !CATALOGUE.iter().any(|known| mimics(known.id))
 }
 
 /// Ids that a campaign of this scenario can show.
 fn seen_by(scenario: &Scenario) -> Vec<&'static str> {
-    let mut ids: Vec<&str> = STATIC_ONLY_IDS.to_vec();
-    ids.push("hysteresis");
-    if !scenario.programme.rates_arcsec_s.is_empty() {
-        ids.extend(ROTATION_IDS);
-        if scenario.columns.attitude {
-            ids.extend(COMMON);
-            ids.push("magnetic");
-        }
-    }
-    if scenario.programme.positions != Positions::TwentyFour {
-        ids.extend(OFF_AXIS_IDS);
-    }
+    let turns = !scenario.programme.rates_arcsec_s.is_empty();
+    let shows = |by: ShownBy| match by {
+        ShownBy::Always => true,
+        ShownBy::Rotation => turns,
+        ShownBy::Attitudes => turns && scenario.columns.attitude,
+        ShownBy::OffAxis => scenario.programme.positions != Positions::TwentyFour,
+        ShownBy::OwnTerm | ShownBy::Closure => false,
+    };
+    // Kind by kind, so that a seed draws what it always drew.
+    let kinds =
+        [ShownBy::Always, ShownBy::Rotation, ShownBy::Attitudes, ShownBy::OffAxis].into_iter().filter(|by| shows(*by));
+    let mut ids: Vec<&str> =
+        kinds.flat_map(|by| CATALOGUE.iter().filter(move |known| known.shown_by == by).map(|known| known.id)).collect();
     if !scenario.columns.temperature {
         ids.retain(|id| !id.starts_with("temperature"));
     }

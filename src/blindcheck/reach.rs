@@ -1,15 +1,10 @@
 //! What the truth itself says about names: how much of a hidden cause's response the free coefficients of an effect
 //! can reproduce in this campaign. One effect's columns come from the simulator's physics, one coefficient at a time.
 
-use nalgebra::Vector3;
-
 use crate::simulate::Simulated;
 use crate::simulate::cause::{COMMON, Cause, Effect, Kind};
 use crate::simulate::detectability::{Sight, extend, norm, without};
 use crate::simulate::world::World;
-
-/// Time constants and periods that are tried for an effect whose own one is unknown.
-const GRID: usize = 24;
 
 /// The structure that a campaign holds, and what is left of it as effects are named.
 pub struct Structure<'a> {
@@ -98,58 +93,15 @@ impl<'a> Structure<'a> {
 
     /// Alternatives of an effect, each with one member for every free coefficient.
     fn shapes(&self, effect: &str) -> Option<Vec<Vec<Effect>>> {
-        let directions = |of: fn([Vector3<f64>; 3]) -> Effect| {
-            vec![(0..3).map(|axis| of([Vector3::ith(axis, 1.0); 3])).collect::<Vec<_>>()]
-        };
-        let one = |effect: Effect| vec![vec![effect]];
-        let dwells = self.world.plan.len();
         let span_h = self.world.mid_h().last().copied()?;
-        let sines = |period_h: f64| {
-            [0.0, std::f64::consts::FRAC_PI_2].map(|phase| Effect::Periodic { period_h, phase }).to_vec()
-        };
-        Some(match effect {
-            "g_linear" => directions(Effect::GLinear),
-            "g_squared" => directions(Effect::GSquared),
-            "temperature_g" => directions(Effect::TemperatureG),
-            "magnetic" => directions(Effect::Magnetic),
-            "cross_compliance" => directions(Effect::CrossCompliance),
-            "levelling" => {
-                vec![vec![Effect::Levelling { east: 1.0, north: 0.0 }, Effect::Levelling { east: 0.0, north: 1.0 }]]
-            }
-            "warmup" => {
-                let grid = (0..GRID).map(|k| span_h * 0.01 * 100.0_f64.powf(k as f64 / (GRID - 1) as f64));
-                let taus = grid.chain(self.true_times());
-                taus.map(|tau_h| vec![Effect::Warmup { tau_h }]).collect()
-            }
-            "periodic" => {
-                let grid = (1..=dwells).map(|k| 2.0 * span_h / k as f64);
-                grid.chain(self.true_times()).map(sines).collect()
-            }
-            "bias_step" => (1..dwells).map(|first| vec![Effect::BiasStep { first }]).collect(),
-            "outlier_dwell" => (0..dwells).map(|index| vec![Effect::OutlierDwell { index }]).collect(),
-            "temperature_bias" => one(Effect::TemperatureBias),
-            "temperature_scale" => one(Effect::TemperatureScale),
-            "time_ramp" => one(Effect::TimeRamp),
-            "hysteresis" => one(Effect::Hysteresis),
-            "scale_asymmetry" => one(Effect::ScaleAsymmetry),
-            "scale_quadratic" => one(Effect::ScaleQuadratic),
-            "scale_cubic" => one(Effect::ScaleCubic),
-            "anisoinertia" => one(Effect::Anisoinertia),
-            "g_rate_coupling" => one(Effect::GRateCoupling),
-            "azimuth" => one(Effect::Azimuth),
-            "cubic_g" => one(Effect::CubicG),
-            "output_axis_g" => one(Effect::OutputAxisG),
-            "mount_clocking" => one(Effect::MountClocking),
-            _ => return None,
-        })
+        Effect::alternatives(effect, span_h, self.world.plan.len(), &self.true_times())
     }
 
     /// Time constants and periods of the hidden causes themselves, so that a right name explains all.
     fn true_times(&self) -> Vec<f64> {
-        let time = |cause: &Cause| match cause.kind {
-            Kind::Catalogue(Effect::Warmup { tau_h }) => Some(tau_h),
-            Kind::Catalogue(Effect::Periodic { period_h, .. }) => Some(period_h),
-            _ => None,
+        let time = |cause: &Cause| match &cause.kind {
+            Kind::Catalogue(effect) => effect.own_time_h(),
+            Kind::Outside(_) => None,
         };
         self.causes.iter().filter_map(time).collect()
     }

@@ -17,7 +17,8 @@ use crate::blindcheck::run::{Foreign, drawn, file_name, foreign, key, key_text};
 use crate::blindcheck::score::Score;
 use crate::blindcheck::seal;
 use crate::blindcheck::tally::Tally;
-use crate::core::diagnose::{Options, diagnose};
+use crate::core::augmented::Options;
+use crate::core::diagnose::diagnose;
 use crate::simulate::cause::{CATALOGUE, listed};
 use crate::simulate::truth::Key;
 use crate::wire;
@@ -72,7 +73,7 @@ fn case(text: &str) -> Result<Case, String> {
 }
 
 fn effect(text: &str) -> Result<String, String> {
-    let known = CATALOGUE.iter().any(|(id, _)| *id == text);
+    let known = CATALOGUE.iter().any(|known| known.id == text);
     known.then(|| text.to_owned()).ok_or_else(|| format!("effects are {}", listed()))
 }
 

@@ -5,11 +5,29 @@
 //! constants, periods, directions) are held at what the diagnosis found.
 
 use super::campaign::Campaign;
-use super::diagnose::{Adopted, Diagnosis, Estimate, Options};
-use super::effects::Effect;
+use super::effects::{Effect, Estimate, Shape};
 use super::model::{Term, Terms};
+use super::mounting::Slot;
 use super::record::Name;
 use super::time::UtcMicros;
+
+/// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adopted {
+    pub effect: Effect,
+    pub shape: Shape,
+    /// Gyros that have it; all of them for effects of the station.
+    pub slots: Vec<Slot>,
+}
+
+/// What is compared with the campaign.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    /// Terms of model (6) in use; the campaign's own where none are given.
+    pub terms: Option<Terms>,
+    /// Effects that the model in use holds already.
+    pub adopted: Vec<Adopted>,
+}
 
 /// An effect in the model, as large as the campaign in which it was found says.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,23 +54,6 @@ pub struct AugmentedModel {
 }
 
 impl AugmentedModel {
-    /// The model in use with what a diagnosis adopted: the next campaigns are compared with it.
-    pub fn adopting(&self, campaign: &Campaign, diagnosis: &Diagnosis) -> Self {
-        let new = diagnosis.effects.iter().map(|named| KnownEffect {
-            adopted: Adopted { effect: named.effect, shape: named.shape, slots: named.gyros.clone() },
-            estimates: named.estimates.clone(),
-        });
-        Self {
-            terms: Some(self.terms.unwrap_or_else(|| campaign.terms())),
-            effects: self.effects.iter().cloned().chain(new).collect(),
-            found_in: Some(Provenance {
-                imu: campaign.imu.clone(),
-                station: campaign.station.clone(),
-                measured_at: campaign.measured_at,
-            }),
-        }
-    }
-
     pub fn is_plain(&self) -> bool {
         self.terms.is_none() && self.effects.is_empty()
     }
@@ -71,23 +72,14 @@ impl AugmentedModel {
     }
 
     fn options_with(&self, campaign: &Campaign, terms: Terms) -> Options {
-        let of_model_6 = self.effects.iter().filter_map(|known| term(known.adopted.effect));
+        let of_model_6 = self.effects.iter().filter_map(|known| known.adopted.effect.term());
         let terms: Vec<Term> = terms.iter().chain(of_model_6).collect();
         let here = self
             .found_in
             .as_ref()
             .is_some_and(|found| found.imu == campaign.imu && found.measured_at == campaign.measured_at);
         let adopted = self.effects.iter().map(|known| &known.adopted);
-        let adopted = adopted.filter(|a| term(a.effect).is_none() && (here || !of_one_occasion(a.effect)));
+        let adopted = adopted.filter(|a| a.effect.term().is_none() && (here || !a.effect.entry().one_occasion));
         Options { terms: Some(Terms::of(&terms)), adopted: adopted.cloned().collect() }
     }
-}
-
-/// The term of model (6) that an entry of the catalogue stands for.
-pub fn term(effect: Effect) -> Option<Term> {
-    Term::from_name(effect.id())
-}
-
-fn of_one_occasion(effect: Effect) -> bool {
-    matches!(effect, Effect::BiasStep | Effect::OutlierDwell)
 }

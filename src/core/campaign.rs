@@ -20,8 +20,11 @@ mod temperatures;
 pub use check::{Limits, check_dwells};
 pub use columns::notes;
 pub(crate) use columns::temperature_outliers;
-pub use earth_rate::NoEarthRate;
+pub use earth_rate::{NoEarthRate, with_earth_rate};
 pub use note::{CampaignNote, Column, LeftOut};
+pub use temperatures::Temperatures;
+
+use commanded::median;
 
 /// Whether the IMU stood still on the Earth or the table turned during a dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -142,5 +145,26 @@ impl Campaign {
     /// The terms to fit: those asked for, else model (6).
     pub fn terms(&self) -> Terms {
         self.model.unwrap_or_default()
+    }
+
+    /// Whether any dwell states standard errors.
+    pub fn states_errors(&self) -> bool {
+        self.dwells.iter().any(|d| d.output_sem_pulse_s.is_some())
+    }
+
+    /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets the median of those of its phase (of
+    /// all, where its phase has none), each brought to its duration: means over longer times scatter less.
+    pub fn errors_of(&self, j: usize) -> Option<Vec<f64>> {
+        let own = |d: &Dwell| d.output_sem_pulse_s.as_ref().map(|sem| sem[j]);
+        if !self.states_errors() {
+            return None;
+        }
+        let per_root_s = |phase: Option<Phase>| {
+            let of_phase = self.dwells.iter().filter(|d| phase.is_none_or(|phase| d.phase == phase));
+            median(of_phase.filter_map(|d| Some(own(d)? * d.duration_s.sqrt())))
+        };
+        let usual =
+            |d: &Dwell| per_root_s(Some(d.phase)).or_else(|| per_root_s(None)).unwrap_or(1.0) / d.duration_s.sqrt();
+        Some(self.dwells.iter().map(|d| own(d).unwrap_or_else(|| usual(d))).collect())
     }
 }

@@ -16,6 +16,7 @@ use super::answer::Answer;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{
     Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Id, Kind, Submission,
 };
@@ -99,19 +100,19 @@ impl From<&CorrectionRow> for RemarkBody {
 
 /// How a stored item stands.
 pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
-    let said = app.pipeline.store().corrections(id).await?;
+    let said = store::correction::of_item(app.pipeline.store(), id).await?;
     let voided = said.iter().find(|row| row.item == id && row.replaced_by.is_none()).map(RemarkBody::from);
     let link = |row: &CorrectionRow, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
     let revised_by = said.iter().filter(|row| row.item == id).find_map(|row| Some(link(row, row.replaced_by?)));
     let revises = said.iter().find(|row| row.replaced_by == Some(id)).map(|row| link(row, row.item));
     let store = app.pipeline.store();
-    let confirmed = store.confirmation(id).await?;
+    let confirmed = store::set_aside::confirmation(store, id).await?;
     let confirmed =
         confirmed.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
     let state = match (&revised_by, &voided) {
         (Some(_), _) => "revised",
         (None, Some(_)) => "voided",
-        (None, None) if store.is_set_aside(id).await? => "set_aside",
+        (None, None) if store::set_aside::is_set_aside(store, id).await? => "set_aside",
         (None, None) => "valid",
     };
     Ok(StandingBody { state, voided, revised_by, revises, confirmed })

@@ -18,6 +18,7 @@ use crate::core::message::{list, sent};
 use crate::core::record::Name;
 use crate::http::remark::{Said, gyro_named, submit};
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{Actor, EventRow, GyroEvent};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
@@ -85,7 +86,7 @@ struct Events {
         (status = 200, description = "the events", body = Events),
         (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
 async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
-    let events = app.pipeline.store().events(query::gyro(&app, &serial)?).await?;
+    let events = store::event::of_gyro(app.pipeline.store(), query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
 

@@ -14,6 +14,7 @@ use crate::config::JudgedMethod;
 use crate::core::judge::history::Measured;
 use crate::core::judge::{Event, State as Judgement, Status};
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{Figures, Span, Standing, Tables, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
@@ -156,7 +157,7 @@ async fn page(
     let mut found: Vec<Standing> = Vec::new();
     loop {
         // One more than is shown tells whether there is another page.
-        let rows = app.pipeline.store().newest_of_gyros(after, limit as u32 + 1).await?;
+        let rows = store::gyro::newest_of_gyros(app.pipeline.store(), after, limit as u32 + 1).await?;
         let (last, more) = (rows.last().map(|(number, _)| *number), rows.len() > limit);
         found.extend(app.pipeline.standings(rows).await?.into_iter().filter(|standing| filter.fits(standing)));
         if found.len() > limit {
@@ -194,12 +195,12 @@ struct GyroDetail {
 async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
     let number = query::gyro(&app, &serial)?;
     let store = app.pipeline.store();
-    let newest = store.newest_history(number, Span::EVER, 1).await?.pop();
+    let newest = store::history::newest(store, number, Span::EVER, 1).await?.pop();
     let found = app.pipeline.standing_in_words(number, newest).await?;
     let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
-    let events = store.events(number).await?.iter().map(EventBody::of).collect();
-    let calibrations = store.count_history(number).await?;
-    let bench_results = store.bench_results(number, Span::EVER).await?.len();
+    let events = store::event::of_gyro(store, number).await?.iter().map(EventBody::of).collect();
+    let calibrations = store::history::count(store, number).await?;
+    let bench_results = store::bench::of_gyro(store, number, Span::EVER).await?.len();
     if bench_results > 0 {
         let compared = app.pipeline.compare_methods(number, None).await?;
         verdicts.extend(compared.verdicts.iter().map(|verdict| VerdictBody::of(&serial, verdict)));

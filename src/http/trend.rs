@@ -27,6 +27,7 @@ use crate::core::judge::Coefficient;
 use crate::core::period::Period;
 use crate::core::time::UtcMicros;
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
@@ -152,7 +153,7 @@ async fn get_trend(
 ) -> Result<Response, Problem> {
     let gyro = query::gyro(&app, &serial)?;
     let request = Request::read(&app, &asked, &headers)?;
-    let mut events = app.pipeline.store().events(gyro).await?;
+    let mut events = store::event::of_gyro(app.pipeline.store(), gyro).await?;
     // What took time is seen wherever it reaches into the stretch.
     events.retain(|event| event.at <= request.span.to && event.until.unwrap_or(event.at) >= request.span.from);
     let done: Vec<EventBody> = events.iter().map(EventBody::of).collect();
@@ -281,8 +282,8 @@ impl Request {
     async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Row>, Option<String>), Problem> {
         let store = app.pipeline.store();
         let counting = match self.newest {
-            true => store.newest_history(gyro, self.span, self.limit).await?,
-            false => store.history(gyro, self.span, self.limit + 1).await?,
+            true => store::history::newest(store, gyro, self.span, self.limit).await?,
+            false => store::history::oldest(store, gyro, self.span, self.limit + 1).await?,
         };
         let flag = |voided: bool| self.voided.then_some(voided);
         let row = |figures, voided, set_aside| Row { figures, voided: flag(voided), set_aside };
@@ -291,8 +292,8 @@ impl Request {
             // What lies beyond the last row of a page that is full belongs to a later page.
             let full = !self.newest && rows.len() > self.limit;
             let end = rows.last().filter(|_| full).map_or(self.span.to, |last| last.figures.at);
-            let voided = store.voided_history(gyro, Span { to: end, ..self.span }).await?;
-            let aside = store.set_aside_of_gyro(gyro).await?;
+            let voided = store::history::voided(store, gyro, Span { to: end, ..self.span }).await?;
+            let aside = store::set_aside::of_gyro(store, gyro).await?;
             let is_aside = |figures: &Figures| aside.iter().any(|(id, _)| *id == figures.record);
             rows.extend(voided.into_iter().map(|figures| row(figures, true, is_aside(&figures))));
             rows.sort_by_key(|row| (row.figures.at, row.figures.record));
@@ -316,7 +317,7 @@ impl Request {
         gyro: u32,
         method: BenchMethod,
     ) -> Result<(Vec<BenchRow>, Option<String>), Problem> {
-        let mut rows = app.pipeline.store().all_bench_results(gyro, self.span).await?;
+        let mut rows = store::bench::all_of_gyro(app.pipeline.store(), gyro, self.span).await?;
         rows.retain(|row| row.method == method && (self.voided || !row.voided));
         let next = self.page(&mut rows, |row| row.measured_at);
         Ok((rows, next))

@@ -14,6 +14,7 @@ use crate::core::fault::Faults;
 use crate::core::message::text;
 use crate::message;
 use crate::pages::history::name;
+use crate::pipeline::store;
 use crate::pipeline::{Actor, Confirmation, Id, Submission};
 use crate::wire::history_note;
 use crate::wire::problem::Problem;
@@ -64,8 +65,8 @@ async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem>
     let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
     let store = pages.pipeline.store();
-    let row = store.record(number).await?.ok_or_else(unknown)?;
-    if !store.is_set_aside(number).await? {
+    let row = store::record::get(store, number).await?.ok_or_else(unknown)?;
+    if !store::set_aside::is_set_aside(store, number).await? {
         let detail = message!("not_set_aside", id = text(number));
         return Err(Problem::new(409, "title_not_set_aside", detail));
     }

@@ -18,6 +18,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pages::history::name;
+use crate::pipeline::store;
 use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
 use crate::wire::problem::Problem;
 
@@ -129,7 +130,7 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
 async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
     let unknown = || Problem::no_such_bench_result(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
-    let row = pages.pipeline.store().bench_result(number).await?.ok_or_else(unknown)?;
+    let row = store::bench::get(pages.pipeline.store(), number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
     let t = viewer.text();
     let tables = pages.pipeline.store().names().read();
@@ -154,7 +155,7 @@ async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem
 }
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
-    let aside = pages.pipeline.store().is_set_aside(id).await?;
+    let aside = store::set_aside::is_set_aside(pages.pipeline.store(), id).await?;
     if aside || pages.pipeline.counts(id).await? {
         return Ok(());
     }
@@ -185,9 +186,9 @@ pub(super) struct Standing {
 
 pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Standing, Problem> {
     let t = viewer.text();
-    let said = pages.pipeline.store().corrections(id).await?;
-    let aside = pages.pipeline.store().is_set_aside(id).await?;
-    let confirmed = pages.pipeline.store().confirmation(id).await?;
+    let said = store::correction::of_item(pages.pipeline.store(), id).await?;
+    let aside = store::set_aside::is_set_aside(pages.pipeline.store(), id).await?;
+    let confirmed = store::set_aside::confirmation(pages.pipeline.store(), id).await?;
     let counts = !aside && said.iter().all(|row| row.item != id);
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
     let said = html! {

@@ -13,6 +13,7 @@ use super::viewer::Viewer;
 use crate::core::message::text;
 use crate::message;
 use crate::pages::status;
+use crate::pipeline::store;
 use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
@@ -39,7 +40,7 @@ impl Facts {
         let number = pages.pipeline.store().names().read().imus.number(imu);
         let number =
             number.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = text(imu))))?;
-        let records = pages.pipeline.store().records_of_imu(number, RECORDS).await?;
+        let records = store::record::of_imu(pages.pipeline.store(), number, RECORDS).await?;
         let seats = pages.pipeline.seated_in(number).await?;
         let parameters = match records.first() {
             Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),
@@ -74,7 +75,7 @@ async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result
             })
         }
         Kind::Record => {
-            let stored = pages.pipeline.store().record(head.id).await?;
+            let stored = store::record::get(pages.pipeline.store(), head.id).await?;
             let body = stored.and_then(|row| serde_json::from_str::<RecordBody>(&row.body).ok());
             body.map(|body| {
                 let gyros: Vec<_> = body.gyros.iter().map(Parameters::stated).collect();

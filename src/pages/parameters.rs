@@ -159,8 +159,8 @@ fn bounds_alike(low: f64, high: f64) -> String {
 mod tests {
     use super::*;
     use crate::config::Config;
-    use crate::pages::text::Language;
     use crate::wire::record::RecordBody;
+    use crate::words::Language;
 
     #[test]
     fn the_papers_own_figures_are_shown_with_what_is_required_of_them() {

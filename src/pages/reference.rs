@@ -9,6 +9,7 @@ use super::alerts::written;
 use super::figure::{self, short};
 use super::layout::{instant, symbol};
 use super::text::Text;
+use crate::pipeline::store;
 use crate::pipeline::{Id, Kind, NotSplit, RecordHead, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
@@ -40,7 +41,7 @@ impl Against {
         diagnosis: &DiagnosisBody,
         asked: &Asked,
     ) -> Result<Self, Problem> {
-        let mut offered = pages.pipeline.store().records_of_imu(stored.row.imu, OFFERED).await?;
+        let mut offered = store::record::of_imu(pages.pipeline.store(), stored.row.imu, OFFERED).await?;
         offered.retain(|head| head.id != stored.row.id);
         let newest_before = offered.iter().find(|head| head.calibrated_at < stored.row.calibrated_at);
         let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {

@@ -101,7 +101,7 @@ pub(super) fn closure_bar(closure: f64, interval: Option<[f64; 2]>) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pages::text::Language;
+    use crate::words::Language;
 
     fn residual(index: usize, slot: &str, before: f64) -> ResidualBody {
         ResidualBody { index, slot: slot.into(), before_deg_per_h: before, after_deg_per_h: 0.0, sd_deg_per_h: 0.01 }

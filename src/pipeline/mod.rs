@@ -14,7 +14,7 @@
 //!
 //! The writer takes all that has queued up while the last group was committed, so that many senders share one flush
 //! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival. Of an import in order of time
-//! one group is judged while the one before is still being written (`writer/beside.rs`).
+//! one group is judged while the one before is still being written (`ingest/writer/overlapped.rs`).
 
 mod access;
 mod alerts;
@@ -36,41 +36,42 @@ use crate::core::judge::Verdict;
 use crate::core::message::{Message, list, text};
 use crate::core::note::Note;
 use crate::message;
+pub(crate) use crate::store;
 use crate::store::{Store, Writer};
 use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 use crate::wire::differences::Differences;
 
-pub use crate::pipeline::alerts::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder};
-pub use crate::pipeline::diagnoses::models::{Adoption, InForce};
-pub use crate::pipeline::diagnoses::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
-pub use crate::pipeline::hooks::delivery::{Outbox, OutboxError};
-pub use crate::pipeline::ingest::campaign::{Fitted, ReadCampaign, StoredCampaign};
-pub use crate::pipeline::ingest::document::{Origin, ReadDocument};
-pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
-pub use crate::pipeline::ingest::preview::Foreseen;
-pub use crate::pipeline::ingest::same_content::Sent;
-pub use crate::pipeline::queries::agreement::{Compared, Comparison};
-pub use crate::pipeline::queries::changes_explained::ExplainedHistory;
-pub use crate::pipeline::queries::fleet::{Glimpse, Seats, Standing, Violation};
-pub use crate::pipeline::queries::gyro_history::{Baseline, Course, Tested};
-pub use crate::pipeline::queries::record::StoredRecord;
 pub use access::{
     AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
     revoke_beside,
 };
+pub use alerts::{AlertChange, AlertOrder, AlertRecord, AlertStep, SilenceOrder};
+pub use diagnoses::models::{Adoption, InForce};
+pub use diagnoses::{Asked, Diagnosed, DiagnosisOrder, NotSplit, SummaryFilter, WantedDiagnoses};
+pub use hooks::delivery::{Outbox, OutboxError};
 pub use hooks::{DeliveryPage, HookPatch, NewHook, Order};
+pub use ingest::campaign::{Fitted, ReadCampaign, StoredCampaign};
+pub use ingest::document::{Origin, ReadDocument};
+pub use ingest::judge::gyro_window::sample_of;
+pub use ingest::preview::Foreseen;
+pub use ingest::same_content::Sent;
+pub use queries::agreement::{Compared, Comparison};
+pub use queries::changes_explained::ExplainedHistory;
+pub use queries::fleet::{Glimpse, Seats, Standing, Violation};
+pub use queries::gyro_history::{Baseline, Course, Tested};
+pub use queries::record::StoredRecord;
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
-pub use crate::pipeline::ingest::submission::{
-    BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
-};
-pub use crate::pipeline::queries::stations::StationEffect;
-pub use crate::pipeline::queries::status::Statuses;
-pub use crate::pipeline::queries::verify::Verified;
 pub use crate::store::{
     AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
     GyroCorrection, Id, Kind, Matchers, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
 };
+pub use ingest::submission::{
+    BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
+};
+pub use queries::stations::StationEffect;
+pub use queries::status::Statuses;
+pub use queries::verify::Verified;
 
 /// The way in, and the way back to what is stored. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -79,12 +80,12 @@ pub struct Pipeline {
     config: Arc<Config>,
     clock: Clock,
     jobs: mpsc::Sender<Job>,
-    bustle: crate::pipeline::diagnoses::background::Bustle,
-    models: crate::pipeline::diagnoses::models::ModelBook,
+    bustle: diagnoses::background::Bustle,
+    models: diagnoses::models::ModelBook,
     diagnoser: diagnoses::Diagnoser,
     /// Moves when a hook has changed or has something new to be told.
     wake: watch::Sender<u64>,
-    pulse: crate::pipeline::hooks::delivery::Pulse,
+    pulse: hooks::delivery::Pulse,
     guard: Guard,
 }
 
@@ -93,13 +94,7 @@ pub struct Pipeline {
 enum Job {
     /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
     /// late is told.
-    Store {
-        items: Vec<Submission>,
-        by: Actor,
-        with_verdicts: bool,
-        late: Late,
-        reply: crate::pipeline::ingest::reply::Teller,
-    },
+    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: ingest::reply::Teller },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: oneshot::Sender<Result<Id, Refused>> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
@@ -283,27 +278,20 @@ impl Pipeline {
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
         let (jobs, queue) = mpsc::channel(config.database.max_waiting_writes);
         let wake = watch::Sender::default();
-        let models = crate::pipeline::diagnoses::models::ModelBook::load(&store).await?;
+        let models = diagnoses::models::ModelBook::load(&store).await?;
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
         let (due, watched) = watch::channel(0);
-        let bustle = crate::pipeline::diagnoses::background::Bustle::new();
+        let bustle = diagnoses::background::Bustle::new();
         let diagnoser =
             diagnoses::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
-        let after = crate::pipeline::ingest::writer::After {
-            wake: wake.clone(),
-            models: models.clone(),
-            due,
-            guard: guard.clone(),
-        };
-        let task =
-            crate::pipeline::ingest::writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after)
-                .await?;
+        let after = ingest::writer::After { wake: wake.clone(), models: models.clone(), due, guard: guard.clone() };
+        let task = ingest::writer::Task::new(store.clone(), writer, config.clone(), clock.clone(), after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
         tokio::spawn(diagnoser.clone().run(watched));
         // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just answered.
         let runtime = Handle::current();
         let handle = tokio::task::spawn_blocking(move || runtime.block_on(task.run(queue)));
-        let pulse = crate::pipeline::hooks::delivery::Pulse::default();
+        let pulse = hooks::delivery::Pulse::default();
         Ok((Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard }, handle))
     }
 
@@ -313,12 +301,12 @@ impl Pipeline {
     /// [`StoreError`] where the adopted models or the tokens cannot be read.
     pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
         let (jobs, _closed) = mpsc::channel(1);
-        let models = crate::pipeline::diagnoses::models::ModelBook::load(&store).await?;
-        let bustle = crate::pipeline::diagnoses::background::Bustle::new();
+        let models = diagnoses::models::ModelBook::load(&store).await?;
+        let bustle = diagnoses::background::Bustle::new();
         let diagnoser =
             diagnoses::Diagnoser::new(store.clone(), models.clone(), clock.clone(), jobs.downgrade(), bustle.clone());
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
-        let (wake, pulse) = (watch::Sender::default(), crate::pipeline::hooks::delivery::Pulse::default());
+        let (wake, pulse) = (watch::Sender::default(), hooks::delivery::Pulse::default());
         Ok(Self { store, config, clock, jobs, bustle, models, diagnoser, wake, pulse, guard })
     }
 
@@ -382,7 +370,7 @@ impl Pipeline {
         mut put_into_words: impl FnMut(&Accepted) -> T,
     ) -> Result<(Accepted, T), Refused> {
         self.bustle.stir();
-        let (reply, listener) = crate::pipeline::ingest::reply::channel();
+        let (reply, listener) = ingest::reply::channel();
         self.offer(Job::Store { items: vec![item], by: Actor::by_caller(), with_verdicts: true, late, reply })?;
         let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
         let (mut replies, words) = heard.ok_or(Refused::Stopping)?;
@@ -395,7 +383,7 @@ impl Pipeline {
     pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
         self.bustle.stir();
         let count = items.len();
-        let (reply, listener) = crate::pipeline::ingest::reply::channel();
+        let (reply, listener) = ingest::reply::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.
         let _queued =
             self.jobs.send(Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply }).await;

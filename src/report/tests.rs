@@ -1,5 +1,6 @@
 use super::*;
-use crate::core::diagnose::{Options, diagnose};
+use crate::core::augmented::Options;
+use crate::core::diagnose::diagnose;
 use crate::wire::campaign;
 
 fn report_of(file: &str) -> String {

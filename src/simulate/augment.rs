@@ -8,7 +8,7 @@ use super::inject::is_visible;
 use super::run::Simulated;
 use crate::core::augmented::{AugmentedModel, KnownEffect};
 use crate::core::campaign::TestKind;
-use crate::core::diagnose;
+use crate::core::effects::{Refusal, axes};
 use crate::core::effects::{Scope, Setting};
 
 /// Why a model's effects cannot be put into a campaign.
@@ -17,7 +17,7 @@ pub enum NotPossible {
     #[error("the effects of a model file act in campaigns of an IMU; this is a bench test")]
     BenchTest,
     #[error(transparent)]
-    Refused(#[from] diagnose::Refusal),
+    Refused(#[from] Refusal),
     #[error("{effect} cannot act in this scenario: {missing}")]
     Missing { effect: &'static str, missing: &'static str },
     #[error("{effect} has no estimate of {coefficient} for {slot}")]
@@ -35,7 +35,7 @@ pub fn augment(simulated: &mut Simulated, model: &AugmentedModel) -> Result<(), 
     if simulated.campaign.test != TestKind::Imu {
         return Err(NotPossible::BenchTest);
     }
-    let (setting, _) = diagnose::setting(&simulated.campaign)?;
+    let (setting, _) = axes::setting(&simulated.campaign)?;
     let responses: Vec<Response> =
         model.effects.iter().map(|known| Response::of(known, &setting)).collect::<Result<_, _>>()?;
     for (known, response) in model.effects.iter().zip(&responses) {
@@ -66,7 +66,7 @@ impl Response {
         for (j, axes) in setting.gyros.iter().enumerate().filter(|(_, axes)| known.adopted.slots.contains(&axes.slot)) {
             let own = if entry.scope == Scope::Common { None } else { Some(axes.slot) };
             let columns = (entry.columns)(setting, j, shape);
-            for (coefficient, column) in (entry.coefficients)(shape).iter().zip(columns) {
+            for (coefficient, column) in entry.coefficients(shape).iter().zip(columns) {
                 let estimate = known.estimates.iter().find(|e| e.slot == own && e.name == coefficient.name);
                 let value = estimate.map(|e| e.value).ok_or(NotPossible::NoEstimate {
                     effect: entry.id,

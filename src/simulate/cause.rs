@@ -4,45 +4,9 @@ use nalgebra::{Rotation3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::felt::{Action, Felt, Situation};
 use super::outside::{FAMILIES, Outside};
 use super::programme::any_direction;
-use super::station::Moment;
-
-/// When a dwell happens and what was before it; the same for every gyro.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Situation {
-    pub index: usize,
-    /// Middle of the dwell, hours after the start.
-    pub time_h: f64,
-    pub since_power_up_h: f64,
-    /// Hours since the body's vertical last changed, at mid-dwell.
-    pub since_face_change_h: f64,
-    /// True temperature minus its mean over the campaign, K.
-    pub temperature_k: f64,
-    /// Mean specific force of the dwell before, body axes; none in the first.
-    pub a_before: Option<Vector3<f64>>,
-    /// Mean inertial rate of the dwell before, body axes.
-    pub w_before: Option<Vector3<f64>>,
-}
-
-/// One moment in the axes of one gyro (components along I, S, O).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Felt {
-    pub a: Vector3<f64>,
-    pub w: Vector3<f64>,
-    pub field: Vector3<f64>,
-    pub a_before: Option<Vector3<f64>>,
-    pub w_before: Option<Vector3<f64>>,
-    /// The same moment in body axes.
-    pub body: Moment,
-}
-
-/// What a cause adds: drift in deg/h, and a relative change of the scale factor.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Action {
-    pub drift: f64,
-    pub scale: f64,
-}
 
 /// An effect of the catalogue with its hidden particulars; vectors are per gyro, unit length.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,31 +36,59 @@ pub enum Effect {
     MountClocking,
 }
 
-/// Ids of the catalogue that can be injected, each with a typical size in its own unit.
-pub const CATALOGUE: [(&str, f64); 23] = [
-    ("g_linear", 0.05),          // deg/(h g0)
-    ("g_squared", 0.05),         // deg/(h g0^2)
-    ("temperature_bias", 0.005), // deg/h/K
-    ("temperature_g", 0.01),     // deg/(h g0 K)
-    ("temperature_scale", 1e-6), // 1/K
-    ("warmup", 0.02),            // deg/h
-    ("time_ramp", 0.002),        // deg/h per h
-    ("bias_step", 0.01),         // deg/h
-    ("outlier_dwell", 0.02),     // deg/h
-    ("periodic", 0.005),         // deg/h
-    ("hysteresis", 0.005),       // deg/(h g0)
-    ("scale_asymmetry", 1e-6),
-    ("scale_quadratic", 1e-9),  // deg/h per (deg/h)^2
-    ("scale_cubic", 1e-13),     // deg/h per (deg/h)^3
-    ("anisoinertia", 1e-9),     // deg/h per (deg/h)^2
-    ("g_rate_coupling", 1e-6),  // 1/g0
-    ("levelling", 1e-4),        // rad
-    ("azimuth", 2e-4),          // rad
-    ("magnetic", 0.01),         // deg/h in the field of the site
-    ("cross_compliance", 0.05), // deg/(h g0^2)
-    ("cubic_g", 0.02),          // deg/(h g0^3)
-    ("output_axis_g", 0.1),     // deg/(h g0)
-    ("mount_clocking", 1e-3),   // rad
+/// What a campaign must hold for an effect to show in its residuals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShownBy {
+    Always,
+    Rotation,
+    /// Rotation, and the attitudes of the dwells.
+    Attitudes,
+    /// Positions off the body axes.
+    OffAxis,
+    /// A term of the model in use.
+    OwnTerm,
+    /// Hidden in a term of the model: only the closure of G.
+    Closure,
+}
+
+/// An effect of the catalogue that can be injected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Injectable {
+    pub id: &'static str,
+    /// Typical size in its own unit.
+    pub typical: f64,
+    pub shown_by: ShownBy,
+}
+
+const fn row(id: &'static str, typical: f64, shown_by: ShownBy) -> Injectable {
+    Injectable { id, typical, shown_by }
+}
+
+/// The effects that can be injected.
+pub const CATALOGUE: [Injectable; 23] = [
+    row("g_linear", 0.05, ShownBy::OwnTerm),           // deg/(h g0)
+    row("g_squared", 0.05, ShownBy::OwnTerm),          // deg/(h g0^2)
+    row("temperature_bias", 0.005, ShownBy::Always),   // deg/h/K
+    row("temperature_g", 0.01, ShownBy::Always),       // deg/(h g0 K)
+    row("temperature_scale", 1e-6, ShownBy::Rotation), // 1/K
+    row("warmup", 0.02, ShownBy::Always),              // deg/h
+    row("time_ramp", 0.002, ShownBy::Always),          // deg/h per h
+    row("bias_step", 0.01, ShownBy::Always),           // deg/h
+    row("outlier_dwell", 0.02, ShownBy::Always),       // deg/h
+    row("periodic", 0.005, ShownBy::Always),           // deg/h
+    row("hysteresis", 0.005, ShownBy::Always),         // deg/(h g0)
+    row("scale_asymmetry", 1e-6, ShownBy::Rotation),
+    row("scale_quadratic", 1e-9, ShownBy::Rotation), // deg/h per (deg/h)^2
+    row("scale_cubic", 1e-13, ShownBy::Rotation),    // deg/h per (deg/h)^3
+    row("anisoinertia", 1e-9, ShownBy::Rotation),    // deg/h per (deg/h)^2
+    row("g_rate_coupling", 1e-6, ShownBy::Rotation), // 1/g0
+    row("levelling", 1e-4, ShownBy::Attitudes),      // rad
+    row("azimuth", 2e-4, ShownBy::Attitudes),        // rad
+    row("magnetic", 0.01, ShownBy::Attitudes),       // deg/h in the field of the site
+    row("cross_compliance", 0.05, ShownBy::OffAxis), // deg/(h g0^2)
+    row("cubic_g", 0.02, ShownBy::OffAxis),          // deg/(h g0^3)
+    row("output_axis_g", 0.1, ShownBy::Closure),     // deg/(h g0)
+    row("mount_clocking", 1e-3, ShownBy::Closure),   // rad
 ];
 
 /// Everything that can be put into a campaign, by the name to ask for it, for messages.
@@ -107,7 +99,7 @@ pub fn known() -> String {
 
 /// The effects of the catalogue by name.
 pub fn listed() -> String {
-    CATALOGUE.map(|(id, _)| id).join(", ")
+    CATALOGUE.map(|known| known.id).join(", ")
 }
 
 /// Ids that act through the table on every gyro at once.
@@ -179,7 +171,66 @@ impl Effect {
             _ => return None,
         })
     }
+
+    /// Its own time constant or period, hours.
+    pub fn own_time_h(&self) -> Option<f64> {
+        match self {
+            Self::Warmup { tau_h } => Some(*tau_h),
+            Self::Periodic { period_h, .. } => Some(*period_h),
+            _ => None,
+        }
+    }
+
+    /// Alternatives of an effect, each with one member for every free coefficient, over a campaign of so many hours and dwells; `times`
+    /// are tried beside the grid of time constants and periods.
+    pub fn alternatives(id: &str, span_h: f64, dwells: usize, times: &[f64]) -> Option<Vec<Vec<Self>>> {
+        let directions = |of: fn([Vector3<f64>; 3]) -> Self| {
+            vec![(0..3).map(|axis| of([Vector3::ith(axis, 1.0); 3])).collect::<Vec<_>>()]
+        };
+        let one = |effect: Self| vec![vec![effect]];
+        let sines =
+            |period_h: f64| [0.0, std::f64::consts::FRAC_PI_2].map(|phase| Self::Periodic { period_h, phase }).to_vec();
+        Some(match id {
+            "g_linear" => directions(Self::GLinear),
+            "g_squared" => directions(Self::GSquared),
+            "temperature_g" => directions(Self::TemperatureG),
+            "magnetic" => directions(Self::Magnetic),
+            "cross_compliance" => directions(Self::CrossCompliance),
+            "levelling" => {
+                vec![vec![Self::Levelling { east: 1.0, north: 0.0 }, Self::Levelling { east: 0.0, north: 1.0 }]]
+            }
+            "warmup" => {
+                let grid =
+                    (0..TIME_CONSTANTS).map(|k| span_h * 0.01 * 100.0_f64.powf(k as f64 / (TIME_CONSTANTS - 1) as f64));
+                let taus = grid.chain(times.iter().copied());
+                taus.map(|tau_h| vec![Self::Warmup { tau_h }]).collect()
+            }
+            "periodic" => {
+                let grid = (1..=dwells).map(|k| 2.0 * span_h / k as f64);
+                grid.chain(times.iter().copied()).map(sines).collect()
+            }
+            "bias_step" => (1..dwells).map(|first| vec![Self::BiasStep { first }]).collect(),
+            "outlier_dwell" => (0..dwells).map(|index| vec![Self::OutlierDwell { index }]).collect(),
+            "temperature_bias" => one(Self::TemperatureBias),
+            "temperature_scale" => one(Self::TemperatureScale),
+            "time_ramp" => one(Self::TimeRamp),
+            "hysteresis" => one(Self::Hysteresis),
+            "scale_asymmetry" => one(Self::ScaleAsymmetry),
+            "scale_quadratic" => one(Self::ScaleQuadratic),
+            "scale_cubic" => one(Self::ScaleCubic),
+            "anisoinertia" => one(Self::Anisoinertia),
+            "g_rate_coupling" => one(Self::GRateCoupling),
+            "azimuth" => one(Self::Azimuth),
+            "cubic_g" => one(Self::CubicG),
+            "output_axis_g" => one(Self::OutputAxisG),
+            "mount_clocking" => one(Self::MountClocking),
+            _ => return None,
+        })
+    }
 }
+
+/// Time constants that are tried, from a hundredth of the campaign to all of it.
+const TIME_CONSTANTS: usize = 24;
 
 /// A dwell away from both ends, where a step leaves something on either side.
 fn inner_dwell(dwells: usize, rng: &mut ChaCha8Rng) -> usize {
@@ -261,11 +312,12 @@ mod tests {
     #[test]
     fn every_listed_id_can_be_drawn_and_no_other() {
         let mut rng = random(1, Stream::Causes);
-        for (id, typical) in CATALOGUE {
+        for Injectable { id, typical, .. } in CATALOGUE {
             assert!(Effect::draw(id, &Particulars::default(), &[0.1, 0.2, 0.3, 0.4], &mut rng).is_some(), "{id}");
             assert!(typical > 0.0);
+            assert!(Effect::alternatives(id, 1.0, 4, &[]).is_some_and(|all| !all.is_empty()), "{id}");
         }
-        assert!(COMMON.iter().all(|id| CATALOGUE.iter().any(|(listed, _)| listed == id)));
+        assert!(COMMON.iter().all(|id| CATALOGUE.iter().any(|known| known.id == *id)));
         assert!(Effect::draw("time_rampp", &Particulars::default(), &[0.1], &mut rng).is_none());
     }
 }

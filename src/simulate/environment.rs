@@ -6,7 +6,8 @@ use rand_distr::StandardNormal;
 
 use crate::core::fault::Faults;
 
-use super::scenario::{Profile, Temperature, fault};
+use super::fault_at::fault;
+use super::scenario::{Profile, Temperature};
 use crate::core::message::text;
 use crate::message;
 

@@ -8,7 +8,8 @@ use crate::core::fault::Faults;
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::units::radians_from_arcmin;
 
-use super::scenario::{GyroChoice, Population, StatedE, fault, slot_named};
+use super::fault_at::fault;
+use super::scenario::{GyroChoice, Population, StatedE, slot_named};
 use crate::core::message::text;
 use crate::message;
 

@@ -8,7 +8,7 @@
 //! # In reading order
 //!
 //! [`scenario`] what can be asked for, [`presets`] ready ones, [`experiment`] the paper's; [`programme`] the table's positions and rates in
-//! time; [`station`] what the IMU feels in each dwell; [`gyro`] how it answers; [`cause`] and [`outside`] what may
+//! time; [`station`] what the IMU feels in each dwell ([`felt`]: at one moment); [`gyro`] how it answers; [`cause`] and [`outside`] what may
 //! go wrong, [`inject`] how much of it; [`world`] puts them together; [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is
 //! written apart from the campaign.
 
@@ -17,6 +17,8 @@ pub mod cause;
 pub mod detectability;
 pub mod environment;
 pub mod experiment;
+mod fault_at;
+pub mod felt;
 pub mod gyro;
 pub mod inject;
 pub mod noise;

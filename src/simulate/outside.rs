@@ -6,7 +6,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-use super::cause::{Action, Felt, Situation};
+use super::felt::{Action, Felt, Situation};
 
 /// Families of such causes, each with its hidden particulars.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::core::campaign::Phase;
 use crate::core::fault::Faults;
 
-use super::scenario::fault;
+use super::fault_at::fault;
 use crate::core::message::text;
 use crate::message;
 

@@ -15,10 +15,11 @@ use crate::core::time::UtcMicros;
 
 use super::cause::Cause;
 use super::detectability::norm;
+use super::fault_at::fault;
 use super::gyro::TrueGyro;
-use super::inject::is_visible;
+use super::inject::{injected, is_visible};
 use super::noise::{bias_wander, white};
-use super::scenario::{Columns, Scenario, StandardErrors, fault};
+use super::scenario::{Columns, Scenario, StandardErrors};
 use super::truth::{GyroKey, KeyEntry, OUTSIDE};
 use super::world::{World, clocked};
 use super::{Stream, random};
@@ -42,7 +43,7 @@ pub fn simulate(scenario: &Scenario) -> Result<Simulated, Faults> {
         .effects
         .iter()
         .enumerate()
-        .map(|(i, choice)| world.cause(choice, &format!("/effects/{i}"), &mut rng))
+        .map(|(i, choice)| injected(&world, choice, &format!("/effects/{i}"), &mut rng))
         .collect::<Result<Vec<_>, _>>()?;
     let truth = world.truth(scenario, &causes);
     let campaign = world.measured(scenario, &causes)?;

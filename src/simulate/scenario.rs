@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::fault_at::{below, fault};
 use crate::core::campaign::TestKind;
 use crate::core::fault::Faults;
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot, Triad};
 
 use super::programme::Programme;
-use crate::core::message::{Message, sent};
+use crate::core::message::sent;
 use crate::message;
 
 /// One simulated campaign, whole.
@@ -351,16 +352,4 @@ impl Scenario {
 
 pub(crate) fn slot_named(name: &str, pointer: &str) -> Result<Slot, Faults> {
     Slot::from_name(name).ok_or_else(|| fault(pointer, message!("scenario_slot", value = sent(name))))
-}
-
-pub(crate) fn fault(pointer: &str, message: Message) -> Faults {
-    let mut faults = Faults::default();
-    faults.push(pointer, message);
-    faults
-}
-
-fn below(prefix: &str, part: Faults) -> Faults {
-    let mut faults = Faults::default();
-    faults.absorb(prefix, part);
-    faults
 }

@@ -6,8 +6,9 @@ use crate::core::campaign::{Phase, Site};
 use crate::core::fault::Faults;
 use crate::core::units::{EARTH_RATE_DEG_H, STANDARD_GRAVITY_M_S2, radians};
 
+use super::fault_at::fault;
 use super::programme::Planned;
-use super::scenario::{SiteChoice, fault};
+use super::scenario::SiteChoice;
 use crate::core::message::text;
 use crate::message;
 

@@ -7,12 +7,14 @@ use crate::core::fault::Faults;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
 
-use super::cause::{Action, Cause, Felt, Situation};
+use super::cause::Cause;
 use super::detectability::Sight;
 use super::environment::temperatures;
+use super::fault_at::fault;
+use super::felt::{Action, Felt, Situation};
 use super::gyro::{TrueGyro, gyros};
 use super::programme::{Planned, plan};
-use super::scenario::{Scenario, fault};
+use super::scenario::Scenario;
 use super::station::{Earth, Moment, TableErrors, commanded, moments};
 use super::{Stream, random};
 use crate::message;

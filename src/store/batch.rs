@@ -17,7 +17,7 @@ use crate::store::sqlite::checksum::Summing;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]
-pub(super) struct Batch(Vec<(Sql, Rows)>);
+pub(crate) struct Batch(Vec<(Sql, Rows)>);
 
 /// SQLite's page size.
 const PAGE: usize = 4096;
@@ -70,7 +70,7 @@ impl Batch {
 
 /// The rows of one statement.
 #[derive(Debug, Default)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     cells: Vec<Cell>,
     /// How many cells there are at the end of each row.
     ends: Vec<usize>,
@@ -175,7 +175,7 @@ impl Rows {
 }
 
 /// A row under construction; dropping it ends it.
-pub(super) struct Row<'a> {
+pub(crate) struct Row<'a> {
     rows: &'a mut Rows,
 }
 

@@ -14,14 +14,14 @@ pub(super) use super::postgres::PgReaders;
 
 /// Connections that read.
 #[derive(Debug, Clone)]
-pub(super) enum Readers {
+pub(crate) enum Readers {
     Sqlite(SqlitePool),
     Postgres(PgReaders),
 }
 
 /// The same in the words of each database.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sql {
+pub(crate) struct Sql {
     pub sqlite: &'static str,
     pub postgres: &'static str,
 }
@@ -125,7 +125,7 @@ macro_rules! among {
 pub(super) use {among, cell, insert, on};
 
 /// What both databases can hold in a cell.
-pub(super) trait Cell:
+pub(crate) trait Cell:
     Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres>
 {
 }
@@ -133,7 +133,7 @@ pub(super) trait Cell:
 impl<T> Cell for T where T: Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres> {}
 
 /// A row of either database.
-pub(super) trait Cells {
+pub(crate) trait Cells {
     fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error>;
 }
 
@@ -151,7 +151,7 @@ impl Cells for PgRow {
 
 /// A whole number that is narrower here than in the database, where all are 64 bits wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Whole<T>(pub T);
+pub(crate) struct Whole<T>(pub T);
 
 macro_rules! whole {
     ($database:ty, $buffer:ty) => {

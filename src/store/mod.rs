@@ -52,5 +52,11 @@ pub use open::{Options, Store, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use secrets::Secrets;
 
+pub use postgres::{claim, other_servers, standing};
+pub use tables::{
+    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro, histories, history,
+    hook, keys, model, names, outbox, record, set_aside, silence,
+};
+
 #[cfg(test)]
 mod tests;

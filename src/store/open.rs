@@ -53,7 +53,7 @@ pub struct Store {
 
 /// Where the database lies.
 #[derive(Debug, Clone)]
-pub(super) enum Place {
+pub(crate) enum Place {
     File(PathBuf),
     /// Other servers may use it too.
     Server(Neighbours),

@@ -1,3 +1,4 @@
+use crate::store;
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -137,21 +138,24 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     let (store, mut writer) = opened(&dir).await;
     assert!(writer.next_id(UtcMicros(0)) > event.id, "identifiers go on where they were");
     assert_eq!(store.names().read().stations.name(1).unwrap().as_ref(), "站-2 'quoted'");
-    assert_eq!(store.record(ids[1]).await.unwrap().unwrap(), records[1]);
-    assert_eq!(store.record(Id(1)).await.unwrap(), None);
-    let of_1 = store.history(1, Span::EVER, 10).await.unwrap();
+    assert_eq!(store::record::get(&store, ids[1]).await.unwrap().unwrap(), records[1]);
+    assert_eq!(store::record::get(&store, Id(1)).await.unwrap(), None);
+    let of_1 = store::history::oldest(&store, 1, Span::EVER, 10).await.unwrap();
     assert_eq!(of_1, [rows[1].figures, rows[0].figures]);
-    assert_eq!(store.newest_history(1, Span::EVER, 1).await.unwrap(), [rows[0].figures]);
+    assert_eq!(store::history::newest(&store, 1, Span::EVER, 1).await.unwrap(), [rows[0].figures]);
     let early = Span { from: UtcMicros(0), to: UtcMicros(199) };
-    assert_eq!(store.history(1, early, 10).await.unwrap(), [rows[1].figures]);
-    assert_eq!(store.history(77, Span::EVER, 10).await.unwrap(), []);
-    assert_eq!(store.newest_of_gyros(0, 10).await.unwrap(), [(1, Some(rows[0].figures)), (2, Some(rows[2].figures))]);
-    assert_eq!(store.bench_results(2, Span::EVER).await.unwrap(), [bench]);
-    assert_eq!(store.events(2).await.unwrap(), [event]);
-    assert_eq!(store.key("k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
+    assert_eq!(store::history::oldest(&store, 1, early, 10).await.unwrap(), [rows[1].figures]);
+    assert_eq!(store::history::oldest(&store, 77, Span::EVER, 10).await.unwrap(), []);
+    assert_eq!(
+        store::gyro::newest_of_gyros(&store, 0, 10).await.unwrap(),
+        [(1, Some(rows[0].figures)), (2, Some(rows[2].figures))]
+    );
+    assert_eq!(store::bench::of_gyro(&store, 2, Span::EVER).await.unwrap(), [bench]);
+    assert_eq!(store::event::of_gyro(&store, 2).await.unwrap(), [event]);
+    assert_eq!(store::keys::get(&store, "k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
     let there = RecordAt { id: ids[1], hash: vec![7; 32], voided: false };
-    assert_eq!(store.records_at(1, UtcMicros(100)).await.unwrap(), [there]);
-    assert_eq!(store.newest_of_imus().await.unwrap(), [(1, UtcMicros(200))]);
+    assert_eq!(store::record::at(&store, 1, UtcMicros(100)).await.unwrap(), [there]);
+    assert_eq!(store::record::newest_of_imus(&store).await.unwrap(), [(1, UtcMicros(200))]);
 }
 
 #[tokio::test]
@@ -161,12 +165,12 @@ async fn a_group_with_one_row_that_is_refused_leaves_nothing() {
     let (first, second) = (writer.next_id(UtcMicros(0)), writer.next_id(UtcMicros(0)));
     let twice = Changes { records: vec![record(first, 5, "a"), record(second, 5, "b")], ..first_names() };
     assert!(matches!(writer.commit(&twice).await, Err(StoreError::Refused(_))));
-    assert_eq!(store.record(first).await.unwrap(), None);
+    assert_eq!(store::record::get(&store, first).await.unwrap(), None);
     assert_eq!(store.names().read().gyros.len(), 0);
 
     let good = Changes { records: vec![record(first, 5, "a")], ..first_names() };
     writer.commit(&good).await.unwrap();
-    assert!(store.record(first).await.unwrap().is_some());
+    assert!(store::record::get(&store, first).await.unwrap().is_some());
 }
 
 #[tokio::test]
@@ -179,15 +183,15 @@ async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
         .commit(&Changes { records: vec![record(id, 5, "a")], history: vec![row.clone()], ..first_names() })
         .await
         .unwrap();
-    let mut sheet = store.verdict_sheet(id).await.unwrap().unwrap();
+    let mut sheet = store::record::verdict_sheet(&store, id).await.unwrap().unwrap();
     assert!(sheet.replace(1, vec![]));
     assert!(!sheet.replace(2, vec![]));
     let mut anew = row.clone();
     anew.figures.states = States([Some(State::Exceeded), None, None]);
     let rejudged = Rejudged { history: vec![anew.clone()], sheets: vec![(id, sheet.clone())], ..Rejudged::default() };
     writer.commit(&Changes { rejudged, ..Changes::default() }).await.unwrap();
-    assert_eq!(store.history(1, Span::EVER, 9).await.unwrap(), [anew.figures]);
-    let stored = store.record(id).await.unwrap().unwrap();
+    assert_eq!(store::history::oldest(&store, 1, Span::EVER, 9).await.unwrap(), [anew.figures]);
+    let stored = store::record::get(&store, id).await.unwrap().unwrap();
     assert_eq!((stored.verdicts, stored.body), (sheet, record(id, 5, "a").body));
 }
 
@@ -228,7 +232,7 @@ async fn a_database_in_memory_is_written_when_who_reads_has_done() {
     write(&mut writer, 1, "a").await;
     assert!(begun.elapsed() >= long, "written although the table was being read");
     reader.await.unwrap();
-    assert_eq!(store.records_at(1, UtcMicros(0)).await.unwrap().len(), 1);
+    assert_eq!(store::record::at(&store, 1, UtcMicros(0)).await.unwrap().len(), 1);
 }
 
 #[tokio::test]

@@ -6,7 +6,9 @@ use super::geometry::GeometryBody;
 use super::numbers::{Numbers, in_range};
 use super::{json, text};
 use crate::core::campaign::commanded::Part;
-use crate::core::campaign::{Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind, check_dwells};
+use crate::core::campaign::{
+    Campaign, CampaignGyro, Dwell, Limits, Phase, Site, TestKind, check_dwells, with_earth_rate,
+};
 use crate::core::fault::{Fault, Faults};
 use crate::core::frames::{Body, Nav, Rotation};
 use crate::core::message::{figure, list, sent};
@@ -234,7 +236,7 @@ impl CampaignBody {
     fn inertial(&self, campaign: Campaign) -> Result<Campaign, Faults> {
         match self.rates.as_deref() {
             None | Some(INERTIAL) => Ok(campaign),
-            Some(_) => campaign.with_earth_rate(Part::All).map_err(|lacks| {
+            Some(_) => with_earth_rate(&campaign, Part::All).map_err(|lacks| {
                 let mut missing = Vec::new();
                 missing.extend(lacks.site.then(|| message!("site_missing")));
                 missing.extend(lacks.attitudes.first().map(|first| {

@@ -6,8 +6,9 @@ use utoipa::ToSchema;
 use super::located::WhereBody;
 use super::note;
 use super::split::SplitBody;
+use crate::core::augmented::Adopted;
 use crate::core::diagnose as core;
-use crate::core::effects::Effect;
+use crate::core::effects::{Effect, Estimate};
 use crate::words::Language;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -220,7 +221,7 @@ impl From<&core::HeldOut> for HeldOutBody {
 
 impl InUseBody {
     fn of(d: &core::Diagnosis) -> Self {
-        let effect = |a: &core::Adopted| InUseEffectBody { effect: a.effect.id().to_owned(), gyros: names(&a.slots) };
+        let effect = |a: &Adopted| InUseEffectBody { effect: a.effect.id().to_owned(), gyros: names(&a.slots) };
         Self {
             terms: d.terms.iter().map(|term| term.name().to_owned()).collect(),
             effects: d.adopted.iter().map(effect).collect(),
@@ -289,8 +290,8 @@ impl From<&core::NamedEffect> for EffectBody {
     }
 }
 
-impl From<&core::Estimate> for EstimateBody {
-    fn from(e: &core::Estimate) -> Self {
+impl From<&Estimate> for EstimateBody {
+    fn from(e: &Estimate) -> Self {
         Self {
             slot: e.slot.map_or("all", |s| s.name()).to_owned(),
             name: e.name.to_owned(),

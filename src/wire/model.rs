@@ -7,11 +7,12 @@ use utoipa::ToSchema;
 use super::campaign::terms_from_names;
 use super::numbers::in_range;
 use super::{json, text, time};
+use crate::core::augmented::Adopted;
 use crate::core::augmented::{AugmentedModel, KnownEffect, Provenance};
-use crate::core::diagnose::{Adopted, Estimate};
-use crate::core::effects::{self, Effect, Scope, Shape};
+use crate::core::effects::Estimate;
+use crate::core::effects::{self, Effect, Parameter, Scope, Shape};
 use crate::core::fault::Faults;
-use crate::core::message::{Parameter, list, sent, text};
+use crate::core::message::{Parameter as Filling, list, sent, text};
 use crate::core::mounting::Slot;
 use crate::message;
 
@@ -234,10 +235,10 @@ impl KnownEstimateBody {
             None => common && self.slot == "all",
         };
         if !known {
-            let wanted = if common { "all".into() } else { Parameter::from(message!("a_gyro_of_the_effect")) };
+            let wanted = if common { "all".into() } else { Filling::from(message!("a_gyro_of_the_effect")) };
             faults.push(format!("{place}/slot"), message!("must_be", wanted = wanted, value = sent(&self.slot)));
         }
-        let coefficients = (entry.coefficients)(shape);
+        let coefficients = entry.coefficients(shape);
         let Some(coefficient) = coefficients.iter().find(|c| c.name == self.name) else {
             let names: Vec<&str> = coefficients.iter().map(|c| c.name).collect();
             faults.push(
@@ -285,7 +286,7 @@ impl ShapeBody {
             || self.axes.as_deref().is_some_and(|a| a != "input_spin");
         let mut given = given.into_iter().flatten();
         let shape = given.next().unwrap_or(Shape::Linear);
-        if unknown || given.next().is_some() || !effect.can_have(shape) {
+        if unknown || given.next().is_some() || !effect.entry().parameter.takes(shape) {
             faults.push(place, message!("shape_for", wanted = wanted(effect), effect = text(effect.id())));
             return None;
         }
@@ -318,19 +319,19 @@ impl ShapeBody {
     }
 }
 
-fn wanted(effect: Effect) -> Parameter {
+fn wanted(effect: Effect) -> Filling {
     let absent_or = |shape: &'static str| message!("absent_or", shape = shape).into();
-    match effect {
-        Effect::Warmup => "{\"tau_s\": seconds}".into(),
-        Effect::BiasStep => "{\"instant_s\": seconds}".into(),
-        Effect::OutlierDwell => "{\"dwell\": index}".into(),
-        Effect::Periodic => "{\"period_s\": seconds}".into(),
-        Effect::Magnetic => "{\"field_azimuth_rad\": angle}".into(),
-        Effect::Anisoinertia => "{\"clocking_rad\": angle}".into(),
-        Effect::CrossCompliance => absent_or("{\"product\": 0|1|2}"),
-        Effect::Levelling => "{\"with_rate\": true|false}".into(),
-        Effect::TemperatureG => absent_or("{\"axes\": \"input_spin\"}"),
-        _ => message!("absent").into(),
+    match effect.entry().parameter {
+        Parameter::Tau => "{\"tau_s\": seconds}".into(),
+        Parameter::Instant => "{\"instant_s\": seconds}".into(),
+        Parameter::Dwell => "{\"dwell\": index}".into(),
+        Parameter::Period => "{\"period_s\": seconds}".into(),
+        Parameter::FieldAzimuth => "{\"field_azimuth_rad\": angle}".into(),
+        Parameter::Clocking => "{\"clocking_rad\": angle}".into(),
+        Parameter::Product => absent_or("{\"product\": 0|1|2}"),
+        Parameter::Tilt => "{\"with_rate\": true|false}".into(),
+        Parameter::Axes => absent_or("{\"axes\": \"input_spin\"}"),
+        Parameter::None => message!("absent").into(),
     }
 }
 
@@ -352,7 +353,7 @@ impl From<&KnownEffect> for KnownEffectBody {
     fn from(known: &KnownEffect) -> Self {
         let Adopted { effect, shape, slots } = &known.adopted;
         // The shape's own entries among the estimates are said by `shape`.
-        let coefficients = (effect.entry().coefficients)(*shape);
+        let coefficients = effect.entry().coefficients(*shape);
         let estimates = known.estimates.iter().filter(|e| coefficients.iter().any(|c| c.name == e.name));
         Self {
             effect: effect.id().to_owned(),

@@ -28,7 +28,7 @@ tokio::task_local! {
 
 static OF_PROCESS: OnceLock<Language> = OnceLock::new();
 
-/// The language that whoever waits for this task has asked for.
+/// The language that this task's answer was asked for in.
 pub fn asked() -> Language {
     ASKED.try_with(|language| *language).unwrap_or_else(|_| OF_PROCESS.get().copied().unwrap_or_default())
 }
@@ -38,7 +38,7 @@ pub async fn asked_in<T>(language: Language, work: impl Future<Output = T>) -> T
     ASKED.scope(language, work).await
 }
 
-/// As tokio's, for whoever this task is for.
+/// As tokio's, in the language of this task.
 pub fn spawn_blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> tokio::task::JoinHandle<T> {
     let language = asked();
     tokio::task::spawn_blocking(move || ASKED.sync_scope(language, work))

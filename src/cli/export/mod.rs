@@ -93,12 +93,12 @@ impl Export {
             let before = rows;
             let mut span = Span { from: self.from.unwrap_or(Span::EVER.from), to: self.to.unwrap_or(Span::EVER.to) };
             if self.voided {
-                let voided = store.voided_history(gyro, span).await?;
+                let voided = store::history::voided(store, gyro, span).await?;
                 let statuses = Statuses::of(store, gyro, voided.iter(), &[0, 1, 2]).await?;
                 rows += sink.write(named(store, &serial, &voided, &statuses, true)?)?;
             }
             loop {
-                let block = store.history(gyro, span, BLOCK).await?;
+                let block = store::history::oldest(store, gyro, span, BLOCK).await?;
                 let statuses = Statuses::of(store, gyro, block.iter(), &[0, 1, 2]).await?;
                 rows += sink.write(named(store, &serial, &block, &statuses, false)?)?;
                 match block.last() {

@@ -2,14 +2,14 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::calibration::{
+    EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, SLOW_ARCSEC_S, ScaleSource, weights_sd,
+};
 use super::design::{self, Design};
 use super::growth;
 use super::noise::{Evidence, Noise};
-use super::{
-    EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, SLOW_ARCSEC_S, ScaleSource, weights_sd,
-};
 use crate::core::calibrate::effect_columns;
-use crate::core::calibrate::effect_columns::Regressor;
+use crate::core::calibrate::regressor::Regressor;
 use crate::core::calibrate::shared_coefficients::{CommonFit, Own};
 use crate::core::campaign::repeats::PureError;
 use crate::core::campaign::{Campaign, CampaignGyro, Dwell};

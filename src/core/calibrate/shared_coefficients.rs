@@ -12,7 +12,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::core::calibrate::effect_columns::{Regressor, adding, told_apart};
+use crate::core::calibrate::regressor::{Regressor, adding, told_apart};
 use crate::core::effects::Effect;
 use crate::core::numerics::least_squares::Factor;
 
@@ -98,7 +98,7 @@ mod tests {
     }
 
     fn regressor(column: DVector<f64>) -> Option<Regressor> {
-        let coefficient = (Effect::Levelling.entry().coefficients)(crate::core::effects::Shape::Linear)[0];
+        let coefficient = Effect::Levelling.entry().coefficients(crate::core::effects::Shape::Linear)[0];
         Some(Regressor { effect: Effect::Levelling, coefficient, column })
     }
 

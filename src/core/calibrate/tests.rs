@@ -1,8 +1,11 @@
+use nalgebra::Vector3;
+
 use super::*;
 use crate::core::campaign::CampaignGyro;
 use crate::core::campaign::TestKind;
+use crate::core::model::Term;
 use crate::core::mounting::{Geometry, Slot};
-use crate::core::record::Plausibility;
+use crate::core::record::{Name, Plausibility};
 use crate::core::time::UtcMicros;
 use crate::words::Language;
 

@@ -1,31 +1,9 @@
-//! Optional columns of the dwells, which some or all of them may lack, and what there is to note about them.
+//! What there is to note about the columns of the dwells, some of which may lack.
 
-use super::commanded::{findings, median};
+use super::commanded::findings;
+use super::temperatures::Temperatures;
 use super::{Campaign, CampaignNote, Column, Dwell, Phase};
 use crate::core::note::Note;
-
-impl Campaign {
-    /// Whether any dwell states standard errors.
-    pub fn states_errors(&self) -> bool {
-        self.dwells.iter().any(|d| d.output_sem_pulse_s.is_some())
-    }
-
-    /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets the median of those of its phase (of
-    /// all, where its phase has none), each brought to its duration: means over longer times scatter less.
-    pub fn errors_of(&self, j: usize) -> Option<Vec<f64>> {
-        let own = |d: &Dwell| d.output_sem_pulse_s.as_ref().map(|sem| sem[j]);
-        if !self.states_errors() {
-            return None;
-        }
-        let per_root_s = |phase: Option<Phase>| {
-            let of_phase = self.dwells.iter().filter(|d| phase.is_none_or(|phase| d.phase == phase));
-            median(of_phase.filter_map(|d| Some(own(d)? * d.duration_s.sqrt())))
-        };
-        let usual =
-            |d: &Dwell| per_root_s(Some(d.phase)).or_else(|| per_root_s(None)).unwrap_or(1.0) / d.duration_s.sqrt();
-        Some(self.dwells.iter().map(|d| own(d).unwrap_or_else(|| usual(d))).collect())
-    }
-}
 
 /// What the dwells lack and what is odd about them: for the campaign's answer.
 pub fn notes(campaign: &Campaign) -> Vec<Note> {
@@ -52,7 +30,7 @@ pub fn notes(campaign: &Campaign) -> Vec<Note> {
 
 /// Dwells whose temperature is left out.
 pub(crate) fn temperature_outliers(campaign: &Campaign) -> impl Iterator<Item = Note> {
-    let temperatures = campaign.temperatures();
+    let temperatures = Temperatures::of(campaign);
     let median = temperatures.median;
     let note = move |(dwell, celsius)| Note::Campaign(CampaignNote::TemperatureOutlier { dwell, celsius, median });
     temperatures.outliers.into_iter().map(note)

@@ -14,31 +14,29 @@ pub struct NoEarthRate {
     pub attitudes: Vec<usize>,
 }
 
-impl Campaign {
-    /// The campaign with the Earth's rate added to the rates of these dwells: C Omega at rest; along the vertical, of which the specific
-    /// force speaks where there is no attitude, where the table turns whole turns about it (the horizontal part averages to zero).
-    ///
-    /// # Errors
-    /// What is missing for it.
-    pub fn with_earth_rate(&self, part: Part) -> Result<Campaign, NoEarthRate> {
-        let still = |k: &usize| self.dwells[*k].phase == Phase::Static;
-        let attitudes: Vec<usize> =
-            (0..self.dwells.len()).filter(still).filter(|k| self.dwells[*k].attitude.is_none()).collect();
-        let Some(site) = self.site.filter(|_| attitudes.is_empty()) else {
-            return Err(NoEarthRate { site: self.site.is_none(), attitudes });
+/// The campaign with the Earth's rate added to the rates of these dwells: C Omega at rest; along the vertical, of which the specific
+/// force speaks where there is no attitude, where the table turns whole turns about it (the horizontal part averages to zero).
+///
+/// # Errors
+/// What is missing for it.
+pub fn with_earth_rate(campaign: &Campaign, part: Part) -> Result<Campaign, NoEarthRate> {
+    let still = |k: &usize| campaign.dwells[*k].phase == Phase::Static;
+    let attitudes: Vec<usize> =
+        (0..campaign.dwells.len()).filter(still).filter(|k| campaign.dwells[*k].attitude.is_none()).collect();
+    let Some(site) = campaign.site.filter(|_| attitudes.is_empty()) else {
+        return Err(NoEarthRate { site: campaign.site.is_none(), attitudes });
+    };
+    let earth = site.earth_rate();
+    let mut whole = campaign.clone();
+    for dwell in &mut whole.dwells {
+        dwell.rate_arcsec_s += match (dwell.phase, dwell.attitude) {
+            (Phase::Static, Some(c)) if part != Part::Turning => (c * earth).0,
+            (Phase::Rate, Some(c)) if part != Part::Static => (c * Vector::new(earth.0.z * Vector3::z())).0,
+            (Phase::Rate, None) if part != Part::Static => {
+                earth.0.z * dwell.specific_force_g0.try_normalize(0.0).unwrap_or_default()
+            }
+            _ => Vector3::zeros(),
         };
-        let earth = site.earth_rate();
-        let mut whole = self.clone();
-        for dwell in &mut whole.dwells {
-            dwell.rate_arcsec_s += match (dwell.phase, dwell.attitude) {
-                (Phase::Static, Some(c)) if part != Part::Turning => (c * earth).0,
-                (Phase::Rate, Some(c)) if part != Part::Static => (c * Vector::new(earth.0.z * Vector3::z())).0,
-                (Phase::Rate, None) if part != Part::Static => {
-                    earth.0.z * dwell.specific_force_g0.try_normalize(0.0).unwrap_or_default()
-                }
-                _ => Vector3::zeros(),
-            };
-        }
-        Ok(whole)
     }
+    Ok(whole)
 }

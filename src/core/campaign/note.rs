@@ -1,8 +1,8 @@
 //! What is worth knowing about a campaign's dwells and their fit.
 
 use super::commanded::Finding;
-use crate::core::diagnose::Refusal;
 use crate::core::effects::Effect;
+use crate::core::effects::Refusal;
 use crate::core::mounting::Slot;
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,15 @@
-//! Dwells that repeat one another: the same phase and the same commanded specific force and rate.
+//! Dwells that repeat one another: the same phase and the same commanded specific force, rate and attitude. What differs between them is
+//! noise, whatever the model: an unmodelled effect of the heading is none.
 
 use crate::core::campaign::Dwell;
 
-/// Commanded values closer than this are the same position: the rounding of files, far below any table step.
+/// Commanded values closer than this are the same position: the rounding of files, far below any table step. Rates are the same to this
+/// or to this share of them.
 const SAME_FORCE_G0: f64 = 1e-6;
 const SAME_RATE_ARCSEC_S: f64 = 1e-3;
+const SAME_RATE_SHARE: f64 = 1e-6;
+/// Elements of the attitude's matrix.
+const SAME_ATTITUDE: f64 = 1e-6;
 
 /// Groups of two or more dwells that repeat one another, as indices in time order, in the order of their first.
 pub fn repeats(dwells: &[Dwell]) -> Vec<Vec<usize>> {
@@ -36,9 +41,15 @@ pub fn repeats(dwells: &[Dwell]) -> Vec<Vec<usize>> {
 }
 
 fn same_position(a: &Dwell, b: &Dwell) -> bool {
+    let turned = match (&a.attitude, &b.attitude) {
+        (Some(p), Some(q)) => (p.matrix() - q.matrix()).amax() > SAME_ATTITUDE,
+        _ => false,
+    };
+    let rate_room = SAME_RATE_ARCSEC_S.max(SAME_RATE_SHARE * a.rate_arcsec_s.amax());
     a.phase == b.phase
+        && !turned
         && (a.specific_force_g0 - b.specific_force_g0).amax() <= SAME_FORCE_G0
-        && (a.rate_arcsec_s - b.rate_arcsec_s).amax() <= SAME_RATE_ARCSEC_S
+        && (a.rate_arcsec_s - b.rate_arcsec_s).amax() <= rate_room
 }
 
 /// Spread of repeated dwells about their own weighted means.

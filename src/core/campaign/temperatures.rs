@@ -34,17 +34,17 @@ pub struct Temperatures {
     pub median: f64,
 }
 
-impl Campaign {
-    pub fn temperatures(&self) -> Temperatures {
-        let stated: Vec<Option<f64>> = self.dwells.iter().map(|d| d.temperature_c).collect();
+impl Temperatures {
+    pub fn of(campaign: &Campaign) -> Self {
+        let stated: Vec<Option<f64>> = campaign.dwells.iter().map(|d| d.temperature_c).collect();
         let outliers = outliers(&stated);
         let mut known = stated;
         for (k, _) in &outliers {
             known[*k] = None;
         }
-        let times: Vec<f64> = self.dwells.iter().map(|d| d.mid_s()).collect();
+        let times: Vec<f64> = campaign.dwells.iter().map(|d| d.mid_s()).collect();
         let median = median(known.iter().copied().flatten()).unwrap_or(0.0);
-        Temperatures { filled: filled(&times, &known), outliers, median }
+        Self { filled: filled(&times, &known), outliers, median }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::core::judge::{Coefficient, Event};
 
-use super::GyroHistory;
+use super::answer::GyroHistory;
 
 /// Days of a Julian year; ageing is stated per year.
 const YEAR_DAYS: f64 = 365.25;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::core::numerics::least_squares::Factor;
 
-use super::GyroHistory;
+use super::answer::GyroHistory;
 
 /// Offset of one station against the reference station, as the other gyros of the fleet show it, deg/(h g0).
 #[derive(Debug, Clone, PartialEq)]

@@ -9,9 +9,9 @@ use crate::core::judge::Coefficient;
 use crate::core::numerics::least_squares::{Factor, Fit};
 use crate::core::numerics::tails::f_tail;
 
+use super::answer::{FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryVerdict, NamedCause, Rejected};
 use super::candidates::{self, Candidate};
 use super::peers::{self, StationOffset};
-use super::{FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryVerdict, NamedCause, Rejected};
 
 /// Adjusted significance below which a cause is named, and below which something is said to remain.
 const SIGNIFICANCE: f64 = 0.01;

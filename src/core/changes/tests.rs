@@ -3,7 +3,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::*;
-use crate::core::judge::{Event, Mark};
+use crate::core::judge::{Event, Mark, Measured};
+use crate::core::time::UtcMicros;
 
 const SCATTER: f64 = 1e-3;
 

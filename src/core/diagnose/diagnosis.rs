@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::Adopted;
+use crate::core::augmented::Adopted;
 use crate::core::campaign::Phase;
-use crate::core::effects::{Effect, Shape};
+use crate::core::effects::{Effect, Estimate, Shape};
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
 use crate::core::note::Note;
@@ -127,16 +127,6 @@ pub struct NamedEffect {
     pub p_value_adjusted: f64,
     /// Square root of the whitened power that the effect takes from the residual.
     pub detectability: f64,
-}
-
-/// A coefficient of an effect. `slot` is none for coefficients that all gyros share.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    pub slot: Option<Slot>,
-    pub name: &'static str,
-    pub value: f64,
-    pub sd: f64,
-    pub unit: &'static str,
 }
 
 /// Errors of prediction on dwells that were not fitted, and the fraction of the gap that closes.

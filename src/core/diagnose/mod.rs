@@ -1,9 +1,9 @@
 //! Where a campaign and the error model part, which unmodelled effect parts them, and how far the gap shrinks.
 //!
-//! Reading order: [`answer`] (what comes out), `frame` (model (6) taken out of everything), `bank` and `evidence` (how
-//! a candidate scores), `null` (what noise alone scores), `search`, `sharpen` and `settle` (which are adopted), `fit` (the augmented
-//! model), `heldout` (closure), `remaining` (tests without a catalogue), `identify`, `impact`, `next`, `report` (the answer).
+//! [`diagnose`] is to be read from top to bottom: each stage is a function below it, and its parts lie in the room of its name
+//! (`residuals`, `search`, `report`); [`diagnosis`] is what comes out.
 
+mod adopt;
 mod diagnosis;
 mod record_closure;
 mod report;
@@ -16,55 +16,138 @@ pub use crate::core::diagnose::record_closure::{CLOSURE_CLASS, ClosureDiagnosis,
 pub use crate::core::diagnose::report::against_reference::{Moved, NoReference, Parts, Reference, Split, split};
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 
+use crate::core::diagnose::report::closure::{self, GAP, UNSEEN};
+use crate::core::diagnose::report::named::{self, Named};
+use crate::core::diagnose::report::{
+    held_out, identifiability, impact, next_dwells, stated_errors, where_in_campaign, why_not_named,
+};
+use crate::core::diagnose::residuals::augmented_fit::{self, Fit, Part};
+use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
-pub(crate) use crate::core::diagnose::residuals::whitened::setting;
 use crate::core::diagnose::search::noise_rounds::Settled;
+use crate::core::diagnose::search::odds;
+use crate::core::diagnose::search::stepwise::Search;
 
+use super::augmented::Options;
 use super::campaign::Campaign;
-use super::effects::{Effect, Shape};
-use super::model::Terms;
-use super::mounting::Slot;
+use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal};
 
-/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again.
-pub const METHOD: u32 = 7;
+/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the catalogue raises it by itself:
+/// there were 48 when it was 7.
+pub const METHOD: u32 = 7 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
-/// An effect that has entered the model: its regressors are fitted with model (6), its shape is held.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Adopted {
-    pub effect: Effect,
-    pub shape: Shape,
-    /// Gyros that have it; all of them for effects of the station.
-    pub slots: Vec<Slot>,
-}
-
-/// What is compared with the campaign.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Options {
-    /// Terms of model (6) in use; the campaign's own where none are given.
-    pub terms: Option<Terms>,
-    /// Effects that the model in use holds already.
-    pub adopted: Vec<Adopted>,
-}
-
-/// Why a campaign cannot be diagnosed at all.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Refusal {
-    #[error(
-        "{dwells} dwells leave nothing over the {parameters} parameters of the model: nothing can be held against it"
-    )]
-    TooFewDwells { dwells: usize, parameters: usize },
-    #[error("the output of {0} is the same in every dwell")]
-    NoOutput(&'static str),
-    #[error("the geometry names no axes for {0}")]
-    NoAxes(&'static str),
-    #[error("the model holds no terms")]
-    NoTerms,
-}
-
-/// Diagnoses one campaign against the terms and effects in use.
+/// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one before returned.
 ///
 /// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
-    Ok(crate::core::diagnose::report::assemble::report(&Settled::of(Frame::of(campaign, options)?)?))
+    let residuals = residuals(campaign, options)?;
+    let searched = searched(residuals)?;
+    let closed = closed(names(&searched));
+    Ok(answer(closed))
+}
+
+/// Stage 1: the campaign with the model in use taken out of it, over its noise.
+fn residuals(campaign: &Campaign, options: &Options) -> Result<Frame, Refusal> {
+    Frame::of(campaign, options)
+}
+
+/// Stage 2: every hypothesis is scored, and those are chosen that noise alone does not explain.
+fn searched(residuals: Frame) -> Result<Settled, Refusal> {
+    Settled::of(residuals)
+}
+
+/// What the search chose and what of it gets a name, fitted together with the model in use.
+struct Names<'a> {
+    settled: &'a Settled,
+    search: Search<'a>,
+    named: Vec<Named>,
+    /// What speaks against the names.
+    doubts: Vec<Sign>,
+    parts: Vec<Part>,
+    fit: Fit,
+}
+
+/// Still stage 2: contract entries among the choices, as far as they close something of dwells that were held out.
+fn names(settled: &Settled) -> Names<'_> {
+    let search = settled.search();
+    let (mut named, doubts) = named::named(&search, &settled.found);
+    let parts = named.iter().map(|n| n.part.clone()).collect();
+    let mut closes = odds::closing(&settled.frame, parts, UNSEEN).into_iter();
+    named.retain(|_| closes.next().unwrap_or(true));
+    let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
+    let fit = augmented_fit::fit(&settled.frame, &parts);
+    Names { settled, search, named, doubts, parts, fit }
+}
+
+/// How far the names close the gap, and what remains.
+struct Closed<'a> {
+    names: Names<'a>,
+    verdict: Verdict,
+    /// Noise of each gyro over that of its dwells' standard errors.
+    variances: Vec<f64>,
+    noise_floor: NoiseFloor,
+    gap: Gap,
+    effects: Vec<NamedEffect>,
+    closure: Option<HeldOut>,
+    remaining: Remaining,
+}
+
+/// Stage 3: what remains beside the names says what the noise is; that, how much of the gap they close on dwells that were not fitted.
+fn closed(names: Names<'_>) -> Closed<'_> {
+    let Names { settled, search, named, parts, fit, .. } = &names;
+    let frame = &settled.frame;
+    let signs = closure::signs(settled, search, named, fit, &names.doubts);
+    let remains = signs.p_value < closure::level(named);
+    let variances = closure::floor_variances(frame, fit, remains);
+    let noise_floor = noise_floor::report(frame, &variances, !remains);
+    let gap = closure::gap(settled, search, &variances, &signs, named.is_empty());
+    let verdict = match (named.is_empty(), remains) {
+        (true, _) if gap.p_value >= GAP => Verdict::NoGap,
+        (true, _) => Verdict::Unexplained,
+        (false, false) => Verdict::Explained,
+        (false, true) => Verdict::PartlyExplained,
+    };
+    let effects = closure::effects(settled, named, parts, fit, &variances, &noise_floor);
+    let all: Vec<&Part> = parts.iter().collect();
+    let held_out = || {
+        let errors = held_out::errors(frame, &[], &all, &variances);
+        errors.held_out(noise_floor.deg_per_h, fit.fitted.len() as f64, UNSEEN)
+    };
+    let closure = (!parts.is_empty()).then(held_out);
+    let remaining = Remaining {
+        rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
+        reduced_chi2: closure::reduced_chi2(fit, &variances),
+        p_value: signs.p_value,
+        signs: signs.list,
+    };
+    Closed { verdict, variances, noise_floor, gap, effects, closure, remaining, names }
+}
+
+/// Stage 4: the answer, with what was not named and why, what the names do to the coefficients, and what to measure next.
+fn answer(closed: Closed) -> Diagnosis {
+    let Closed { names, verdict, variances, noise_floor, gap, effects, closure, remaining } = closed;
+    let Names { settled, search, named, parts, fit, .. } = names;
+    let (frame, bank) = (&settled.frame, &settled.bank);
+    let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
+    let mimics = identifiability::mimics(frame, bank, &parts);
+    let of_stated = stated_errors::too_large(frame).into_iter().chain(stated_errors::too_small(frame, &fit));
+    Diagnosis {
+        terms: frame.terms,
+        adopted: frame.adopted.clone(),
+        verdict,
+        noise_floor,
+        gap,
+        located: where_in_campaign::located(frame, &variances),
+        effects,
+        closure,
+        remaining,
+        candidates: why_not_named::candidates(settled, &search, &named, &variances),
+        not_identifiable: identifiability::not_identifiable(frame, bank, &mimics),
+        impact: impact::impact(frame, &parts, &fit),
+        next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),
+        residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
+        of_campaign: frame.of_campaign.clone(),
+        notes: frame.notes.iter().cloned().chain(of_stated).collect(),
+    }
 }

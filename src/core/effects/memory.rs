@@ -1,12 +1,15 @@
 //! Effects of what came before: the gyro remembers the orientation it was in.
 
-use super::{Coefficient, Effect, Entry, Scope, Typical, linear, nothing_missing};
+use super::entry::{Effect, Entry, PLAIN, Typical};
+
+pub(super) const ENTRIES: &[&Entry] = &[&HYSTERESIS];
 
 pub const HYSTERESIS: Entry = Entry {
     effect: Effect::Hysteresis,
     id: "hysteresis",
     cause: "the float's pivots and flex leads keep a set from the load along the output axis in the dwell before",
     equation: "k a_O of the dwell before; nothing in the first dwell",
+    unit: "deg/(h g0)",
     typical: Typical {
         low: 1e-3,
         high: 0.1,
@@ -15,9 +18,6 @@ pub const HYSTERESIS: Entry = Entry {
     plausible: 1e3,
     needs: "an order of dwells in which the orientation before differs for one and the same orientation",
     confused_with: &[Effect::OutlierDwell],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/(h g0)" }],
-    missing: nothing_missing,
-    shapes: linear,
     columns: |s, j, _| vec![s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1].dot(&s.gyros[j].output) })],
+    ..PLAIN
 };

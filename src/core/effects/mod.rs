@@ -8,214 +8,103 @@
 //! produces and what nobody asked to have named: they compete in the search, so that a contract entry which
 //! merely resembles one of them does not get its name, but they are reported as signs, never adopted.
 //!
-//! One file a family; `catalogue` puts them in the order of the contract.
+//! One file a family. All that the rest of the program asks of an effect is a field of its [`Entry`].
 
 mod acceleration;
-pub mod competitors;
+pub mod axes;
+mod competitors;
+mod entry;
+mod estimate;
 mod memory;
 mod model_terms;
 mod rate;
+mod refusal;
 mod setting;
 mod station;
 mod thermal;
 mod time;
 
+pub use entry::{Coefficient, Effect, Entry, Parameter, Prior, Scope, Shape, Typical};
+pub use estimate::Estimate;
+pub use refusal::Refusal;
 pub use setting::{GyroAxes, Setting};
 
-/// Name of an effect; [`Effect::id`] is the contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Effect {
-    GLinear,
-    GSquared,
-    Scale,
-    TemperatureBias,
-    TemperatureG,
-    TemperatureScale,
-    Warmup,
-    TimeRamp,
-    BiasStep,
-    OutlierDwell,
-    Periodic,
-    Hysteresis,
-    ScaleAsymmetry,
-    ScaleQuadratic,
-    ScaleCubic,
-    Anisoinertia,
-    GRateCoupling,
-    Levelling,
-    Azimuth,
-    Magnetic,
-    CrossCompliance,
-    CubicG,
-    OutputAxisG,
-    MountClocking,
-}
+use super::model::Term;
 
-/// The parameter of a regressor that is not linear, at one value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    /// The regressor has none.
-    Linear,
-    /// Time constant, s.
-    Tau(f64),
-    /// Instant of a change, s from the first dwell's clock.
-    Instant(f64),
-    /// Index of one dwell.
-    Dwell(usize),
-    /// Period, s.
-    Period(f64),
-    /// Direction of a horizontal field, radians from north towards east.
-    Azimuth(f64),
-    /// Rotation of S about I that E cannot show, radians.
-    Clocking(f64),
-    /// Only these of the regressors, by number.
-    Only(&'static [usize]),
-    /// Whether the IMU is tilted on the table, so that the table's rate is seen turned too.
-    Tilt { with_rate: bool },
-    /// From one dwell up to, not including, another.
-    Window(usize, usize),
-    /// Components along the gyro's input and spin axes instead of body axes.
-    InputSpin,
-}
-
-/// Whether each gyro has coefficients of its own or all share one set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scope {
-    Gyro,
-    Common,
-}
-
-/// One coefficient of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coefficient {
-    pub name: &'static str,
-    pub unit: &'static str,
-}
-
-/// Magnitudes met in practice, in the unit of the coefficients.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Typical {
-    pub low: f64,
-    pub high: f64,
-    pub source: &'static str,
-}
-
-/// One entry of the catalogue.
-#[derive(Debug, Clone, Copy)]
-pub struct Entry {
-    pub effect: Effect,
-    pub id: &'static str,
-    pub cause: &'static str,
-    /// Drift added, deg/h, or change of scale, with the letters of the crate page.
-    pub equation: &'static str,
-    pub typical: Typical,
-    /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it something else that the
-    /// campaign hardly shows has been blown up.
-    pub plausible: f64,
-    /// What a campaign must hold for the effect to show.
-    pub needs: &'static str,
-    pub confused_with: &'static [Effect],
-    pub scope: Scope,
-    pub coefficients: fn(Shape) -> Vec<Coefficient>,
-    /// Why this campaign cannot hold the effect's regressors at all, if it cannot.
-    pub missing: fn(&Setting) -> Option<&'static str>,
-    /// Values of the non-linear parameter to try, with prior weights (not normalised). Never empty.
-    pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
-    /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
-    pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
-}
-
-/// All contract entries, in the order of the contract.
-pub const CATALOGUE: [&Entry; 24] = [
-    &model_terms::G_LINEAR,
-    &model_terms::G_SQUARED,
-    &model_terms::SCALE,
-    &thermal::TEMPERATURE_BIAS,
-    &thermal::TEMPERATURE_G,
-    &thermal::TEMPERATURE_SCALE,
-    &time::WARMUP,
-    &time::TIME_RAMP,
-    &time::BIAS_STEP,
-    &time::OUTLIER_DWELL,
-    &time::PERIODIC,
-    &memory::HYSTERESIS,
-    &rate::SCALE_ASYMMETRY,
-    &rate::SCALE_QUADRATIC,
-    &rate::SCALE_CUBIC,
-    &rate::ANISOINERTIA,
-    &rate::G_RATE_COUPLING,
-    &station::LEVELLING,
-    &station::AZIMUTH,
-    &station::MAGNETIC,
-    &acceleration::CROSS_COMPLIANCE,
-    &acceleration::CUBIC_G,
-    &acceleration::OUTPUT_AXIS_G,
-    &acceleration::MOUNT_CLOCKING,
+/// Families by the order of [`Effect`]: those of the contract, then competing hypotheses.
+const CONTRACT: [&[&Entry]; 7] = [
+    model_terms::ENTRIES,
+    thermal::ENTRIES,
+    time::ENTRIES,
+    memory::ENTRIES,
+    rate::ENTRIES,
+    station::ENTRIES,
+    acceleration::ENTRIES,
 ];
+
+/// All entries that may be named, in the order of the contract.
+pub const CATALOGUE: [&Entry; count(&CONTRACT)] = joined(&CONTRACT);
+
+/// Competing hypotheses, which are never named.
+pub const COMPETITORS: [&Entry; count(&competitors::FAMILIES)] = joined(&competitors::FAMILIES);
+
+const fn count(families: &[&[&Entry]]) -> usize {
+    let (mut family, mut sum) = (0, 0);
+    while family < families.len() {
+        sum += families[family].len();
+        family += 1;
+    }
+    sum
+}
+
+const fn joined<const N: usize>(families: &[&[&'static Entry]]) -> [&'static Entry; N] {
+    let mut all = [families[0][0]; N];
+    let (mut family, mut next) = (0, 0);
+    while family < families.len() {
+        let mut i = 0;
+        while i < families[family].len() {
+            all[next] = families[family][i];
+            next += 1;
+            i += 1;
+        }
+        family += 1;
+    }
+    all
+}
 
 impl Effect {
     pub fn entry(self) -> &'static Entry {
-        CATALOGUE[self as usize]
+        let place = self as usize;
+        if place < CATALOGUE.len() { CATALOGUE[place] } else { COMPETITORS[place - CATALOGUE.len()] }
     }
 
     pub fn id(self) -> &'static str {
         self.entry().id
     }
 
-    /// Whether the entry's regressors are made for this kind of shape.
-    pub fn can_have(self, shape: Shape) -> bool {
-        match self {
-            Effect::Warmup => matches!(shape, Shape::Tau(_)),
-            Effect::BiasStep => matches!(shape, Shape::Instant(_)),
-            Effect::OutlierDwell => matches!(shape, Shape::Dwell(_)),
-            Effect::Periodic => matches!(shape, Shape::Period(_)),
-            Effect::Magnetic => matches!(shape, Shape::Azimuth(_)),
-            Effect::Anisoinertia => matches!(shape, Shape::Clocking(_)),
-            Effect::Levelling => matches!(shape, Shape::Tilt { .. }),
-            Effect::CrossCompliance => matches!(shape, Shape::Linear | Shape::Only(_)),
-            Effect::TemperatureG => matches!(shape, Shape::Linear | Shape::InputSpin),
-            _ => shape == Shape::Linear,
-        }
+    pub fn is_nameable(self) -> bool {
+        self.entry().nameable
     }
 
-    /// Whether it is a course of the bias in time alone.
-    pub fn is_course_in_time(self) -> bool {
-        matches!(self, Self::Warmup | Self::TimeRamp | Self::BiasStep | Self::Periodic)
-    }
-
-    pub fn is_of_temperature(self) -> bool {
-        matches!(self, Self::TemperatureBias | Self::TemperatureG | Self::TemperatureScale)
-    }
-
+    /// The entry of the contract with this id.
     pub fn from_id(id: &str) -> Option<Self> {
         CATALOGUE.iter().find(|entry| entry.id == id).map(|entry| entry.effect)
+    }
+
+    /// The entry that stands for a term of model (6), where there is one.
+    pub fn of_term(term: Term) -> Option<Self> {
+        Self::from_id(term.name())
+    }
+
+    /// The term of model (6) that it stands for, if it does.
+    pub fn term(self) -> Option<Term> {
+        Term::from_name(self.id())
     }
 }
 
 /// The names of all contract entries, for messages.
 pub fn known() -> String {
     CATALOGUE.map(|entry| entry.id).join(", ")
-}
-
-/// The shapes of an entry without a non-linear parameter.
-fn linear(_: &Setting) -> Vec<(Shape, f64)> {
-    vec![(Shape::Linear, 1.0)]
-}
-
-fn nothing_missing(_: &Setting) -> Option<&'static str> {
-    None
-}
-
-fn no_temperature(setting: &Setting) -> Option<&'static str> {
-    match &setting.temperature {
-        None => Some("the dwells carry no temperature"),
-        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some("the temperature is constant"),
-        Some(_) => None,
-    }
-}
-
-fn no_attitude(setting: &Setting) -> Option<&'static str> {
-    setting.nav_to_body.is_none().then_some("the dwells carry no attitude")
 }
 
 #[cfg(test)]
@@ -234,25 +123,28 @@ mod tests {
         }
     }
 
-    /// Some shape that the entry's regressors are made for: names and units of coefficients hang on its kind alone.
-    fn any_shape(effect: Effect) -> Shape {
-        let kinds = [
-            Shape::Linear,
-            Shape::Tau(1.0),
-            Shape::Instant(1.0),
-            Shape::Dwell(0),
-            Shape::Period(1.0),
-            Shape::Azimuth(0.0),
-            Shape::Clocking(0.0),
-            Shape::Tilt { with_rate: false },
-        ];
-        kinds.into_iter().find(|shape| effect.can_have(*shape)).unwrap()
+    #[test]
+    fn every_competing_hypothesis_says_what_it_is_and_what_it_passes_for() {
+        let mut ids: Vec<&str> = COMPETITORS.iter().map(|competitor| competitor.id).collect();
+        for (i, competitor) in COMPETITORS.iter().enumerate() {
+            assert_eq!(competitor.effect as usize, CATALOGUE.len() + i, "{}", competitor.id);
+            assert_eq!(competitor.effect.entry().id, competitor.id);
+            let words =
+                [competitor.looks_like, competitor.cause, competitor.equation, competitor.unit, competitor.needs];
+            assert!(words.iter().all(|text| !text.is_empty()) && !competitor.typical.source.is_empty());
+            assert!(competitor.typical.low < competitor.typical.high && !competitor.confused_with.is_empty());
+            assert!(!competitor.nameable && competitor.scope == Scope::Gyro, "{}", competitor.id);
+            assert_eq!(Effect::from_id(competitor.id), None, "the contract's entries are no competitors");
+        }
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), COMPETITORS.len());
     }
 
     #[test]
     fn the_documentation_holds_the_catalogue_row_by_row() {
         let row = |entry: &&Entry| {
-            let unit = (entry.coefficients)(any_shape(entry.effect))[0].unit;
+            let unit = entry.unit;
             let of = if entry.scope == Scope::Common { "all gyros alike" } else { "each gyro" };
             let others: Vec<String> = entry.confused_with.iter().map(|other| format!("`{}`", other.id())).collect();
             let equation = entry.equation.replace('|', "\\|");

@@ -1,21 +1,23 @@
 //! Model (6)'s own terms as effects: candidates whenever the model in use leaves them out.
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Typical, linear, nothing_missing};
+use super::entry::{Effect, Entry, PLAIN, Typical};
+use super::setting::Setting;
+
+pub(super) const ENTRIES: &[&Entry] = &[&G_LINEAR, &G_SQUARED, &SCALE];
 
 pub const G_LINEAR: Entry = Entry {
     effect: Effect::GLinear,
     id: "g_linear",
     cause: "mass unbalance and buoyancy offset of the float: drift in proportion to specific force",
     equation: "G_x a_x + G_y a_y + G_z a_z",
+    unit: "deg/(h g0)",
     typical: Typical { low: 0.1, high: 10.0, source: "Tables 4 and 5 of the paper" },
     plausible: 5e3,
     needs: "at least three independent directions of specific force",
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::GSquared],
-    scope: Scope::Gyro,
-    coefficients: |_| axes(["G_x", "G_y", "G_z"], "deg/(h g0)"),
-    missing: nothing_missing,
-    shapes: linear,
+    names: |_| vec!["G_x", "G_y", "G_z"],
     columns: |s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i])).collect(),
+    ..PLAIN
 };
 
 pub const G_SQUARED: Entry = Entry {
@@ -23,15 +25,14 @@ pub const G_SQUARED: Entry = Entry {
     id: "g_squared",
     cause: "compliance of the float's suspension along its axes: drift in proportion to squared specific force",
     equation: "P_x a_x^2 + P_y a_y^2 + P_z a_z^2",
+    unit: "deg/(h g0^2)",
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517: g-squared sensitivities of floated gyros" },
     plausible: 1e3,
     needs: "specific force along at least three axes; at 1 g one combination is the bias",
     confused_with: &[Effect::GLinear, Effect::CubicG],
-    scope: Scope::Gyro,
-    coefficients: |_| axes(["P_x", "P_y", "P_z"], "deg/(h g0^2)"),
-    missing: nothing_missing,
-    shapes: linear,
+    names: |_| vec!["P_x", "P_y", "P_z"],
     columns: |s, _, _| (0..3).map(|i| s.column(|k| s.force[k][i].powi(2))).collect(),
+    ..PLAIN
 };
 
 pub const SCALE: Entry = Entry {
@@ -39,21 +40,17 @@ pub const SCALE: Entry = Entry {
     id: "scale",
     cause: "scale factor and installation of the input axis",
     equation: "E_x w_x + E_y w_y + E_z w_z, over |E|",
+    unit: "1",
     typical: Typical { low: 1e-4, high: 1.0, source: "Table 3 of the paper" },
     plausible: 10.0,
     needs: "rates about three axes",
     confused_with: &[Effect::Magnetic, Effect::TemperatureScale],
-    scope: Scope::Gyro,
-    coefficients: |_| axes(["E_x", "E_y", "E_z"], "1"),
+    names: |_| vec!["E_x", "E_y", "E_z"],
     missing: no_rates,
-    shapes: linear,
     columns: |s, _, _| (0..3).map(|i| s.column(|k| s.rate[k][i])).collect(),
+    ..PLAIN
 };
 
 fn no_rates(s: &Setting) -> Option<&'static str> {
     s.rate.iter().all(|w| w.norm() == 0.0).then_some("every commanded rate is zero")
-}
-
-fn axes(names: [&'static str; 3], unit: &'static str) -> Vec<Coefficient> {
-    names.into_iter().map(|name| Coefficient { name, unit }).collect()
 }

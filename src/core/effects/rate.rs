@@ -1,21 +1,23 @@
 //! Effects that show when the table turns. w in arcsec/s = deg/h.
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, nothing_missing};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical};
+use super::setting::Setting;
+
+pub(super) const ENTRIES: &[&Entry] =
+    &[&SCALE_ASYMMETRY, &SCALE_QUADRATIC, &SCALE_CUBIC, &ANISOINERTIA, &G_RATE_COUPLING];
 
 pub const SCALE_ASYMMETRY: Entry = Entry {
     effect: Effect::ScaleAsymmetry,
     id: "scale_asymmetry",
     cause: "positive and negative torquing currents are switched or weighted differently",
     equation: "k |w_I|: scale factor x (1 + k sign w_I)",
+    unit: "1",
     typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, scale-factor asymmetry" },
     plausible: 0.05,
     needs: "rotation in both senses",
     confused_with: &[Effect::ScaleQuadratic, Effect::Anisoinertia],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "1" }],
-    missing: nothing_missing,
-    shapes: linear,
     columns: |s, j, _| vec![input_rate(s, j, f64::abs)],
+    ..PLAIN
 };
 
 pub const SCALE_QUADRATIC: Entry = Entry {
@@ -23,6 +25,7 @@ pub const SCALE_QUADRATIC: Entry = Entry {
     id: "scale_quadratic",
     cause: "torquer heating and saturation: the scale factor depends on rate, evenly",
     equation: "k w_I^2",
+    unit: "deg/h/(deg/h)^2",
     typical: Typical {
         low: 1e-10,
         high: 1e-7,
@@ -31,11 +34,8 @@ pub const SCALE_QUADRATIC: Entry = Entry {
     plausible: 1e-5,
     needs: "four or more rates in both senses",
     confused_with: &[Effect::ScaleAsymmetry, Effect::Anisoinertia],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/(deg/h)^2" }],
-    missing: nothing_missing,
-    shapes: linear,
     columns: |s, j, _| vec![input_rate(s, j, |w| w * w)],
+    ..PLAIN
 };
 
 pub const SCALE_CUBIC: Entry = Entry {
@@ -43,6 +43,7 @@ pub const SCALE_CUBIC: Entry = Entry {
     id: "scale_cubic",
     cause: "saturation of the torquer: the scale factor depends on rate, oddly",
     equation: "k w_I^3",
+    unit: "deg/h/(deg/h)^3",
     typical: Typical {
         low: 1e-14,
         high: 1e-11,
@@ -51,11 +52,8 @@ pub const SCALE_CUBIC: Entry = Entry {
     plausible: 1e-9,
     needs: "four or more rates in both senses",
     confused_with: &[Effect::TemperatureScale],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/(deg/h)^3" }],
-    missing: nothing_missing,
-    shapes: linear,
     columns: |s, j, _| vec![input_rate(s, j, |w| w.powi(3))],
+    ..PLAIN
 };
 
 /// S about I is known to the mounting's tolerance only (some arc-minutes), and where w_I w_S nearly vanishes on the
@@ -65,13 +63,11 @@ pub const ANISOINERTIA: Entry = Entry {
     id: "anisoinertia",
     cause: "the float's moments of inertia about its input and spin axes differ",
     equation: "k w_I w_S",
+    unit: "deg/h/(deg/h)^2",
     typical: Typical { low: 1e-10, high: 1e-7, source: "IEEE 517, anisoinertia of floated gyros" },
     plausible: 1e-5,
     needs: "rates about axes that have components along both I and S",
     confused_with: &[Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/(deg/h)^2" }],
-    missing: nothing_missing,
     shapes: |_| CLOCKINGS.iter().map(|&(phi, weight)| (Shape::Clocking(phi), weight)).collect(),
     columns: |s, j, shape| {
         let Shape::Clocking(phi) = shape else { return Vec::new() };
@@ -79,6 +75,8 @@ pub const ANISOINERTIA: Entry = Entry {
         let spin = gyro.spin * phi.cos() + gyro.output * phi.sin();
         vec![s.column(|k| s.rate[k].dot(&gyro.input) * s.rate[k].dot(&spin))]
     },
+    parameter: Parameter::Clocking,
+    ..PLAIN
 };
 
 pub const G_RATE_COUPLING: Entry = Entry {
@@ -86,18 +84,16 @@ pub const G_RATE_COUPLING: Entry = Entry {
     id: "g_rate_coupling",
     cause: "specific force along the input axis loads the torquer's gap: scale factor depends on it",
     equation: "k a_I w_I: scale factor x (1 + k a_I)",
+    unit: "1/g0",
     typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, acceleration sensitivity of scale factor" },
     plausible: 0.05,
     needs: "each rate axis with its up-direction both ways",
     confused_with: &[Effect::ScaleAsymmetry],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "1/g0" }],
-    missing: nothing_missing,
-    shapes: linear,
     columns: |s, j, _| {
         let input = &s.gyros[j].input;
         vec![s.column(|k| s.force[k].dot(input) * s.rate[k].dot(input))]
     },
+    ..PLAIN
 };
 
 /// Clocking angles, rad, and weights of a normal distribution with 1.5 mrad.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::core::campaign::{Campaign, Phase};
+use crate::core::campaign::{Campaign, Phase, Temperatures};
 use crate::core::frames::{Nav, Vector};
 use crate::core::mounting::Slot;
 
@@ -68,7 +68,7 @@ impl Setting {
         Self {
             time: dwells.iter().map(|d| d.mid_s()).collect(),
             duration: dwells.iter().map(|d| d.duration_s).collect(),
-            temperature: campaign.temperatures().filled.map(centred),
+            temperature: Temperatures::of(campaign).filled.map(centred),
             field_nav: campaign.site.and_then(|s| s.magnetic_field_nav),
             force,
             rate,

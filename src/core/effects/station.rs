@@ -7,26 +7,32 @@
 
 use nalgebra::Vector3;
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, no_attitude};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Scope, Shape, Typical, no_attitude};
+use super::setting::Setting;
 use crate::core::campaign::Phase;
+
+pub(super) const ENTRIES: &[&Entry] = &[&LEVELLING, &AZIMUTH, &MAGNETIC];
 
 pub const LEVELLING: Entry = Entry {
     effect: Effect::Levelling,
     id: "levelling",
     cause: "the table's vertical is tilted about east and north; all gyros see the same tilt",
     equation: "G.C(d x f)/|E| + E.C(d x w)/|E|, d = (d_E, d_N, 0)",
+    unit: "rad",
     typical: Typical { low: 5e-6, high: 1e-3, source: "levelling of two-axis tables, 1 to 200 arcsec" },
     plausible: 0.2,
     needs: "attitudes, with several azimuths a face",
     confused_with: &[Effect::Azimuth, Effect::Magnetic],
     scope: Scope::Common,
-    coefficients: |_| ["east", "north"].into_iter().map(|name| Coefficient { name, unit: "rad" }).collect(),
+    names: |_| vec!["east", "north"],
     missing: no_attitude,
     shapes: |_| vec![(Shape::Tilt { with_rate: false }, 1.0), (Shape::Tilt { with_rate: true }, 1.0)],
     columns: |s, j, shape| {
         let with_rate = shape == Shape::Tilt { with_rate: true };
         vec![tilted(s, j, Vector3::x(), with_rate), tilted(s, j, Vector3::y(), with_rate)]
     },
+    parameter: Parameter::Tilt,
+    ..PLAIN
 };
 
 pub const AZIMUTH: Entry = Entry {
@@ -34,15 +40,16 @@ pub const AZIMUTH: Entry = Entry {
     id: "azimuth",
     cause: "the table's north is misaligned; all gyros see the same angle",
     equation: "E.C(d x w)/|E|, d = (0, 0, d_U)",
+    unit: "rad",
     typical: Typical { low: 5e-6, high: 3e-3, source: "north alignment of tables, 1 to 600 arcsec" },
     plausible: 0.5,
     needs: "attitudes, with several azimuths a face",
     confused_with: &[Effect::Levelling, Effect::Magnetic],
     scope: Scope::Common,
-    coefficients: |_| vec![Coefficient { name: "up", unit: "rad" }],
+    names: |_| vec!["up"],
     missing: no_attitude,
-    shapes: linear,
     columns: |s, j, _| vec![tilted(s, j, Vector3::z(), false)],
+    ..PLAIN
 };
 
 pub const MAGNETIC: Entry = Entry {
@@ -50,12 +57,12 @@ pub const MAGNETIC: Entry = Entry {
     id: "magnetic",
     cause: "the ambient field acts on the motor and torquer: drift fixed to a direction in nav",
     equation: "k . C b, b the horizontal direction of the field; its vertical part lies inside G",
+    unit: "deg/h",
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, magnetic sensitivity, per 0.5 gauss" },
     plausible: 1e3,
     needs: "attitudes and rate dwells: without them it is Earth rate",
     confused_with: &[Effect::Azimuth, Effect::Levelling, Effect::Scale],
-    scope: Scope::Gyro,
-    coefficients: |_| ["k_x", "k_y", "k_z"].into_iter().map(|name| Coefficient { name, unit: "deg/h" }).collect(),
+    names: |_| vec!["k_x", "k_y", "k_z"],
     missing: no_attitude,
     shapes: field_directions,
     columns: |s, _, shape| {
@@ -64,6 +71,8 @@ pub const MAGNETIC: Entry = Entry {
         let body = in_body(s, field);
         (0..3).map(|i| body.iter().map(|b| b[i]).collect()).collect()
     },
+    parameter: Parameter::FieldAzimuth,
+    ..PLAIN
 };
 
 /// Declinations rarely exceed 20 degrees; iron in the building can turn the field anywhere.

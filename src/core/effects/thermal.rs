@@ -1,21 +1,25 @@
 //! Effects of temperature, T = temperature minus the campaign's mean, K.
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, no_temperature};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical, no_temperature};
+use super::setting::Setting;
+
+pub(super) const ENTRIES: &[&Entry] = &[&TEMPERATURE_BIAS, &TEMPERATURE_G, &TEMPERATURE_SCALE];
 
 pub const TEMPERATURE_BIAS: Entry = Entry {
     effect: Effect::TemperatureBias,
     id: "temperature_bias",
     cause: "buoyancy, flex leads and electronics change with temperature: bias follows it",
     equation: "k T",
+    unit: "deg/h/K",
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of bias of floated gyros" },
     plausible: 200.0,
     needs: "a temperature column whose course differs from time's",
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/K" }],
     missing: no_temperature,
-    shapes: linear,
     columns: |s, _, _| vec![temperature_times(s, |_| 1.0)],
+    of_temperature: true,
+    follows_time: true,
+    ..PLAIN
 };
 
 pub const TEMPERATURE_G: Entry = Entry {
@@ -23,15 +27,12 @@ pub const TEMPERATURE_G: Entry = Entry {
     id: "temperature_g",
     cause: "thermal expansion shifts the centres of mass and buoyancy: mass unbalance follows temperature",
     equation: "T (k_x a_x + k_y a_y + k_z a_z), or T (k_I a_I + k_S a_S)",
+    unit: "deg/(h g0 K)",
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, temperature sensitivity of mass unbalance" },
     plausible: 50.0,
     needs: "a temperature column that varies within each orientation family",
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureScale],
-    scope: Scope::Gyro,
-    coefficients: |shape| {
-        let names: &[_] = if shape == Shape::InputSpin { &["k_I", "k_S"] } else { &["k_x", "k_y", "k_z"] };
-        names.iter().map(|name| Coefficient { name, unit: "deg/(h g0 K)" }).collect()
-    },
+    names: |shape| if shape == Shape::InputSpin { vec!["k_I", "k_S"] } else { vec!["k_x", "k_y", "k_z"] },
     missing: no_temperature,
     shapes: |_| vec![(Shape::InputSpin, 1.0), (Shape::Linear, 1.0)],
     columns: |s, j, shape| match shape {
@@ -44,6 +45,9 @@ pub const TEMPERATURE_G: Entry = Entry {
         }
         _ => (0..3).map(|i| temperature_times(s, |k| s.force[k][i])).collect(),
     },
+    parameter: Parameter::Axes,
+    of_temperature: true,
+    ..PLAIN
 };
 
 pub const TEMPERATURE_SCALE: Entry = Entry {
@@ -51,6 +55,7 @@ pub const TEMPERATURE_SCALE: Entry = Entry {
     id: "temperature_scale",
     cause: "torquer magnet and resistor change with temperature: scale factor follows it",
     equation: "k T w_I",
+    unit: "1/K",
     typical: Typical {
         low: 1e-6,
         high: 1e-3,
@@ -59,11 +64,10 @@ pub const TEMPERATURE_SCALE: Entry = Entry {
     plausible: 0.02,
     needs: "a temperature column and rate dwells",
     confused_with: &[Effect::TemperatureG, Effect::ScaleCubic],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "1/K" }],
     missing: no_temperature,
-    shapes: linear,
     columns: |s, j, _| vec![temperature_times(s, |k| s.rate[k].dot(&s.gyros[j].input))],
+    of_temperature: true,
+    ..PLAIN
 };
 
 /// T times `factor`, dwell by dwell. Zero where there is no temperature, which `missing` has told before.

@@ -2,25 +2,30 @@
 
 use std::f64::consts::TAU as FULL_TURN;
 
-use super::{Coefficient, Effect, Entry, Scope, Setting, Shape, Typical, linear, nothing_missing};
+use super::entry::{Effect, Entry, PLAIN, Parameter, Shape, Typical};
+use super::setting::Setting;
+
+pub(super) const ENTRIES: &[&Entry] = &[&WARMUP, &TIME_RAMP, &BIAS_STEP, &OUTLIER_DWELL, &PERIODIC];
 
 pub const WARMUP: Entry = Entry {
     effect: Effect::Warmup,
     id: "warmup",
     cause: "the gyro and its electronics settle after power-up",
     equation: "k exp(-t/tau), tau unknown",
+    unit: "deg/h",
     typical: Typical { low: 0.01, high: 1.0, source: "IEEE 517, warm-up of floated gyros; tau of minutes to hours" },
     plausible: 1e4,
     needs: "dwells early after power-up, several within tau",
     confused_with: &[Effect::TimeRamp, Effect::TemperatureBias, Effect::OutlierDwell],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![DRIFT],
-    missing: nothing_missing,
     shapes: time_constants,
     columns: |s, _, shape| {
         let Shape::Tau(tau) = shape else { return Vec::new() };
         vec![s.column(|k| (-s.elapsed(k) / tau).exp())]
     },
+    parameter: Parameter::Tau,
+    course_in_time: true,
+    follows_time: true,
+    ..PLAIN
 };
 
 pub const TIME_RAMP: Entry = Entry {
@@ -28,6 +33,7 @@ pub const TIME_RAMP: Entry = Entry {
     id: "time_ramp",
     cause: "steady ageing or settling through the campaign",
     equation: "k t",
+    unit: "deg/h/h",
     typical: Typical {
         low: 1e-4,
         high: 0.1,
@@ -36,11 +42,10 @@ pub const TIME_RAMP: Entry = Entry {
     plausible: 1e4,
     needs: "an order of dwells that specific force, rate and temperature do not follow",
     confused_with: &[Effect::Warmup, Effect::TemperatureBias, Effect::Periodic, Effect::GLinear],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![Coefficient { name: "k", unit: "deg/h/h" }],
-    missing: nothing_missing,
-    shapes: linear,
     columns: |s, _, _| vec![s.column(|k| s.elapsed(k) / 3600.0)],
+    course_in_time: true,
+    follows_time: true,
+    ..PLAIN
 };
 
 pub const BIAS_STEP: Entry = Entry {
@@ -48,18 +53,21 @@ pub const BIAS_STEP: Entry = Entry {
     id: "bias_step",
     cause: "a mass shift, a power interruption or a reconnected plug changes the bias once",
     equation: "k after an unknown instant",
+    unit: "deg/h",
     typical: Typical { low: 1e-3, high: 1.0, source: "turn-on to turn-on bias of floated gyros" },
     plausible: 1e4,
     needs: "several dwells on either side",
     confused_with: &[Effect::TimeRamp, Effect::OutlierDwell, Effect::Periodic],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![DRIFT],
-    missing: nothing_missing,
     shapes: instants,
     columns: |s, _, shape| {
         let Shape::Instant(instant) = shape else { return Vec::new() };
         vec![s.column(|k| if s.time[k] > instant { 1.0 } else { 0.0 })]
     },
+    parameter: Parameter::Instant,
+    course_in_time: true,
+    follows_time: true,
+    one_occasion: true,
+    ..PLAIN
 };
 
 pub const OUTLIER_DWELL: Entry = Entry {
@@ -67,18 +75,19 @@ pub const OUTLIER_DWELL: Entry = Entry {
     id: "outlier_dwell",
     cause: "one dwell was disturbed: a shock, a wrong position, a lost count",
     equation: "k in one unknown dwell",
+    unit: "deg/h",
     typical: Typical { low: 0.01, high: 100.0, source: "station logs: any size" },
     plausible: f64::INFINITY,
     needs: "enough dwells that one is not needed for the fit",
     confused_with: &[Effect::BiasStep, Effect::Warmup],
-    scope: Scope::Gyro,
-    coefficients: |_| vec![DRIFT],
-    missing: nothing_missing,
     shapes: |s| (0..s.dwells()).map(|k| (Shape::Dwell(k), 1.0)).collect(),
     columns: |s, _, shape| {
         let Shape::Dwell(dwell) = shape else { return Vec::new() };
         vec![s.column(|k| if k == dwell { 1.0 } else { 0.0 })]
     },
+    parameter: Parameter::Dwell,
+    one_occasion: true,
+    ..PLAIN
 };
 
 pub const PERIODIC: Entry = Entry {
@@ -86,22 +95,23 @@ pub const PERIODIC: Entry = Entry {
     id: "periodic",
     cause: "air conditioning, a thermostat's cycle or the mains beat with the dwells",
     equation: "k_s sin(2 pi t/period) + k_c cos(2 pi t/period), period unknown",
+    unit: "deg/h",
     typical: Typical { low: 1e-3, high: 0.1, source: "thermostat cycles of minutes to hours" },
     plausible: 1e4,
     needs: "periods longer than two intervals between dwells and shorter than the campaign",
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp, Effect::BiasStep],
-    scope: Scope::Gyro,
-    coefficients: |_| ["k_sin", "k_cos"].into_iter().map(|name| Coefficient { name, unit: "deg/h" }).collect(),
-    missing: nothing_missing,
+    names: |_| vec!["k_sin", "k_cos"],
     shapes: periods,
     columns: |s, _, shape| {
         let Shape::Period(period) = shape else { return Vec::new() };
         let phase = |k: usize| FULL_TURN * s.elapsed(k) / period;
         vec![s.column(|k| phase(k).sin()), s.column(|k| phase(k).cos())]
     },
+    parameter: Parameter::Period,
+    course_in_time: true,
+    follows_time: true,
+    ..PLAIN
 };
-
-const DRIFT: Coefficient = Coefficient { name: "k", unit: "deg/h" };
 
 /// From half an interval between dwells to the whole campaign: longer ones are a ramp, shorter ones one dwell.
 fn time_constants(s: &Setting) -> Vec<(Shape, f64)> {

@@ -16,6 +16,12 @@ impl LogSum {
     /// Terms below this, in logarithms, do not change a sum of 1.
     const NOTHING: f64 = -37.0;
 
+    pub fn of(logs: &[f64]) -> Self {
+        let mut sum = Self::default();
+        logs.iter().for_each(|log| sum.add(*log));
+        sum
+    }
+
     pub fn add(&mut self, log: f64) {
         if log > self.top {
             self.sum = 1.0 + self.sum * (self.top - log).exp();

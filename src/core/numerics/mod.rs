@@ -1,7 +1,6 @@
 //! Linear algebra, least squares and probabilities that the mathematics shares.
 
 pub(super) mod basis;
-pub(super) mod cholesky;
 pub mod least_squares;
 pub(super) mod log_sum;
 pub(crate) mod normal;

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix2, SMatrix, Vector2, Vector3};
 
-use super::{CovarianceEg, Normalised};
+use super::normalised::{CovarianceEg, Normalised};
 use crate::core::mounting::Slot;
 use crate::core::units::{degrees, radians};
 

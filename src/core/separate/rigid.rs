@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Matrix3x6, Vector3};
 
-use super::{CovarianceEg, Normalised};
+use super::normalised::{CovarianceEg, Normalised};
 use crate::core::mounting::Triad;
 
 /// D_I, D_S and the closure D_O in deg/(h g0), and the axes that they were resolved on.

@@ -11,6 +11,7 @@ use crate::http::App;
 use crate::http::events::EventBody;
 use crate::http::query::{bad, not_one_of};
 use crate::message;
+use crate::pipeline::store;
 use crate::pipeline::{Span, sample_of};
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
@@ -73,7 +74,7 @@ impl Request {
                 let Some(column) = self.coefficient.column().filter(|&column| column < 2) else {
                     return Ok((Vec::new(), None));
                 };
-                let rows = app.pipeline.store().bench_results(gyro, self.span).await?;
+                let rows = store::bench::of_gyro(app.pipeline.store(), gyro, self.span).await?;
                 rows.iter()
                     .filter(|row| row.method == method)
                     .for_each(|row| gatherer.push(row.measured_at, row.d[column]));
@@ -94,7 +95,7 @@ impl Request {
         let column = self.coefficient.column().unwrap_or_default();
         let mut span = self.span;
         loop {
-            let rows = app.pipeline.store().history(gyro, span, ROWS).await?;
+            let rows = store::history::oldest(app.pipeline.store(), gyro, span, ROWS).await?;
             // Where the published method is not defined, a mean of both methods would be a figure of neither.
             let of_method = rows.iter().filter(|row| method == JudgedMethod::Rigid || row.published.is_some());
             of_method.for_each(|row| gatherer.push(row.at, sample_of(row, method).d[column].value));

@@ -15,7 +15,7 @@ use crate::message;
 pub(super) use crate::words::Language;
 
 impl Language {
-    /// What the pages say besides.
+    /// The words of the pages.
     pub(in crate::pages) fn text(self) -> &'static Text {
         match self {
             Self::English => &words::ENGLISH,

@@ -45,7 +45,7 @@ fn sentence_by_sentence(english: &str) -> Option<String> {
 /// What has a form as a whole.
 fn known(english: &str) -> Option<String> {
     if let Some(effect) = Effect::from_id(english) {
-        return Some(super::Language::Chinese.text().effect(effect).to_owned());
+        return Some(Language::Chinese.text().effect(effect).to_owned());
     }
     let fits = |(form, chinese): &(&str, &'static str)| Some((fillings(form, english)?, *chinese));
     let (fillings, chinese) = ALL.iter().copied().flatten().find_map(fits)?;

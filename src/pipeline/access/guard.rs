@@ -15,6 +15,7 @@ use crate::core::access::Role;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
+use crate::store;
 use crate::store::{Id, SessionRow, Store, StoreError, TokenRow};
 
 /// Why somebody is not let in.
@@ -103,8 +104,9 @@ impl Guard {
 
     /// Takes over what the database says.
     pub async fn read_again(&self) -> Result<(), StoreError> {
-        let tokens = self.0.store.tokens().await?.into_iter().map(|token| (token.id, token)).collect();
-        let sessions = self.0.store.sessions().await?.into_iter().map(|session| (session.id, session)).collect();
+        let tokens = store::access::tokens(&self.0.store).await?.into_iter().map(|token| (token.id, token)).collect();
+        let sessions =
+            store::access::sessions(&self.0.store).await?.into_iter().map(|session| (session.id, session)).collect();
         *self.0.book.write().unwrap_or_else(PoisonError::into_inner) = Book { tokens, sessions };
         Ok(())
     }

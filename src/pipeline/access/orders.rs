@@ -11,6 +11,7 @@ use super::secret::Secret;
 use crate::core::access::Role;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Job, Pipeline, Refused};
+use crate::store;
 use crate::store::{
     AccessChanges, AuditFilter, AuditRow, Beside, Changes, Id, SessionRow, StoreError, TokenRow, Writer,
 };
@@ -243,7 +244,7 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError`].
     pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
-        self.store.tokens().await
+        store::access::tokens(&self.store).await
     }
 
     /// The audit trail, newest first.
@@ -256,6 +257,6 @@ impl Pipeline {
         before: Option<Id>,
         limit: u32,
     ) -> Result<Vec<AuditRow>, StoreError> {
-        self.store.audit(filter, before, limit).await
+        store::access::audit(&self.store, filter, before, limit).await
     }
 }

@@ -9,6 +9,7 @@ use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Statu
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
+use crate::store;
 use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
 
 /// Every alert by gyro, and those that the transaction under construction changes.
@@ -77,7 +78,7 @@ impl AlertBook {
     /// Reads everything again, where it was forgotten.
     pub async fn refresh(&mut self, store: &Store, now: UtcMicros) -> Result<(), StoreError> {
         if self.stale {
-            let rows = store.alerts().await?;
+            let rows = store::alerts::all(store).await?;
             self.silences = Silences::load(store, now).await?;
             (self.alerts, self.changed, self.steps, self.news) = Default::default();
             rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));
@@ -91,7 +92,7 @@ impl AlertBook {
         if self.stale {
             return Ok(());
         }
-        let rows = store.alerts_of(gyros).await?;
+        let rows = store::alerts::of_gyros(store, gyros).await?;
         self.silences = Silences::load(store, now).await?;
         gyros.iter().for_each(|gyro| drop(self.alerts.remove(gyro)));
         rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));

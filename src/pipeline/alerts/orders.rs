@@ -3,6 +3,7 @@
 use crate::core::alert_decision;
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Job, Pipeline, Refused};
+use crate::store;
 use crate::store::{AlertFilter, AlertRow, Id, Remark, StoreError};
 use crate::wire::alert::AlertBody;
 
@@ -75,7 +76,7 @@ impl Pipeline {
         limit: u32,
     ) -> Result<Vec<(Id, AlertBody)>, StoreError> {
         let now = self.clock.now();
-        let rows = self.store.find_alerts(filter, now, before, limit).await?;
+        let rows = store::alerts::find(&self.store, filter, now, before, limit).await?;
         let tables = self.store.names().read();
         let naming = Naming { tables: &tables, new: None };
         rows.iter().map(|row| Ok((row.id, naming.alert(row, now)?))).collect()
@@ -86,8 +87,8 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError`].
     pub async fn alert(&self, id: Id) -> Result<Option<AlertRecord>, StoreError> {
-        let Some(row) = self.store.alert(id).await? else { return Ok(None) };
-        let steps = self.store.alert_steps(id, MOST_STEPS).await?;
+        let Some(row) = store::alerts::get(&self.store, id).await? else { return Ok(None) };
+        let steps = store::alerts::steps(&self.store, id, MOST_STEPS).await?;
         let steps = steps.into_iter().map(|step| {
             let alert = serde_json::from_str(&step.body)
                 .map_err(|error| StoreError::Damaged(format!("step {} of alert {id}: {error}", step.id)))?;

@@ -5,6 +5,7 @@ use super::book::{AlertBook, Pen};
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Actor, Job, Pipeline, Refused};
+use crate::store;
 use crate::store::{AlertRow, AuditRow, Changes, Id, Matchers, Remark, SilenceRow, Store, StoreError};
 use crate::wire::silence::{EndedBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
@@ -26,7 +27,7 @@ pub(super) struct Silences(Vec<SilenceRow>);
 
 impl Silences {
     pub async fn load(store: &Store, now: UtcMicros) -> Result<Self, StoreError> {
-        store.silences(Some(now), MOST_SILENCES).await.map(Self)
+        store::silence::list(store, Some(now), MOST_SILENCES).await.map(Self)
     }
 
     /// Those whose time has come are in force no more.
@@ -164,14 +165,14 @@ impl Pipeline {
     /// [`StoreError`].
     pub async fn silences(&self, all: bool) -> Result<Vec<MatchingSilenceBody>, StoreError> {
         let now = self.clock.now();
-        let rows = self.store.silences((!all).then_some(now), MOST_SILENCES).await?;
+        let rows = store::silence::list(&self.store, (!all).then_some(now), MOST_SILENCES).await?;
         Ok(rows.iter().map(|row| body(row, now)).collect())
     }
 
     /// # Errors
     /// [`StoreError`].
     pub async fn silence(&self, id: Id) -> Result<Option<MatchingSilenceBody>, StoreError> {
-        Ok(self.store.silence(id).await?.map(|row| body(&row, self.clock.now())))
+        Ok(store::silence::get(&self.store, id).await?.map(|row| body(&row, self.clock.now())))
     }
 
     /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.

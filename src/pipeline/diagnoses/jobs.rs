@@ -8,6 +8,7 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::access::Actor;
 use crate::pipeline::{Accepted, Job, Pipeline, Refused};
+use crate::store;
 use crate::store::{
     AccessChanges, CampaignFilter, Changes, FailedTask, Id, JobChanges, JobRow, NewJob, Span, Store, StoreError,
     TaskCounts, Writer,
@@ -50,7 +51,7 @@ impl JobDesk<'_> {
 
     async fn start(&mut self, wanted: &WantedDiagnoses, by: &Actor) -> Result<Accepted, Refused> {
         let asked = super::text(&wanted.asked);
-        if let Some(id) = self.store.open_diagnosis_job(&asked).await? {
+        if let Some(id) = store::diagnosis_job::open_as_asked(self.store, &asked).await? {
             return Ok(Accepted::There { id, same_bytes: true });
         }
         let (now, id) = (self.now, self.writer.next_id(self.now));
@@ -69,7 +70,7 @@ impl JobDesk<'_> {
     }
 
     async fn cancel(&mut self, id: Id, by: &Actor) -> Result<Accepted, Refused> {
-        let row = self.store.diagnosis_job(id).await?.ok_or(Refused::NoSuchDiagnoses { id })?;
+        let row = store::diagnosis_job::get(self.store, id).await?.ok_or(Refused::NoSuchDiagnoses { id })?;
         match (row.canceled, row.ended_at) {
             (true, _) => return Ok(Accepted::There { id, same_bytes: true }),
             (false, Some(_)) => return Err(Refused::DiagnosesEnded { id }),
@@ -187,8 +188,8 @@ impl Pipeline {
     /// [`StoreError`].
     pub async fn diagnosis_jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobBody>, StoreError> {
         let mut bodies = Vec::new();
-        for row in self.store.diagnosis_jobs(before, limit).await? {
-            let counts = self.store.task_counts(row.id).await?;
+        for row in store::diagnosis_job::list(&self.store, before, limit).await? {
+            let counts = store::diagnosis_job::task_counts(&self.store, row.id).await?;
             bodies.push(shown(row, counts)?);
         }
         Ok(bodies)
@@ -204,9 +205,9 @@ impl Pipeline {
         after: Option<Id>,
         limit: u32,
     ) -> Result<Option<JobDetailBody>, StoreError> {
-        let Some(row) = self.store.diagnosis_job(id).await? else { return Ok(None) };
-        let job = shown(row, self.store.task_counts(id).await?)?;
-        let mut failed = self.store.failed_tasks(id, after, limit + 1).await?;
+        let Some(row) = store::diagnosis_job::get(&self.store, id).await? else { return Ok(None) };
+        let job = shown(row, store::diagnosis_job::task_counts(&self.store, id).await?)?;
+        let mut failed = store::diagnosis_job::failed_tasks(&self.store, id, after, limit + 1).await?;
         let more = failed.len() > limit as usize;
         failed.truncate(limit as usize);
         let next = failed.last().filter(|_| more).map(|last| cursor::encode(last.record.0));
@@ -225,6 +226,6 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError`].
     pub async fn diagnoses_waiting(&self) -> Result<(u64, u64), StoreError> {
-        self.store.diagnoses_waiting().await
+        store::diagnosis_job::diagnoses_waiting(&self.store).await
     }
 }

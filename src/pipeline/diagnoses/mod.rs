@@ -5,7 +5,7 @@
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 //!
 //! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says what many
-//! diagnoses say together, from the [`gist`] that is kept of each.
+//! diagnoses say together, from the [`digest`] that is kept of each.
 
 pub(super) mod background;
 pub(super) mod digest;
@@ -30,6 +30,7 @@ use crate::pipeline::diagnoses::digest::{Gist, Seat, seats};
 use crate::pipeline::diagnoses::models::{InForce, ModelBook};
 use crate::pipeline::ingest::campaign::damaged;
 use crate::pipeline::ingest::submission::anything;
+use crate::store;
 use crate::store::{
     Changes, DiagnosisRow, Id, JobChanges, Kind, NewDiagnosis, RecordRow, SettledTask, Store, StoreError, Writer,
 };
@@ -160,7 +161,7 @@ impl Diagnoser {
         if let Some(diagnosed) = self.recall(id) {
             return Ok(Asked::Answered(diagnosed));
         }
-        let Some(row) = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign) else {
+        let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
             return Ok(Asked::NoSuchCampaign);
         };
         let in_force = self.models.of(Some(row.imu));
@@ -177,7 +178,7 @@ impl Diagnoser {
 
     /// As it was kept by this program against the model in force.
     async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
-        let kept = self.store.diagnosis(row.id).await?;
+        let kept = store::diagnosis::get(&self.store, row.id).await?;
         let Some(kept) = kept.filter(|kept| kept.program == program() && kept.model == in_force.id) else {
             return Ok(None);
         };
@@ -309,8 +310,8 @@ impl Pipeline {
     /// [`NotSplit`], where that is no reference for it.
     pub async fn split(&self, id: Id, diagnosis: &DiagnosisBody, reference: Id) -> Result<SplitBody, NotSplit> {
         let unknown = |id| move || NotSplit::NoSuchReference(id);
-        let row = self.store.record(id).await?.ok_or_else(unknown(id))?;
-        let held_against = self.store.record(reference).await?.ok_or_else(unknown(reference))?;
+        let row = store::record::get(&self.store, id).await?.ok_or_else(unknown(id))?;
+        let held_against = store::record::get(&self.store, reference).await?.ok_or_else(unknown(reference))?;
         let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(id, &faults))?;
         let body = held_against.body.as_bytes();
         let reference = match held_against.kind {

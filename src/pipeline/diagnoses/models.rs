@@ -9,6 +9,7 @@ use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
 use crate::pipeline::access::Actor;
 use crate::pipeline::{Accepted, Job, Pipeline, Refused};
+use crate::store;
 use crate::store::{AccessChanges, Changes, Id, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
@@ -42,7 +43,7 @@ impl ModelBook {
 
     /// Takes over what others have adopted.
     pub async fn read_again(&self, store: &Store) -> Result<(), StoreError> {
-        store.models_in_force().await?.iter().try_for_each(|row| self.note(row))
+        store::model::in_force(store).await?.iter().try_for_each(|row| self.note(row))
     }
 
     pub fn of(&self, imu: Option<u32>) -> InForce {
@@ -76,7 +77,7 @@ pub(crate) async fn adopt(
     let unknown = || Refused::UnknownImu { imu: adoption.imu.clone() };
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
-    if let Some(newest) = store.models(imu).await?.first()
+    if let Some(newest) = store::model::of_imu(store, imu).await?.first()
         && (&newest.body, &newest.author, &newest.reason) == (&body, &adoption.author, &adoption.reason)
     {
         return Ok(Accepted::There { id: newest.id, same_bytes: true });
@@ -118,7 +119,7 @@ impl Pipeline {
     /// [`StoreError`].
     pub async fn models(&self, imu: &str) -> Result<Option<Vec<(ModelRow, InForce)>>, StoreError> {
         let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
-        let rows = self.store.models(imu).await?;
+        let rows = store::model::of_imu(&self.store, imu).await?;
         let read = rows.into_iter().map(|row| read(&row).map(|in_force| (row, in_force)));
         read.collect::<Result<_, _>>().map(Some)
     }

@@ -13,6 +13,7 @@ use tokio::sync::watch;
 
 use super::{Diagnoser, Made, Outcome};
 use crate::pipeline::diagnoses::background::Awaited;
+use crate::store;
 use crate::store::{Id, Kind, StoreError};
 
 /// How many due campaigns are looked up at once.
@@ -57,12 +58,12 @@ impl Diagnoser {
     async fn make_due(&self, due: &watch::Receiver<u64>, hopeless: &mut HashSet<Id>) -> Result<Left, StoreError> {
         let (mut before, mut left) = (Id(i64::MAX), Left::Nothing);
         loop {
-            let mut page = self.store.diagnoses_due(before, PAGE).await?;
+            let mut page = store::diagnosis::due(&self.store, before, PAGE).await?;
             let Some(last) = page.last() else { return Ok(left) };
             before = *last;
             page.retain(|id| !hopeless.contains(id));
             while !page.is_empty() {
-                let claimed = self.store.claim(&page, self.claimed_at_once()).await?;
+                let claimed = store::claim::claim(&self.store, &page, self.claimed_at_once()).await?;
                 if claimed.is_empty() {
                     left = Left::Something;
                     break;
@@ -76,7 +77,7 @@ impl Diagnoser {
                     })
                     .buffer_unordered(self.at_once)
                     .collect();
-                let made: Vec<_> = self.store.while_claimed(&claimed, made).await;
+                let made: Vec<_> = store::claim::while_claimed(&self.store, &claimed, made).await;
                 for (id, made) in made {
                     if let Err(error) = made {
                         tracing::warn!(%error, campaign = %id, "a campaign could not be diagnosed; it will be when it is asked for");
@@ -94,14 +95,14 @@ impl Diagnoser {
     async fn work_off(&self, due: &watch::Receiver<u64>) -> Result<Left, StoreError> {
         let mut before = Vec::new();
         loop {
-            let page = self.store.tasks_waiting(TASKS).await?;
+            let page = store::diagnosis_job::tasks_waiting(&self.store, TASKS).await?;
             if page.is_empty() || due.has_changed().unwrap_or(true) {
                 return Ok(Left::Nothing);
             }
-            let claimed = self.store.claim(&page, self.claimed_at_once()).await?;
+            let claimed = store::claim::claim(&self.store, &page, self.claimed_at_once()).await?;
             // Others are at it, or nothing of it could be kept.
             if claimed.is_empty() || claimed == before {
-                self.store.while_claimed(&claimed, ready(())).await;
+                store::claim::while_claimed(&self.store, &claimed, ready(())).await;
                 return Ok(Left::Something);
             }
             let settled = stream::iter(claimed.iter().copied())
@@ -109,7 +110,7 @@ impl Diagnoser {
                 .map(|id| self.settle(id))
                 .buffer_unordered(self.at_once)
                 .for_each(ready);
-            self.store.while_claimed(&claimed, settled).await;
+            store::claim::while_claimed(&self.store, &claimed, settled).await;
             before = claimed;
         }
     }
@@ -136,7 +137,8 @@ impl Diagnoser {
     /// Returns once it is kept, or can never be.
     async fn make(&self, id: Id) -> Result<(), StoreError> {
         let missing = || StoreError::Damaged(format!("campaign {id} is missing"));
-        let row = self.store.record(id).await?.filter(|row| row.kind == Kind::Campaign).ok_or_else(missing)?;
+        let row =
+            store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign).ok_or_else(missing)?;
         let in_force = self.models.of(Some(row.imu));
         let mut end = self.begin(&row, in_force, Awaited::ByNobody)?;
         // An end without an answer has been written down as well.

@@ -12,6 +12,7 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::Pipeline;
 use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
+use crate::store;
 use crate::store::{CampaignFilter, GistRow, Id, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,
@@ -318,8 +319,8 @@ impl Pipeline {
             Ok(())
         };
         // First: what is diagnosed in between then counts twice, and never not at all.
-        let waiting = self.store.not_diagnosed(&filter.campaigns).await?;
-        self.store.each_gist(&filter.campaigns, add).await?;
+        let waiting = store::diagnosis_digest::not_diagnosed(&self.store, &filter.campaigns).await?;
+        store::diagnosis_digest::each(&self.store, &filter.campaigns, add).await?;
         let mut body = tally.into_body(&self.store.names().read());
         body.campaigns.waiting = waiting;
         Ok(body)

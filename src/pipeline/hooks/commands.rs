@@ -12,6 +12,7 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
 use crate::pipeline::{Actor, Refused};
+use crate::store;
 use crate::store::{
     AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
     Subject, Writer,
@@ -127,7 +128,7 @@ impl HookDesk<'_> {
         };
         let line = self.audited(order, by, about, &changes).await?;
         changes.access.audit.push(line);
-        self.store.hide(&mut changes.hooks)?;
+        store::hook::hide(self.store, &mut changes.hooks)?;
         self.writer.commit(&changes).await?;
         Ok(about)
     }
@@ -141,7 +142,7 @@ impl HookDesk<'_> {
             Order::Redeliver(_) => ("redeliver", format!("deliveries/{about}")),
         };
         let before = match order {
-            Order::Change(id, _) | Order::Delete(id) => self.store.hook(*id).await?,
+            Order::Change(id, _) | Order::Delete(id) => store::hook::get(self.store, *id).await?,
             Order::Create(_) | Order::Test(_) | Order::Redeliver(_) => None,
         };
         let after = changes.hooks.first().filter(|hook| hook.deleted_at.is_none());
@@ -158,12 +159,12 @@ impl HookDesk<'_> {
                 Found::Back(hook) => changes.outbox.hastened.push((*hook, self.now)),
             }
         }
-        self.store.hide(&mut changes.hooks)?;
+        store::hook::hide(self.store, &mut changes.hooks)?;
         Ok(self.writer.commit(&changes).await?)
     }
 
     async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, Refused> {
-        if self.store.hooks().await?.len() >= MOST_HOOKS {
+        if store::hook::all(self.store).await?.len() >= MOST_HOOKS {
             return Err(Refused::TooManyHooks { most: MOST_HOOKS });
         }
         let id = self.writer.next_id(self.now);
@@ -208,7 +209,7 @@ impl HookDesk<'_> {
     async fn take_up(&mut self, row: &HookRow, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         outbox.dropped.push((row.id, self.now));
         outbox.forgotten.push(row.id);
-        let taken = self.store.delivered_firing(row.id).await?;
+        let taken = store::hook::delivered_firing(self.store, row.id).await?;
         let ended = |id: &Id| self.alerts.iter().any(|one| one.id == *id && one.alert.status == Status::Resolved);
         // Of what fires it is told again, whatever it has heard.
         let heard = taken.into_iter().filter(ended).map(|id| (id, Severity::Warning)).collect();
@@ -266,7 +267,7 @@ impl HookDesk<'_> {
     }
 
     async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, Refused> {
-        let delivery = self.store.delivery(id).await?.ok_or(Refused::NoSuchDelivery { id })?;
+        let delivery = store::outbox::get(self.store, id).await?.ok_or(Refused::NoSuchDelivery { id })?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
             DeliveryState::Behind => Err(Refused::StillBehind { id }),
@@ -297,7 +298,7 @@ impl HookDesk<'_> {
         }
         let Some(url) = &attempted.gone else { return Ok(()) };
         // Who has changed the address meanwhile has heard already.
-        if let Some(hook) = self.store.hook(attempted.hook).await?.filter(|hook| hook.url == *url) {
+        if let Some(hook) = store::hook::get(self.store, attempted.hook).await?.filter(|hook| hook.url == *url) {
             let because = to_stored(&message!("target_gone", at = time::format(attempted.at)));
             changes.hooks.push(HookRow {
                 enabled: false,
@@ -310,12 +311,12 @@ impl HookDesk<'_> {
     }
 
     async fn is_written(&self, attempted: &Attempted) -> Result<bool, StoreError> {
-        let delivery = self.store.delivery(attempted.delivery).await?;
+        let delivery = store::outbox::get(self.store, attempted.delivery).await?;
         Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 
     async fn hook(&self, id: Id) -> Result<HookRow, Refused> {
-        self.store.hook(id).await?.ok_or(Refused::NoSuchHook { id })
+        store::hook::get(self.store, id).await?.ok_or(Refused::NoSuchHook { id })
     }
 
     async fn enabled_hook(&self, id: Id) -> Result<HookRow, Refused> {

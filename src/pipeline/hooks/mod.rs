@@ -1,6 +1,6 @@
 //! Hooks: read and checked, kept, and shown with their deliveries.
 //!
-//! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`desk`]), so that changes never overlap.
+//! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`commands`]), so that changes never overlap.
 
 mod commands;
 pub(super) mod delivery;
@@ -18,6 +18,7 @@ use super::access::Actor;
 use super::{Job, Pipeline, Refused};
 use crate::alert::sign::Secret;
 use crate::core::fault::Faults;
+use crate::store;
 use crate::store::{DeliveryState, Id, StoreError};
 use crate::wire::hook::{DeliveryBody, HookBody};
 use tokio::sync::oneshot;
@@ -68,8 +69,8 @@ impl Pipeline {
     /// Every hook, oldest first.
     pub async fn hooks(&self) -> Result<Vec<HookBody>, StoreError> {
         let mut bodies = Vec::new();
-        for row in self.store.hooks().await? {
-            let queue = self.store.queue_state(row.id).await?;
+        for row in store::hook::all(&self.store).await? {
+            let queue = store::outbox::queue_state(&self.store, row.id).await?;
             bodies.push(show::hook(row, queue, self.clock.now())?);
         }
         Ok(bodies)
@@ -77,19 +78,19 @@ impl Pipeline {
 
     /// One hook. `drawn`: the secret that has just been drawn for it, which is shown this once.
     pub async fn hook(&self, id: Id, drawn: Option<&Secret>) -> Result<Option<HookBody>, StoreError> {
-        let Some(row) = self.store.hook(id).await? else { return Ok(None) };
-        let queue = self.store.queue_state(id).await?;
+        let Some(row) = store::hook::get(&self.store, id).await? else { return Ok(None) };
+        let queue = store::outbox::queue_state(&self.store, id).await?;
         let body = show::hook(row, queue, self.clock.now())?;
         Ok(Some(HookBody { secret: drawn.map(Secret::reveal), ..body }))
     }
 
     /// Deliveries of a hook, newest first, with all their attempts.
     pub async fn deliveries(&self, hook: Id, page: DeliveryPage) -> Result<Vec<DeliveryBody>, StoreError> {
-        let rows = self.store.deliveries(hook, page.state, page.before, page.limit).await?;
+        let rows = store::outbox::of_hook(&self.store, hook, page.state, page.before, page.limit).await?;
         Ok(rows.into_iter().map(show::delivery).collect())
     }
 
     pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryBody>, StoreError> {
-        Ok(self.store.delivery(id).await?.map(show::delivery))
+        Ok(store::outbox::get(&self.store, id).await?.map(show::delivery))
     }
 }

@@ -9,6 +9,7 @@ use crate::core::alert_decision::{Action, Alert};
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::News;
+use crate::store;
 use crate::store::{HookRow, Id, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
@@ -57,9 +58,9 @@ pub(crate) struct Scribe<'a> {
 
 impl HookBook {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
-        let enabled = store.hooks().await?.into_iter().filter(|hook| hook.enabled);
+        let enabled = store::hook::all(store).await?.into_iter().filter(|hook| hook.enabled);
         let hooks = enabled.map(|hook| Ear::of(&hook)).collect::<Result<_, _>>()?;
-        let heard = store.heard().await?.into_iter();
+        let heard = store::hook::heard(store).await?.into_iter();
         let unknown = |hook| StoreError::Damaged(format!("what hook {hook} has heard: unknown severity"));
         let heard = heard.map(|(hook, alert, severity)| {
             Ok(((hook, alert), Severity::from_name(&severity).ok_or_else(|| unknown(hook))?))

@@ -14,6 +14,7 @@ use crate::pipeline::ingest::submission::{
     BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
 };
 use crate::pipeline::queries::record::Reread;
+use crate::store;
 use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
 use crate::wire::answer::MethodBody;
 use crate::wire::bench::BenchBody;
@@ -212,7 +213,7 @@ impl Pipeline {
 
     /// The model that a stored campaign was fitted with.
     async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
-        let row = self.store.model_of_campaign(id).await?;
+        let row = store::model::of_campaign(&self.store, id).await?;
         row.as_ref().map_or_else(|| Ok(InForce::default()), crate::pipeline::diagnoses::models::read)
     }
 

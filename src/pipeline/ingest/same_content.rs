@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use crate::pipeline::ingest::submission::anything;
 use crate::pipeline::{Accepted, Pipeline, Refused};
+use crate::store;
 use crate::store::{Id, Kind};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
@@ -34,11 +35,11 @@ impl Pipeline {
             return Ok(id);
         }
         let differences = match sent {
-            Sent::Calibration(kind, body) => match self.store.record(id).await? {
+            Sent::Calibration(kind, body) => match store::record::get(&self.store, id).await? {
                 Some(stored) if stored.kind == kind => calibrations_differ(kind, &stored.body, body),
                 _ => Differences::in_everything(),
             },
-            Sent::Bench(body) => match self.store.bench_result(id).await? {
+            Sent::Bench(body) => match store::bench::get(&self.store, id).await? {
                 Some(stored) => benches_differ(&stored.body, body),
                 None => Differences::in_everything(),
             },

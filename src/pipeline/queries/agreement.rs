@@ -11,6 +11,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::Pipeline;
 use crate::pipeline::alerts::{Naming, Origin, finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
+use crate::store;
 use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
@@ -54,7 +55,7 @@ impl Pipeline {
     pub(crate) async fn told(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Told>>, StoreError> {
         let mut found: HashMap<u32, Vec<Told>> = HashMap::new();
         for rule in [Rule::Agreement, Rule::Requirement] {
-            for row in self.store.unresolved(rule, gyro).await? {
+            for row in store::alerts::unresolved(&self.store, rule, gyro).await? {
                 let finding = finding_of(&row)?;
                 let load = finding.value.map_or(0.0, |value| value / finding.limit);
                 let told = Told { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
@@ -70,9 +71,10 @@ impl Pipeline {
     /// it has said what is to be compared.
     pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StoreError> {
         let (benches, separations) = match span {
-            Some(span) => {
-                (self.store.bench_results(gyro, span).await?, self.store.history(gyro, span, usize::MAX).await?)
-            }
+            Some(span) => (
+                store::bench::of_gyro(&self.store, gyro, span).await?,
+                store::history::oldest(&self.store, gyro, span, usize::MAX).await?,
+            ),
             None => made_to_be_compared(&self.store, gyro, &Changes::default()).await?,
         };
         let naming = Naming { tables: &self.store.names().read(), new: None };
@@ -149,19 +151,19 @@ async fn made_to_be_compared(
     gyro: u32,
     changes: &Changes,
 ) -> Result<(Vec<BenchRow>, Vec<Figures>), StoreError> {
-    let mut benches = store.bench_results(gyro, Span::EVER).await?;
+    let mut benches = store::bench::of_gyro(store, gyro, Span::EVER).await?;
     benches.retain(|bench| !changes.withdrawn.benches.contains(&(bench.id, gyro)));
     benches.extend(changes.benches.iter().filter(|bench| bench.gyro == gyro).cloned());
     benches.sort_by_key(|bench| (bench.measured_at, bench.method.name()));
     let newest_bench = benches.last().map(|bench| bench.measured_at);
     let stored = match newest_bench {
         _ if changes.withdrawn.gyros().contains(&gyro) => {
-            let mut left = store.history(gyro, Span::EVER, usize::MAX).await?;
+            let mut left = store::history::oldest(store, gyro, Span::EVER, usize::MAX).await?;
             left.retain(|figures| !changes.withdrawn.records.contains(&figures.record));
             left.into_iter().min_by_key(|figures| nearness(figures, newest_bench))
         }
         Some(at) => nearest(store, gyro, at).await?,
-        None => store.newest_history(gyro, Span::EVER, 1).await?.pop(),
+        None => store::history::newest(store, gyro, Span::EVER, 1).await?.pop(),
     };
     let new_rows = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
     let separation = new_rows.chain(stored).min_by_key(|figures| nearness(figures, newest_bench));
@@ -192,8 +194,8 @@ fn last_repair(marks: &[Mark], at: Option<UtcMicros>) -> UtcMicros {
 
 /// The record nearest in time; of two as near, the later.
 async fn nearest(store: &Store, gyro: u32, at: UtcMicros) -> Result<Option<Figures>, StoreError> {
-    let before = store.newest_history(gyro, Span { to: at, ..Span::EVER }, 1).await?.pop();
-    let after = store.history(gyro, Span { from: at, ..Span::EVER }, 1).await?.pop();
+    let before = store::history::newest(store, gyro, Span { to: at, ..Span::EVER }, 1).await?.pop();
+    let after = store::history::oldest(store, gyro, Span { from: at, ..Span::EVER }, 1).await?.pop();
     Ok(match (before, after) {
         (Some(before), Some(after)) if at.0 - before.at.0 < after.at.0 - at.0 => Some(before),
         (before, after) => after.or(before),

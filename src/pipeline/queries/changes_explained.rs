@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
+use crate::store;
 use crate::store::{Figures, Id, Span, StoreError};
 use crate::words;
 
@@ -29,13 +30,13 @@ pub struct ExplainedHistory {
 impl Pipeline {
     /// Diagnoses the history of a gyro. Computes for some milliseconds, on a thread for that.
     pub async fn explain_history(&self, gyro: u32) -> Result<ExplainedHistory, StoreError> {
-        let own = self.store.newest_history(gyro, Span::EVER, OWN_RECORDS).await?;
+        let own = store::history::newest(&self.store, gyro, Span::EVER, OWN_RECORDS).await?;
         let stations: HashSet<u32> = own.iter().map(|figures| figures.station).collect();
-        let temperatures = self.store.temperatures(gyro).await?.into_iter().collect();
+        let temperatures = store::history::temperatures(&self.store, gyro).await?.into_iter().collect();
         let history = self.history_of(gyro, &own, &temperatures).await?;
         let mut peers = Vec::new();
         for other in self.neighbours(gyro) {
-            let rows = self.store.newest_history(other, Span::EVER, PEER_RECORDS).await?;
+            let rows = store::history::newest(&self.store, other, Span::EVER, PEER_RECORDS).await?;
             if rows.iter().any(|figures| stations.contains(&figures.station)) {
                 peers.push(self.history_of(other, &rows, &HashMap::new()).await?);
             }

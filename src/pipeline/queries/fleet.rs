@@ -12,6 +12,7 @@ use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
+use crate::store;
 use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
 use crate::wire::answer::VerdictBody;
 
@@ -77,14 +78,14 @@ pub struct Glimpse {
 }
 
 impl Pipeline {
-    /// Every gyro, in the order in which they were first seen.
+    /// Every gyro, by serial.
     pub async fn fleet(&self) -> Result<Vec<Standing>, StoreError> {
-        self.standings(self.store.newest_of_gyros(0, u32::MAX).await?).await
+        self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
     pub async fn seated_in(&self, imu: u32) -> Result<Seats, StoreError> {
-        let mut newest = self.store.newest_of_gyros(0, u32::MAX).await?;
+        let mut newest = store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
         let last = self.last_uses(imu, slots).await?;
@@ -102,7 +103,7 @@ impl Pipeline {
     async fn last_uses(&self, imu: u32, slots: BTreeSet<Slot>) -> Result<BTreeMap<Slot, UtcMicros>, StoreError> {
         let (mut last, mut seen, mut many) = (BTreeMap::new(), 0, 4);
         loop {
-            let heads = self.store.records_of_imu(imu, many).await?;
+            let heads = store::record::of_imu(&self.store, imu, many).await?;
             for figures in self.rows_of(&heads[seen.min(heads.len())..]).await? {
                 let used = last.entry(figures.slot).or_insert(figures.at);
                 *used = figures.at.max(*used);
@@ -118,27 +119,27 @@ impl Pipeline {
     /// What these records found of their gyros.
     async fn rows_of(&self, heads: &[RecordHead]) -> Result<Vec<Figures>, StoreError> {
         let sheets: HashMap<_, _> =
-            self.store.verdict_sheets(heads.iter().map(|head| head.id)).await?.into_iter().collect();
+            store::record::verdict_sheets(&self.store, heads.iter().map(|head| head.id)).await?.into_iter().collect();
         let of = |head: &RecordHead| {
             let then = Span { from: head.calibrated_at, to: head.calibrated_at };
             let gyros = sheets.get(&head.id).map_or(&[][..], |sheet| &sheet.0);
             gyros.iter().map(move |(gyro, _)| (*gyro, then)).collect::<Vec<Stretch>>()
         };
         let stretches: Vec<Stretch> = heads.iter().flat_map(of).collect();
-        Ok(self.store.histories(&stretches, 1).await?.concat())
+        Ok(store::histories::oldest(&self.store, &stretches, 1).await?.concat())
     }
 
     /// How gyros stand with these newest calibrations.
     pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
-        let sheets = self.store.verdict_sheets(records.into_iter()).await?;
+        let sheets = store::record::verdict_sheets(&self.store, records.into_iter()).await?;
         let verdicts: HashMap<_, _> = sheets
             .iter()
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
         let only = if let [(one, _)] = newest.as_slice() { Some(*one) } else { None };
         let told = self.told(only).await?;
-        let out_of_use = self.store.out_of_use().await?;
+        let out_of_use = store::event::out_of_use(&self.store).await?;
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
             let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
@@ -162,7 +163,7 @@ impl Pipeline {
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
         let told = self.told(Some(number)).await?.remove(&number).unwrap_or_default();
-        let out_of_use = self.store.out_of_use().await?.get(&number).copied();
+        let out_of_use = store::event::out_of_use(&self.store).await?.get(&number).copied();
         let (verdicts, tables) = ((verdicts, told.as_slice()), self.store.names().read());
         let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
             return Ok(None);
@@ -219,14 +220,14 @@ impl Pipeline {
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
         let ever: Vec<Stretch> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        let rows = self.store.newest_histories(&ever, count).await?;
+        let rows = store::histories::newest(&self.store, &ever, count).await?;
         let newest_baseline = |k: usize| {
             let last = last_of(&rows[k]);
             (gyros[k], Span { from: baseline_since(marks[k], last).unwrap_or(Span::EVER.from), to: last })
         };
         let of_baselines: Vec<Stretch> = (0..of.len()).map(newest_baseline).collect();
         // Some of the first may repeat one another.
-        let baselines = self.store.histories(&of_baselines, 4 * BASELINE_RECORDS).await?;
+        let baselines = store::histories::oldest(&self.store, &of_baselines, 4 * BASELINE_RECORDS).await?;
         Ok((0..of.len()).map(|k| self.glimpse(of[k], marks[k], &rows[k], &baselines[k])).collect())
     }
 

@@ -3,6 +3,7 @@
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{Line, marks_of, sample_of};
+use crate::store;
 use crate::store::{Span, StoreError};
 
 /// Gyros whose histories are read at once.
@@ -17,7 +18,8 @@ impl Pipeline {
         for some in gyros.chunks(AT_ONCE) {
             let mut marks = marks_of(&self.store, some).await?;
             let ever: Vec<_> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-            for (gyro, rows) in some.iter().zip(self.store.histories(&ever, i32::MAX as usize).await?) {
+            for (gyro, rows) in some.iter().zip(store::histories::oldest(&self.store, &ever, i32::MAX as usize).await?)
+            {
                 let samples = rows.iter().map(|figures| sample_of(figures, method)).collect();
                 all.push(Line::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
             }

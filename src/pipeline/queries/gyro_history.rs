@@ -9,6 +9,7 @@ use crate::core::judge::{Coefficient, Event, Limits, Rule};
 use crate::core::time::UtcMicros;
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
+use crate::store;
 use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
@@ -65,11 +66,11 @@ fn end_of(event: &EventRow) -> UtcMicros {
 impl Pipeline {
     /// A gyro's course, its baselines by `method`.
     pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StoreError> {
-        let figures = self.store.history(gyro, Span::EVER, usize::MAX).await?;
-        let events = self.store.events(gyro).await?;
-        let benches = self.store.bench_results(gyro, Span::EVER).await?;
-        let corrections = self.store.corrections_of_gyro(gyro).await?;
-        let set_aside = self.store.set_aside_of_gyro(gyro).await?;
+        let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
+        let events = store::event::of_gyro(&self.store, gyro).await?;
+        let benches = store::bench::of_gyro(&self.store, gyro, Span::EVER).await?;
+        let corrections = store::correction::of_gyro(&self.store, gyro).await?;
+        let set_aside = store::set_aside::of_gyro(&self.store, gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
@@ -84,7 +85,10 @@ impl Pipeline {
         let after = tests.iter().filter_map(|test| Some(test.after?.record));
         let sheets: HashMap<_, _> = match tests.is_empty() {
             true => HashMap::new(),
-            false => self.store.verdict_sheets(after.collect::<Vec<_>>().into_iter()).await?.into_iter().collect(),
+            false => store::record::verdict_sheets(&self.store, after.collect::<Vec<_>>().into_iter())
+                .await?
+                .into_iter()
+                .collect(),
         };
         let ends: Vec<UtcMicros> = tests.iter().map(Tested::until).collect();
         for test in &mut tests {

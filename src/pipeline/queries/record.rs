@@ -11,6 +11,7 @@ use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::campaign::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::Line;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
+use crate::store;
 use crate::store::{AuditRow, Id, Kind, RecordRow, StoreError, StoredVerdict};
 use crate::system::sha256;
 use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
@@ -68,7 +69,7 @@ impl Pipeline {
             address: line.source,
             agent: line.agent,
         };
-        Ok(self.store.audit_line(line).await?.map(body))
+        Ok(store::access::audit_line(&self.store, line).await?.map(body))
     }
 
     /// The closures of a stored record's gyros; none where there is no such record.
@@ -84,7 +85,7 @@ impl Pipeline {
     /// # Errors
     /// As [`Pipeline::stored_record`].
     pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
-        let Some(row) = self.store.record(id).await? else { return Ok(None) };
+        let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
             return Err(StoreError::Damaged(format!("the body of record {id} does not have its hash")));
         }
@@ -105,8 +106,9 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError`], where what was said of it cannot be read.
     pub async fn counts(&self, id: Id) -> Result<bool, StoreError> {
-        let corrected = self.store.corrections(id).await?.iter().any(|correction| correction.item == id);
-        Ok(!corrected && !self.store.is_set_aside(id).await?)
+        let corrected =
+            store::correction::of_item(&self.store, id).await?.iter().any(|correction| correction.item == id);
+        Ok(!corrected && !store::set_aside::is_set_aside(&self.store, id).await?)
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
@@ -120,7 +122,7 @@ impl Pipeline {
         let mut bodies = Vec::new();
         let counts = !row.voided;
         let why = match counts {
-            false if self.store.is_set_aside(row.id).await? => message!("does_not_count_yet"),
+            false if store::set_aside::is_set_aside(&self.store, row.id).await? => message!("does_not_count_yet"),
             _ => message!("does_not_count"),
         };
         let uncounted = |body: VerdictBody| VerdictBody { reason: body.reason.and(why.clone()), ..body };

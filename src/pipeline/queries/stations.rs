@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{marks_of, sample_of};
+use crate::store;
 use crate::store::{Figures, Span, StoreError, Stretch};
 
 /// Newest records of each gyro that count.
@@ -48,7 +49,7 @@ impl Pipeline {
         let mut seen = BTreeMap::<u32, Seen>::new();
         for some in gyros.chunks(AT_ONCE) {
             let ever: Vec<Stretch> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-            let histories = self.store.newest_histories(&ever, RECORDS).await?;
+            let histories = store::histories::newest(&self.store, &ever, RECORDS).await?;
             let marks = marks_of(&self.store, some).await?;
             for (gyro, rows) in some.iter().zip(&histories) {
                 let marks = marks.get(gyro).into_iter().flatten();

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::core::judge::{Coefficient, State, Status};
+use crate::store;
 use crate::store::{Figures, Id, Store, StoreError, StoredVerdict};
 
 /// Of D_I, D_S and the closure.
@@ -44,7 +45,7 @@ impl Statuses {
         if records.is_empty() {
             return Ok(Self::default());
         }
-        let sheets = store.verdict_sheets(records.into_iter()).await?;
+        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?;
         let of_gyro = sheets.iter().filter_map(|(record, sheet)| {
             let (_, verdicts) = sheet.0.iter().find(|(number, _)| *number == gyro)?;
             Some((*record, COLUMNS.map(|coefficient| worst(verdicts, coefficient))))

@@ -11,6 +11,7 @@ use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::Line;
 use crate::pipeline::queries::record::Reread;
+use crate::store;
 use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 
@@ -40,7 +41,7 @@ impl Pipeline {
     /// [`StoreError`] where something cannot be read at all; what differs is in [`Verified::faults`].
     pub async fn verify(&self) -> Result<Verified, StoreError> {
         let mut verified = Verified::default();
-        for id in self.store.record_ids().await? {
+        for id in store::record::ids(&self.store).await? {
             verified.records += 1;
             match self.reread(id).await {
                 Ok(Some(stored)) => self.verify_record(&stored, &mut verified).await?,
@@ -72,8 +73,10 @@ impl Pipeline {
             let number = names.read().gyros.number(serial);
             let at = Span { from: row.calibrated_at, to: row.calibrated_at };
             let stored = match number {
-                Some(number) if counts => self.store.history(number, at, 1).await?.pop(),
-                Some(number) => self.store.voided_history(number, at).await?.into_iter().find(|row| row.record == id),
+                Some(number) if counts => store::history::oldest(&self.store, number, at, 1).await?.pop(),
+                Some(number) => {
+                    store::history::voided(&self.store, number, at).await?.into_iter().find(|row| row.record == id)
+                }
                 None => None,
             };
             verified.separations += 1;
@@ -126,7 +129,7 @@ impl Pipeline {
     async fn verify_benches(&self, verified: &mut Verified) -> Result<(), StoreError> {
         let gyros = self.store.names().read().gyros.numbers();
         for gyro in gyros {
-            for row in self.store.bench_results(gyro, Span::EVER).await? {
+            for row in store::bench::of_gyro(&self.store, gyro, Span::EVER).await? {
                 verified.bench_results += 1;
                 let sent = match parse_bench_result(row.body.as_bytes(), f64::INFINITY) {
                     Ok(result) => Some(([result.d_i, result.d_s], [result.d_i_sd, result.d_s_sd], 1.0)),

@@ -27,7 +27,7 @@ fn silent(limit: Duration) -> Error {
 
 /// Connections that read. None of them waits longer than `limit` for the next row.
 #[derive(Debug, Clone)]
-pub(in crate::store) struct PgReaders {
+pub(crate) struct PgReaders {
     pool: PgPool,
     limit: Duration,
 }

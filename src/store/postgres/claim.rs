@@ -11,40 +11,38 @@ use crate::store::open::{Place, Store};
 /// A claim is renewed this often in the time for which it holds.
 const RENEWALS: u32 = 3;
 
-impl Store {
-    /// The first of `wanted`, at most `most`, that no other server is at; for the time of a lease they are this one's. Alone on a
-    /// file, everything is.
-    ///
-    /// # Errors
-    /// [`StoreError`] where the database does not answer.
-    pub async fn claim(&self, wanted: &[Id], most: usize) -> Result<Vec<Id>, StoreError> {
-        match &self.place {
-            Place::File(_) => Ok(wanted.iter().copied().take(most).collect()),
-            Place::Server(_) => match self.claimant() {
-                Some(claimant) => Ok(claimant.take(wanted, most).await?),
-                None => Ok(Vec::new()),
-            },
+/// The first of `wanted`, at most `most`, that no other server is at; for the time of a lease they are this one's. Alone on a
+/// file, everything is.
+///
+/// # Errors
+/// [`StoreError`] where the database does not answer.
+pub async fn claim(store: &Store, wanted: &[Id], most: usize) -> Result<Vec<Id>, StoreError> {
+    match &store.place {
+        Place::File(_) => Ok(wanted.iter().copied().take(most).collect()),
+        Place::Server(_) => match claimant(store) {
+            Some(claimant) => Ok(claimant.take(wanted, most).await?),
+            None => Ok(Vec::new()),
+        },
+    }
+}
+
+/// Does `work` on what was claimed, which stays this server's as long as it takes, and is anybody's afterwards.
+pub async fn while_claimed<T>(store: &Store, claimed: &[Id], work: impl Future<Output = T>) -> T {
+    let Some(claimant) = claimant(store) else { return work.await };
+    let mut work = pin!(work);
+    let done = loop {
+        match tokio::time::timeout(claimant.lease / RENEWALS, &mut work).await {
+            Ok(done) => break done,
+            Err(_) => told(claimant.renew(claimed).await),
         }
-    }
+    };
+    told(claimant.release(claimed).await);
+    done
+}
 
-    /// Does `work` on what was claimed, which stays this server's as long as it takes, and is anybody's afterwards.
-    pub async fn while_claimed<T>(&self, claimed: &[Id], work: impl Future<Output = T>) -> T {
-        let Some(claimant) = self.claimant() else { return work.await };
-        let mut work = pin!(work);
-        let done = loop {
-            match tokio::time::timeout(claimant.lease / RENEWALS, &mut work).await {
-                Ok(done) => break done,
-                Err(_) => told(claimant.renew(claimed).await),
-            }
-        };
-        told(claimant.release(claimed).await);
-        done
-    }
-
-    fn claimant(&self) -> Option<Claimant<'_>> {
-        let (Place::Server(neighbours), Readers::Postgres(readers)) = (&self.place, &self.readers) else { return None };
-        neighbours.lease().map(|(number, lease)| Claimant { readers, number, lease })
-    }
+fn claimant(store: &Store) -> Option<Claimant<'_>> {
+    let (Place::Server(neighbours), Readers::Postgres(readers)) = (&store.place, &store.readers) else { return None };
+    neighbours.lease().map(|(number, lease)| Claimant { readers, number, lease })
 }
 
 fn told(done: Result<(), sqlx::Error>) {

@@ -14,7 +14,7 @@ use crate::store::error::StoreError;
 
 /// The hosts of one database, and the one that answered last.
 #[derive(Debug, Clone)]
-pub(in crate::store) struct Hosts {
+pub(crate) struct Hosts {
     all: Arc<[PgConnectOptions]>,
     last: Arc<AtomicUsize>,
     /// Whether a host that does not take writes is passed over.

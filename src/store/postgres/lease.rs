@@ -32,7 +32,7 @@ impl Duty {
 }
 
 /// Until when each duty is this server's.
-pub(super) type Held = [Option<Instant>; Duty::ALL.len()];
+pub(crate) type Held = [Option<Instant>; Duty::ALL.len()];
 
 pub(super) fn is_held(held: &Held, duty: Duty) -> bool {
     let place = Duty::ALL.iter().position(|other| *other == duty);

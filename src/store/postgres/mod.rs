@@ -1,16 +1,16 @@
 //! PostgreSQL, and what speaks as it does: any number of servers on one database.
 //!
 //! Reading is the same as everywhere. Who writes takes its turn first ([`turn`]); what others have written shows in the turn's
-//! row, which every server looks at a few times a second ([`neighbours`]); work in the background belongs to whoever holds its
+//! row, which every server looks at a few times a second ([`other_servers`]); work in the background belongs to whoever holds its
 //! lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
 
 mod bounded;
-mod claim;
+pub mod claim;
 mod hosts;
 mod lease;
-mod names;
-mod other_servers;
-mod standing;
+pub(in crate::store) mod names;
+pub mod other_servers;
+pub mod standing;
 mod turn;
 
 use std::time::{Duration, Instant};

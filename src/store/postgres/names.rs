@@ -82,19 +82,17 @@ pub(super) async fn learn_new(readers: &PgReaders, names: &Names) -> Result<(), 
     }
 }
 
-impl Store {
-    /// A row of another server's may be read before the names that came with it were heard of.
-    ///
-    /// # Errors
-    /// As [`learn_new`].
-    pub(in crate::store) async fn know_names_of(&self, row: &RecordRow) -> Result<(), StoreError> {
-        let Readers::Postgres(readers) = &self.readers else { return Ok(()) };
-        let are_known = {
-            let tables = self.names.read();
-            tables.imus.name(row.imu).is_some()
-                && tables.stations.name(row.station).is_some()
-                && row.verdicts.0.iter().all(|(gyro, _)| tables.gyros.name(*gyro).is_some())
-        };
-        if are_known { Ok(()) } else { learn_new(readers, &self.names).await }
-    }
+/// A row of another server's may be read before the names that came with it were heard of.
+///
+/// # Errors
+/// As [`learn_new`].
+pub(in crate::store) async fn know_names_of(store: &Store, row: &RecordRow) -> Result<(), StoreError> {
+    let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
+    let are_known = {
+        let tables = store.names.read();
+        tables.imus.name(row.imu).is_some()
+            && tables.stations.name(row.station).is_some()
+            && row.verdicts.0.iter().all(|(gyro, _)| tables.gyros.name(*gyro).is_some())
+    };
+    if are_known { Ok(()) } else { learn_new(readers, &store.names).await }
 }

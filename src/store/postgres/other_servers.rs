@@ -119,24 +119,22 @@ impl Moves {
     }
 }
 
-impl Store {
-    /// Whether something that one server does for all is this one's to do now. Alone on a file, everything is.
-    pub fn is_on_duty(&self, duty: Duty) -> bool {
-        match &self.place {
-            Place::File(_) => true,
-            Place::Server(neighbours) => lease::is_held(&neighbours.held.borrow(), duty),
-        }
+/// Whether something that one server does for all is this one's to do now. Alone on a file, everything is.
+pub fn is_on_duty(store: &Store, duty: Duty) -> bool {
+    match &store.place {
+        Place::File(_) => true,
+        Place::Server(neighbours) => lease::is_held(&neighbours.held.borrow(), duty),
     }
+}
 
-    /// What is written by any server from now on; none where there can be no other.
-    pub fn moves(&self) -> Option<Moves> {
-        match &self.place {
-            Place::File(_) => None,
-            Place::Server(neighbours) => {
-                let neighbours = neighbours.clone();
-                let seen = *neighbours.seen.borrow();
-                Some(Moves { neighbours, seen })
-            }
+/// What is written by any server from now on; none where there can be no other.
+pub fn moves(store: &Store) -> Option<Moves> {
+    match &store.place {
+        Place::File(_) => None,
+        Place::Server(neighbours) => {
+            let neighbours = neighbours.clone();
+            let seen = *neighbours.seen.borrow();
+            Some(Moves { neighbours, seen })
         }
     }
 }

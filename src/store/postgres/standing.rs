@@ -15,7 +15,7 @@ use crate::store::tables::names::Commit;
 
 /// The turn's row.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Standing {
+pub(crate) struct Standing {
     /// The newest.
     pub commit: Commit,
     pub last_id: i64,
@@ -45,7 +45,7 @@ pub(super) fn look(seen: Commit) -> String {
 
 /// The turn's row, and whether what was seen of the database before is still part of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(crate) struct Found {
     pub standing: Standing,
     pub is_continued: bool,
 }
@@ -164,20 +164,18 @@ pub(super) fn touched(changes: &Changes) -> Option<String> {
     (!gyros.is_empty()).then(|| serde_json::json!(gyros).to_string())
 }
 
-impl Store {
-    /// The gyros to which something was done in commits after `version`, besides new records.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn touched_since(&self, version: i64) -> Result<Vec<u32>, StoreError> {
-        let Readers::Postgres(readers) = &self.readers else { return Ok(Vec::new()) };
-        let sql = "SELECT gyros FROM turn_commit WHERE version > $1 AND gyros IS NOT NULL";
-        let lists: Vec<String> = sqlx::query_scalar(sql).bind(version).fetch_all(readers).await?;
-        let mut gyros = BTreeSet::new();
-        for list in lists {
-            let list: Vec<u32> = serde_json::from_str(&list).map_err(|error| StoreError::Damaged(error.to_string()))?;
-            gyros.extend(list);
-        }
-        Ok(gyros.into_iter().collect())
+/// The gyros to which something was done in commits after `version`, besides new records.
+///
+/// # Errors
+/// [`StoreError`].
+pub async fn touched_since(store: &Store, version: i64) -> Result<Vec<u32>, StoreError> {
+    let Readers::Postgres(readers) = &store.readers else { return Ok(Vec::new()) };
+    let sql = "SELECT gyros FROM turn_commit WHERE version > $1 AND gyros IS NOT NULL";
+    let lists: Vec<String> = sqlx::query_scalar(sql).bind(version).fetch_all(readers).await?;
+    let mut gyros = BTreeSet::new();
+    for list in lists {
+        let list: Vec<u32> = serde_json::from_str(&list).map_err(|error| StoreError::Damaged(error.to_string()))?;
+        gyros.extend(list);
     }
+    Ok(gyros.into_iter().collect())
 }

@@ -35,7 +35,7 @@ const NAMED: [&str; 3] = [
 
 /// The writing side of one server.
 #[derive(Debug)]
-pub(in crate::store) struct ServerWriter {
+pub(crate) struct ServerWriter {
     hosts: Hosts,
     patience: Duration,
     lease: Duration,

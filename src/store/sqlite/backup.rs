@@ -10,6 +10,7 @@ use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 use super::checksum;
 use super::lock::beside;
 use super::private;
+use crate::store;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
 use crate::store::id::Id;
@@ -277,20 +278,20 @@ fn newest_version() -> Option<i64> {
 
 async fn contents(store: &Store, records: bool) -> Result<Holdings, StoreError> {
     let mut holdings = Holdings::default();
-    let records = if records { store.record_ids().await? } else { Vec::new() };
+    let records = if records { store::record::ids(store).await? } else { Vec::new() };
     for id in records {
         let missing = || StoreError::Damaged(format!("record {id} is in an index only"));
-        let row = store.record(id).await?.ok_or_else(missing)?;
+        let row = store::record::get(store, id).await?.ok_or_else(missing)?;
         unchanged("record", id, &row.body, row.body_sha256)?;
         holdings.records += 1;
     }
     let gyros = store.names().read().gyros.numbers();
     for gyro in gyros {
         holdings.gyros += 1;
-        holdings.figures += store.history(gyro, Span::EVER, usize::MAX).await?.len();
-        store.voided_history(gyro, Span::EVER).await?;
-        store.events(gyro).await?;
-        for row in store.all_bench_results(gyro, Span::EVER).await? {
+        holdings.figures += store::history::oldest(store, gyro, Span::EVER, usize::MAX).await?.len();
+        store::history::voided(store, gyro, Span::EVER).await?;
+        store::event::of_gyro(store, gyro).await?;
+        for row in store::bench::all_of_gyro(store, gyro, Span::EVER).await? {
             unchanged("bench result", row.id, &row.body, row.body_sha256)?;
             holdings.bench_results += 1;
         }

@@ -172,46 +172,44 @@ fn token(row: &impl Cells) -> Result<TokenRow, StoreError> {
 const TOKENS: &str =
     "SELECT id, name, role, station, secret_sha256, created_at, expires_at, revoked_at FROM token ORDER BY id";
 
-impl Store {
-    /// Every token there ever was, oldest first.
-    pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
-        on!(self.readers, db => sqlx::query(TOKENS).fetch_all(db).await?.iter().map(token).collect())
-    }
+/// Every token there ever was, oldest first.
+pub async fn tokens(store: &Store) -> Result<Vec<TokenRow>, StoreError> {
+    on!(store.readers, db => sqlx::query(TOKENS).fetch_all(db).await?.iter().map(token).collect())
+}
 
-    pub async fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
-        let sql = "SELECT id, token, secret_sha256, began_at, expires_at FROM session ORDER BY id";
-        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(session).collect())
-    }
+pub async fn sessions(store: &Store) -> Result<Vec<SessionRow>, StoreError> {
+    let sql = "SELECT id, token, secret_sha256, began_at, expires_at FROM session ORDER BY id";
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(session).collect())
+}
 
-    /// One line of the audit trail.
-    pub async fn audit_line(&self, id: Id) -> Result<Option<AuditRow>, StoreError> {
-        let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit WHERE id = $1";
-        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(line).transpose())
-    }
+/// One line of the audit trail.
+pub async fn audit_line(store: &Store, id: Id) -> Result<Option<AuditRow>, StoreError> {
+    let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit WHERE id = $1";
+    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(line).transpose())
+}
 
-    /// Lines of the audit trail, newest first, those before `before`.
-    pub async fn audit(
-        &self,
-        filter: &AuditFilter,
-        before: Option<Id>,
-        limit: u32,
-    ) -> Result<Vec<AuditRow>, StoreError> {
-        let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit
-                   WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
-                       AND ($6 IS NULL OR subject = $6)
-                   ORDER BY id DESC LIMIT $7";
-        on!(self.readers, db => {
-            let query = sqlx::query(sql)
-                .bind(before.map_or(i64::MAX, |id| id.0))
-                .bind(filter.from.map_or(i64::MIN, |at| at.0))
-                .bind(filter.to.map_or(i64::MAX, |at| at.0))
-                .bind(&filter.who)
-                .bind(&filter.action)
-                .bind(&filter.subject)
-                .bind(Whole(limit));
-            query.fetch_all(db).await?.iter().map(line).collect()
-        })
-    }
+/// Lines of the audit trail, newest first, those before `before`.
+pub async fn audit(
+    store: &Store,
+    filter: &AuditFilter,
+    before: Option<Id>,
+    limit: u32,
+) -> Result<Vec<AuditRow>, StoreError> {
+    let sql = "SELECT id, at, who, token, source, action, subject, before, after, agent FROM audit
+               WHERE id < $1 AND at >= $2 AND at <= $3 AND ($4 IS NULL OR who = $4) AND ($5 IS NULL OR action = $5)
+                   AND ($6 IS NULL OR subject = $6)
+               ORDER BY id DESC LIMIT $7";
+    on!(store.readers, db => {
+        let query = sqlx::query(sql)
+            .bind(before.map_or(i64::MAX, |id| id.0))
+            .bind(filter.from.map_or(i64::MIN, |at| at.0))
+            .bind(filter.to.map_or(i64::MAX, |at| at.0))
+            .bind(&filter.who)
+            .bind(&filter.action)
+            .bind(&filter.subject)
+            .bind(Whole(limit));
+        query.fetch_all(db).await?.iter().map(line).collect()
+    })
 }
 
 fn session(row: &impl Cells) -> Result<SessionRow, StoreError> {
@@ -285,7 +283,7 @@ impl Beside {
             Aside::File { reading, .. } => {
                 sqlx::query(TOKENS).fetch_all(&mut **reading).await?.iter().map(token).collect()
             }
-            Aside::Server { store, .. } => store.tokens().await,
+            Aside::Server { store, .. } => tokens(store).await,
         }
     }
 

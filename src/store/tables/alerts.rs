@@ -183,95 +183,90 @@ pub struct AlertFilter {
     pub imu: Option<String>,
 }
 
-impl Store {
-    /// Alerts that a filter lets through at `now`, with identifiers below `before`, newest first.
-    pub async fn find_alerts(
-        &self,
-        filter: &AlertFilter,
-        now: UtcMicros,
-        before: Option<Id>,
-        limit: u32,
-    ) -> Result<Vec<AlertRow>, StoreError> {
-        let imu = self.readers.words(Sql { sqlite: "finding->>'imu'", postgres: "CAST(finding AS JSONB)->>'imu'" });
-        let sql = sqlx::AssertSqlSafe(format!(
-            "{COLUMNS} WHERE alert.id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
-                 AND ($4 IS NULL OR alert.rule = $4) AND ($5 IS NULL OR severity = $5)
-                 AND ($6 IS NULL OR {imu} = $6)
-                 AND ($7 IS NULL OR $7 = CASE WHEN status = 'resolved' THEN 'resolved'
-                                              WHEN silenced_until > $8 OR muted_until > $8 THEN 'silenced'
-                                              WHEN acknowledged_at IS NOT NULL THEN 'acknowledged'
-                                              ELSE 'firing' END)
-             ORDER BY alert.id DESC LIMIT $9"
-        ));
-        on!(self.readers, db => sqlx::query(sql)
-            .bind(before.map_or(i64::MAX, |id| id.0))
-            .bind(filter.gyro.map(Whole))
-            .bind(filter.coefficient.map(Coefficient::name))
-            .bind(filter.rule.map(Rule::name))
-            .bind(filter.severity.map(Severity::name))
-            .bind(filter.imu.as_deref())
-            .bind(filter.standing.map(Standing::name))
-            .bind(now.0)
-            .bind(Whole(limit))
-            .fetch_all(db)
-            .await?.iter().map(alert).collect())
-    }
-
-    /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
-    pub async fn alerts(&self) -> Result<Vec<AlertRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY alert.id"));
-        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
-    }
-
-    /// Every alert of several gyros, in the order in which they first fired.
-    pub async fn alerts_of(&self, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-        let those = self.readers.words(Sql {
-            sqlite: "SELECT value FROM json_each($1)",
-            postgres: "SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)",
-        });
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) ORDER BY alert.id"));
-        let gyros = serde_json::json!(gyros).to_string();
-        on!(self.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
-    }
-
-    /// Alerts of one rule that fire, acknowledged or silenced as they may be: of one gyro, or of all.
-    pub async fn unresolved(&self, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
-        // Not in one condition: that of a single gyro is to find its index.
-        let of_gyro = if gyro.is_some() { "gyro = $3" } else { "$3 IS NULL" };
-        let sql = sqlx::AssertSqlSafe(format!(
-            "{COLUMNS} WHERE alert.rule = $1 AND status = $2 AND {of_gyro} ORDER BY alert.id"
-        ));
-        on!(self.readers, db => sqlx::query(sql)
-            .bind(rule.name())
-            .bind(Status::Firing.name())
-            .bind(gyro.map(Whole))
-            .fetch_all(db)
-            .await?.iter().map(alert).collect())
-    }
-
-    pub async fn alert(&self, id: Id) -> Result<Option<AlertRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id = $1"));
-        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())
-    }
-
-    /// The newest `limit` steps of an alert, oldest first.
-    pub async fn alert_steps(&self, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
-        let sql = "SELECT id, alert, at, action, told <> 0, author, reason, body FROM alert_step
-                   WHERE alert = $1 ORDER BY id DESC LIMIT $2";
-        let rows = on!(self.readers, db => sqlx::query_as(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?);
-        Ok(rows.into_iter().rev().map(step).collect())
-    }
+/// Alerts that a filter lets through at `now`, with identifiers below `before`, newest first.
+pub async fn find(
+    store: &Store,
+    filter: &AlertFilter,
+    now: UtcMicros,
+    before: Option<Id>,
+    limit: u32,
+) -> Result<Vec<AlertRow>, StoreError> {
+    let imu = store.readers.words(Sql { sqlite: "finding->>'imu'", postgres: "CAST(finding AS JSONB)->>'imu'" });
+    let sql = sqlx::AssertSqlSafe(format!(
+        "{COLUMNS} WHERE alert.id < $1 AND ($2 IS NULL OR gyro = $2) AND ($3 IS NULL OR coefficient = $3)
+             AND ($4 IS NULL OR alert.rule = $4) AND ($5 IS NULL OR severity = $5)
+             AND ($6 IS NULL OR {imu} = $6)
+             AND ($7 IS NULL OR $7 = CASE WHEN status = 'resolved' THEN 'resolved'
+                                          WHEN silenced_until > $8 OR muted_until > $8 THEN 'silenced'
+                                          WHEN acknowledged_at IS NOT NULL THEN 'acknowledged'
+                                          ELSE 'firing' END)
+         ORDER BY alert.id DESC LIMIT $9"
+    ));
+    on!(store.readers, db => sqlx::query(sql)
+        .bind(before.map_or(i64::MAX, |id| id.0))
+        .bind(filter.gyro.map(Whole))
+        .bind(filter.coefficient.map(Coefficient::name))
+        .bind(filter.rule.map(Rule::name))
+        .bind(filter.severity.map(Severity::name))
+        .bind(filter.imu.as_deref())
+        .bind(filter.standing.map(Standing::name))
+        .bind(now.0)
+        .bind(Whole(limit))
+        .fetch_all(db)
+        .await?.iter().map(alert).collect())
 }
 
-impl Store {
-    /// The alerts that a hook has heard fire, as they were last told (JSON), each with the severity that it has heard.
-    pub async fn heard_firing(&self, hook: Id) -> Result<Vec<(String, String)>, StoreError> {
-        let sql = "SELECT heard.severity, step.body FROM hook_heard AS heard JOIN alert_step AS step
-                   ON step.id = coalesce((SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert AND told = 1),
-                                         (SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert))
-                   WHERE heard.hook = $1 ORDER BY heard.alert";
-        Ok(on!(self.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?))
-    }
+/// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.
+pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY alert.id"));
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
+}
+
+/// Every alert of several gyros, in the order in which they first fired.
+pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+    let those = store.readers.words(Sql {
+        sqlite: "SELECT value FROM json_each($1)",
+        postgres: "SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)",
+    });
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) ORDER BY alert.id"));
+    let gyros = serde_json::json!(gyros).to_string();
+    on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
+}
+
+/// Alerts of one rule that fire, acknowledged or silenced as they may be: of one gyro, or of all.
+pub async fn unresolved(store: &Store, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
+    // Not in one condition: that of a single gyro is to find its index.
+    let of_gyro = if gyro.is_some() { "gyro = $3" } else { "$3 IS NULL" };
+    let sql =
+        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.rule = $1 AND status = $2 AND {of_gyro} ORDER BY alert.id"));
+    on!(store.readers, db => sqlx::query(sql)
+        .bind(rule.name())
+        .bind(Status::Firing.name())
+        .bind(gyro.map(Whole))
+        .fetch_all(db)
+        .await?.iter().map(alert).collect())
+}
+
+pub async fn get(store: &Store, id: Id) -> Result<Option<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.id = $1"));
+    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(alert).transpose())
+}
+
+/// The newest `limit` steps of an alert, oldest first.
+pub async fn steps(store: &Store, alert: Id, limit: u32) -> Result<Vec<StepRow>, StoreError> {
+    let sql = "SELECT id, alert, at, action, told <> 0, author, reason, body FROM alert_step
+               WHERE alert = $1 ORDER BY id DESC LIMIT $2";
+    let rows = on!(store.readers, db => sqlx::query_as(sql).bind(alert.0).bind(Whole(limit)).fetch_all(db).await?);
+    Ok(rows.into_iter().rev().map(step).collect())
+}
+
+/// The alerts that a hook has heard fire, as they were last told (JSON), each with the severity that it has heard.
+pub async fn heard_firing(store: &Store, hook: Id) -> Result<Vec<(String, String)>, StoreError> {
+    let sql = "SELECT heard.severity, step.body FROM hook_heard AS heard JOIN alert_step AS step
+               ON step.id = coalesce((SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert AND told = 1),
+                                     (SELECT max(id) FROM alert_step WHERE alert_step.alert = heard.alert))
+               WHERE heard.hook = $1 ORDER BY heard.alert";
+    Ok(on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?))
 }
 
 type Step = (i64, i64, i64, String, bool, Option<String>, Option<String>, String);

@@ -112,61 +112,53 @@ fn row(row: Row) -> Result<BenchRow, StoreError> {
     })
 }
 
-impl Store {
-    pub async fn bench_result(&self, id: Id) -> Result<Option<BenchRow>, StoreError> {
-        let sql =
-            "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
-                          body_sha256, sent_by
-                   FROM bench_result WHERE id = $1";
-        let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
-        found.map(row).transpose()
-    }
+pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>, StoreError> {
+    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
+                      body_sha256, sent_by
+               FROM bench_result WHERE id = $1";
+    let found: Option<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
+    found.map(row).transpose()
+}
 
-    /// Gyros that a bench has measured.
-    pub async fn gyros_on_benches(&self) -> Result<Vec<u32>, StoreError> {
-        let sql = "SELECT DISTINCT gyro FROM bench_result";
-        let gyros: Vec<Whole<u32>> = on!(self.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?);
-        Ok(gyros.into_iter().map(|gyro| gyro.0).collect())
-    }
+/// Gyros that a bench has measured.
+pub async fn gyros_on_benches(store: &Store) -> Result<Vec<u32>, StoreError> {
+    let sql = "SELECT DISTINCT gyro FROM bench_result";
+    let gyros: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?);
+    Ok(gyros.into_iter().map(|gyro| gyro.0).collect())
+}
 
-    /// Those of `gyros` that have bench results.
-    pub async fn on_benches(&self, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN (SELECT value FROM json_each($1))",
-            postgres: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN
-                       (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-        });
-        let gyros = serde_json::json!(gyros).to_string();
-        let found: Vec<Whole<u32>> = on!(self.readers, db => sqlx::query_scalar(sql).bind(gyros).fetch_all(db).await?);
-        Ok(found.into_iter().map(|gyro| gyro.0).collect())
-    }
+/// Those of `gyros` that have bench results.
+pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN (SELECT value FROM json_each($1))",
+        postgres: "SELECT DISTINCT gyro FROM bench_result WHERE gyro IN
+                   (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
+    });
+    let gyros = serde_json::json!(gyros).to_string();
+    let found: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(gyros).fetch_all(db).await?);
+    Ok(found.into_iter().map(|gyro| gyro.0).collect())
+}
 
-    /// Bench results of a gyro within `span` that count, oldest first.
-    pub async fn bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
-        let mut rows = self.all_bench_results(gyro, span).await?;
-        rows.retain(|row| !row.voided);
-        Ok(rows)
-    }
+/// Bench results of a gyro within `span` that count, oldest first.
+pub async fn of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
+    let mut rows = all_of_gyro(store, gyro, span).await?;
+    rows.retain(|row| !row.voided);
+    Ok(rows)
+}
 
-    /// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
-    pub async fn all_bench_results(&self, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
-        let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
-                          body_sha256, sent_by
-                   FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
-        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?);
-        rows.into_iter().map(row).collect()
-    }
+/// Bench results of a gyro within `span`, those that do not count any more included, oldest first.
+pub async fn all_of_gyro(store: &Store, gyro: u32, span: Span) -> Result<Vec<BenchRow>, StoreError> {
+    let sql = "SELECT id, gyro, station, measured_at, method, d_i, d_s, d_i_sd, d_s_sd, voided <> 0, received_at, body,
+                      body_sha256, sent_by
+               FROM bench_result WHERE gyro = $1 AND measured_at BETWEEN $2 AND $3 ORDER BY measured_at, method, id";
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_all(db).await?);
+    rows.into_iter().map(row).collect()
+}
 
-    /// The results of a gyro by one method at an instant: the one that counts first, then those that do not.
-    pub async fn bench_results_at(
-        &self,
-        gyro: u32,
-        at: UtcMicros,
-        method: BenchMethod,
-    ) -> Result<Vec<RecordAt>, StoreError> {
-        let sql = "SELECT id, body_sha256, voided <> 0 FROM bench_result
-                   WHERE gyro = $1 AND measured_at = $2 AND method = $3 ORDER BY voided";
-        let found: Vec<(i64, Vec<u8>, bool)> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(at.0).bind(method.name()).fetch_all(db).await?);
-        Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
-    }
+/// The results of a gyro by one method at an instant: the one that counts first, then those that do not.
+pub async fn at(store: &Store, gyro: u32, at: UtcMicros, method: BenchMethod) -> Result<Vec<RecordAt>, StoreError> {
+    let sql = "SELECT id, body_sha256, voided <> 0 FROM bench_result
+               WHERE gyro = $1 AND measured_at = $2 AND method = $3 ORDER BY voided";
+    let found: Vec<(i64, Vec<u8>, bool)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).bind(at.0).bind(method.name()).fetch_all(db).await?);
+    Ok(found.into_iter().map(|(id, hash, voided)| RecordAt { id: Id(id), hash, voided }).collect())
 }

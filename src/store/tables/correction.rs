@@ -78,30 +78,28 @@ fn row((item, replaced_by, at, author, reason): Row) -> CorrectionRow {
     CorrectionRow { item: Id(item), replaced_by: replaced_by.map(Id), at: UtcMicros(at), author, reason }
 }
 
-impl Store {
-    /// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
-    /// another's place.
-    pub async fn corrections(&self, item: Id) -> Result<Vec<CorrectionRow>, StoreError> {
-        let sql = "SELECT item, replaced_by, at, author, reason FROM correction
-                   WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST";
-        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(item.0).fetch_all(db).await?);
-        Ok(rows.into_iter().map(row).collect())
-    }
+/// What was said of an item, oldest first: that it does not count, that another stands in its place, that it stands in
+/// another's place.
+pub async fn of_item(store: &Store, item: Id) -> Result<Vec<CorrectionRow>, StoreError> {
+    let sql = "SELECT item, replaced_by, at, author, reason FROM correction
+               WHERE item = $1 OR replaced_by = $1 ORDER BY at, replaced_by NULLS FIRST";
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(item.0).fetch_all(db).await?);
+    Ok(rows.into_iter().map(row).collect())
+}
 
-    /// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
-    pub async fn corrections_of_gyro(&self, gyro: u32) -> Result<Vec<GyroCorrection>, StoreError> {
-        let sql = "SELECT item, replaced_by, at, author, reason, withdrawn.measured_at, withdrawn.bench <> 0
-                   FROM (SELECT record AS id, calibrated_at AS measured_at, 0 AS bench FROM voided_history WHERE gyro = $1
-                         UNION ALL
-                         SELECT id, measured_at, 1 FROM bench_result WHERE gyro = $1 AND voided <> 0) AS withdrawn
-                   JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by NULLS FIRST";
-        let rows: Vec<(i64, Option<i64>, i64, String, String, i64, bool)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
-        let of_gyro = |(item, replaced_by, at, author, reason, measured_at, is_bench)| GyroCorrection {
-            said: row((item, replaced_by, at, author, reason)),
-            measured_at: UtcMicros(measured_at),
-            is_bench,
-        };
-        Ok(rows.into_iter().map(of_gyro).collect())
-    }
+/// What was said of a gyro's calibrations and bench results that do not count any more, oldest first.
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<GyroCorrection>, StoreError> {
+    let sql = "SELECT item, replaced_by, at, author, reason, withdrawn.measured_at, withdrawn.bench <> 0
+               FROM (SELECT record AS id, calibrated_at AS measured_at, 0 AS bench FROM voided_history WHERE gyro = $1
+                     UNION ALL
+                     SELECT id, measured_at, 1 FROM bench_result WHERE gyro = $1 AND voided <> 0) AS withdrawn
+               JOIN correction ON item = withdrawn.id ORDER BY at, item, replaced_by NULLS FIRST";
+    let rows: Vec<(i64, Option<i64>, i64, String, String, i64, bool)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
+    let of_gyro = |(item, replaced_by, at, author, reason, measured_at, is_bench)| GyroCorrection {
+        said: row((item, replaced_by, at, author, reason)),
+        measured_at: UtcMicros(measured_at),
+        is_bench,
+    };
+    Ok(rows.into_iter().map(of_gyro).collect())
 }

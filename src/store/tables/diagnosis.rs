@@ -74,26 +74,24 @@ pub(crate) fn update(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     );
 }
 
-impl Store {
-    /// The diagnosis of a campaign as it was made last; none where it is due.
-    pub async fn diagnosis(&self, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
-        let sql = "SELECT model, program, refused <> 0, body FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
-        let found: Option<(Option<i64>, String, bool, String)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
-        Ok(found.map(|(model, program, refused, body)| DiagnosisRow {
-            record,
-            model: model.map(Id),
-            program,
-            refused,
-            body,
-        }))
-    }
+/// The diagnosis of a campaign as it was made last; none where it is due.
+pub async fn get(store: &Store, record: Id) -> Result<Option<DiagnosisRow>, StoreError> {
+    let sql = "SELECT model, program, refused <> 0, body FROM diagnosis WHERE record = $1 AND body IS NOT NULL";
+    let found: Option<(Option<i64>, String, bool, String)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
+    Ok(found.map(|(model, program, refused, body)| DiagnosisRow {
+        record,
+        model: model.map(Id),
+        program,
+        refused,
+        body,
+    }))
+}
 
-    /// Campaigns whose diagnosis is due, newest first, from before `before` on.
-    pub async fn diagnoses_due(&self, before: Id, limit: u32) -> Result<Vec<Id>, StoreError> {
-        let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
-        let found: Vec<i64> =
-            on!(self.readers, db => sqlx::query_scalar(sql).bind(before.0).bind(Whole(limit)).fetch_all(db).await?);
-        Ok(found.into_iter().map(Id).collect())
-    }
+/// Campaigns whose diagnosis is due, newest first, from before `before` on.
+pub async fn due(store: &Store, before: Id, limit: u32) -> Result<Vec<Id>, StoreError> {
+    let sql = "SELECT record FROM diagnosis WHERE body IS NULL AND record < $1 ORDER BY record DESC LIMIT $2";
+    let found: Vec<i64> =
+        on!(store.readers, db => sqlx::query_scalar(sql).bind(before.0).bind(Whole(limit)).fetch_all(db).await?);
+    Ok(found.into_iter().map(Id).collect())
 }

@@ -45,39 +45,37 @@ pub(crate) fn upsert(diagnoses: &[NewDiagnosis], batch: &mut Batch) {
     );
 }
 
-impl Store {
-    /// Hands the gist of every campaign that counts to `each`, the earliest measured first.
-    pub async fn each_gist(
-        &self,
-        of: &CampaignFilter,
-        mut each: impl FnMut(GistRow) -> Result<(), StoreError>,
-    ) -> Result<(), StoreError> {
-        let sql = "SELECT record, imu, station, measured_at, program, gist FROM diagnosis_gist
-                   WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
-                       AND record NOT IN (SELECT item FROM correction)
-                   ORDER BY measured_at, record";
-        let (from, to) = (of.measured.from.0, of.measured.to.0);
-        let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
-        on!(self.readers, db => {
-            let mut rows = sqlx::query_as(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
-            while let Some((record, Whole(imu), Whole(station), at, program, gist)) = rows.try_next().await? {
-                each(GistRow { record: Id(record), imu, station, measured_at: UtcMicros(at), program, gist })?;
-            }
-        });
-        Ok(())
-    }
+/// Hands the gist of every campaign that counts to `each`, the earliest measured first.
+pub async fn each(
+    store: &Store,
+    of: &CampaignFilter,
+    mut each: impl FnMut(GistRow) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    let sql = "SELECT record, imu, station, measured_at, program, gist FROM diagnosis_gist
+               WHERE measured_at BETWEEN $1 AND $2 AND ($3 IS NULL OR imu = $3) AND ($4 IS NULL OR station = $4)
+                   AND record NOT IN (SELECT item FROM correction)
+               ORDER BY measured_at, record";
+    let (from, to) = (of.measured.from.0, of.measured.to.0);
+    let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
+    on!(store.readers, db => {
+        let mut rows = sqlx::query_as(sql).bind(from).bind(to).bind(imu).bind(station).fetch(db);
+        while let Some((record, Whole(imu), Whole(station), at, program, gist)) = rows.try_next().await? {
+            each(GistRow { record: Id(record), imu, station, measured_at: UtcMicros(at), program, gist })?;
+        }
+    });
+    Ok(())
+}
 
-    /// Campaigns that count and have no diagnosis yet.
-    pub async fn not_diagnosed(&self, of: &CampaignFilter) -> Result<u64, StoreError> {
-        let sql = "SELECT count(*) FROM diagnosis JOIN record ON record.id = diagnosis.record
-                   WHERE diagnosis.body IS NULL AND record.calibrated_at BETWEEN $1 AND $2
-                       AND ($3 IS NULL OR record.imu = $3) AND ($4 IS NULL OR record.station = $4)
-                       AND record.id NOT IN (SELECT item FROM correction)";
-        let (from, to) = (of.measured.from.0, of.measured.to.0);
-        let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
-        let count: i64 = on!(self.readers, db => {
-            sqlx::query_scalar(sql).bind(from).bind(to).bind(imu).bind(station).fetch_one(db).await?
-        });
-        Ok(count.unsigned_abs())
-    }
+/// Campaigns that count and have no diagnosis yet.
+pub async fn not_diagnosed(store: &Store, of: &CampaignFilter) -> Result<u64, StoreError> {
+    let sql = "SELECT count(*) FROM diagnosis JOIN record ON record.id = diagnosis.record
+               WHERE diagnosis.body IS NULL AND record.calibrated_at BETWEEN $1 AND $2
+                   AND ($3 IS NULL OR record.imu = $3) AND ($4 IS NULL OR record.station = $4)
+                   AND record.id NOT IN (SELECT item FROM correction)";
+    let (from, to) = (of.measured.from.0, of.measured.to.0);
+    let (imu, station) = (of.imu.map(Whole), of.station.map(Whole));
+    let count: i64 = on!(store.readers, db => {
+        sqlx::query_scalar(sql).bind(from).bind(to).bind(imu).bind(station).fetch_one(db).await?
+    });
+    Ok(count.unsigned_abs())
 }

@@ -226,73 +226,75 @@ fn job(row: &impl Cells) -> Result<JobRow, StoreError> {
     })
 }
 
-impl Store {
-    /// Orders, newest first, those before `before`.
-    pub async fn diagnosis_jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>, StoreError> {
-        let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job
-                   WHERE id < $1 ORDER BY id DESC LIMIT $2";
-        let before = before.map_or(i64::MAX, |id| id.0);
-        on!(self.readers, db => {
-            let rows = sqlx::query(sql).bind(before).bind(Whole(limit)).fetch_all(db).await?;
-            rows.iter().map(job).collect()
-        })
-    }
+/// Orders, newest first, those before `before`.
+pub async fn list(store: &Store, before: Option<Id>, limit: u32) -> Result<Vec<JobRow>, StoreError> {
+    let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job
+               WHERE id < $1 ORDER BY id DESC LIMIT $2";
+    let before = before.map_or(i64::MAX, |id| id.0);
+    on!(store.readers, db => {
+        let rows = sqlx::query(sql).bind(before).bind(Whole(limit)).fetch_all(db).await?;
+        rows.iter().map(job).collect()
+    })
+}
 
-    pub async fn diagnosis_job(&self, id: Id) -> Result<Option<JobRow>, StoreError> {
-        let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job WHERE id = $1";
-        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(job).transpose())
-    }
+pub async fn get(store: &Store, id: Id) -> Result<Option<JobRow>, StoreError> {
+    let sql = "SELECT id, asked_at, asked_by, asked, canceled, begun_at, ended_at FROM diagnosis_job WHERE id = $1";
+    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(job).transpose())
+}
 
-    /// The order in the same words that has not ended yet.
-    pub async fn open_diagnosis_job(&self, asked: &str) -> Result<Option<Id>, StoreError> {
-        let sql = "SELECT id FROM diagnosis_job WHERE ended_at IS NULL AND asked = $1";
-        let found: Option<i64> = on!(self.readers, db => sqlx::query_scalar(sql).bind(asked).fetch_optional(db).await?);
-        Ok(found.map(Id))
-    }
+/// The order in the same words that has not ended yet.
+pub async fn open_as_asked(store: &Store, asked: &str) -> Result<Option<Id>, StoreError> {
+    let sql = "SELECT id FROM diagnosis_job WHERE ended_at IS NULL AND asked = $1";
+    let found: Option<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(asked).fetch_optional(db).await?);
+    Ok(found.map(Id))
+}
 
-    pub async fn task_counts(&self, job: Id) -> Result<TaskCounts, StoreError> {
-        let sql = "SELECT state, count(*) FROM diagnosis_task WHERE job = $1 GROUP BY state";
-        let rows: Vec<(String, i64)> = on!(self.readers, db => sqlx::query_as(sql).bind(job.0).fetch_all(db).await?);
-        let mut counts = TaskCounts::default();
-        for (state, count) in rows {
-            let of_state = match state.as_str() {
-                "waiting" => &mut counts.waiting,
-                "done" => &mut counts.done,
-                "failed" => &mut counts.failed,
-                _ => &mut counts.canceled,
-            };
-            *of_state += count.unsigned_abs();
-        }
-        Ok(counts)
+pub async fn task_counts(store: &Store, job: Id) -> Result<TaskCounts, StoreError> {
+    let sql = "SELECT state, count(*) FROM diagnosis_task WHERE job = $1 GROUP BY state";
+    let rows: Vec<(String, i64)> = on!(store.readers, db => sqlx::query_as(sql).bind(job.0).fetch_all(db).await?);
+    let mut counts = TaskCounts::default();
+    for (state, count) in rows {
+        let of_state = match state.as_str() {
+            "waiting" => &mut counts.waiting,
+            "done" => &mut counts.done,
+            "failed" => &mut counts.failed,
+            _ => &mut counts.canceled,
+        };
+        *of_state += count.unsigned_abs();
     }
+    Ok(counts)
+}
 
-    /// What failed, in the order of storing, from after `after` on.
-    pub async fn failed_tasks(&self, job: Id, after: Option<Id>, limit: u32) -> Result<Vec<FailedTask>, StoreError> {
-        let sql = "SELECT record.id, record.imu, record.calibrated_at, reason FROM diagnosis_task
-                   JOIN record ON record.id = diagnosis_task.record
-                   WHERE job = $1 AND record > $2 AND state = 'failed' ORDER BY record LIMIT $3";
-        let after = after.map_or(i64::MIN, |id| id.0);
-        let rows: Vec<(i64, Whole<u32>, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).bind(job.0).bind(after).bind(Whole(limit)).fetch_all(db).await?);
-        let failed =
-            |(id, Whole(imu), at, reason)| FailedTask { record: Id(id), imu, measured_at: UtcMicros(at), reason };
-        Ok(rows.into_iter().map(failed).collect())
-    }
+/// What failed, in the order of storing, from after `after` on.
+pub async fn failed_tasks(
+    store: &Store,
+    job: Id,
+    after: Option<Id>,
+    limit: u32,
+) -> Result<Vec<FailedTask>, StoreError> {
+    let sql = "SELECT record.id, record.imu, record.calibrated_at, reason FROM diagnosis_task
+               JOIN record ON record.id = diagnosis_task.record
+               WHERE job = $1 AND record > $2 AND state = 'failed' ORDER BY record LIMIT $3";
+    let after = after.map_or(i64::MIN, |id| id.0);
+    let rows: Vec<(i64, Whole<u32>, i64, String)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(job.0).bind(after).bind(Whole(limit)).fetch_all(db).await?);
+    let failed = |(id, Whole(imu), at, reason)| FailedTask { record: Id(id), imu, measured_at: UtcMicros(at), reason };
+    Ok(rows.into_iter().map(failed).collect())
+}
 
-    /// Campaigns that orders wait for, of the oldest order first.
-    pub async fn tasks_waiting(&self, limit: u32) -> Result<Vec<Id>, StoreError> {
-        let sql = "SELECT record FROM diagnosis_task WHERE state = 'waiting' ORDER BY job, record LIMIT $1";
-        let mut found: Vec<i64> =
-            on!(self.readers, db => sqlx::query_scalar(sql).bind(Whole(limit)).fetch_all(db).await?);
-        let mut seen = std::collections::HashSet::new();
-        found.retain(|record| seen.insert(*record));
-        Ok(found.into_iter().map(Id).collect())
-    }
+/// Campaigns that orders wait for, of the oldest order first.
+pub async fn tasks_waiting(store: &Store, limit: u32) -> Result<Vec<Id>, StoreError> {
+    let sql = "SELECT record FROM diagnosis_task WHERE state = 'waiting' ORDER BY job, record LIMIT $1";
+    let mut found: Vec<i64> = on!(store.readers, db => sqlx::query_scalar(sql).bind(Whole(limit)).fetch_all(db).await?);
+    let mut seen = std::collections::HashSet::new();
+    found.retain(|record| seen.insert(*record));
+    Ok(found.into_iter().map(Id).collect())
+}
 
-    /// How many campaigns wait for their first diagnosis, and how many tasks of orders wait.
-    pub async fn diagnoses_waiting(&self) -> Result<(u64, u64), StoreError> {
-        let sql = "SELECT (SELECT count(*) FROM diagnosis WHERE body IS NULL),
-                          (SELECT count(*) FROM diagnosis_task WHERE state = 'waiting')";
-        let (due, tasks): (i64, i64) = on!(self.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
-        Ok((due.unsigned_abs(), tasks.unsigned_abs()))
-    }
+/// How many campaigns wait for their first diagnosis, and how many tasks of orders wait.
+pub async fn diagnoses_waiting(store: &Store) -> Result<(u64, u64), StoreError> {
+    let sql = "SELECT (SELECT count(*) FROM diagnosis WHERE body IS NULL),
+                      (SELECT count(*) FROM diagnosis_task WHERE state = 'waiting')";
+    let (due, tasks): (i64, i64) = on!(store.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
+    Ok((due.unsigned_abs(), tasks.unsigned_abs()))
 }

@@ -77,37 +77,35 @@ fn event_of(row: Row) -> Result<EventRow, StoreError> {
     Ok(EventRow { id, gyro, at, event, until, test, fixed, reason, author, received_at })
 }
 
-impl Store {
-    /// Every event of a gyro, oldest first.
-    pub async fn events(&self, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
-        let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
-                   FROM event WHERE gyro = $1 ORDER BY at, id";
-        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
-        rows.into_iter().map(event_of).collect()
-    }
+/// Every event of a gyro, oldest first.
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<EventRow>, StoreError> {
+    let sql = "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
+               FROM event WHERE gyro = $1 ORDER BY at, id";
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
+    rows.into_iter().map(event_of).collect()
+}
 
-    /// Gyros that were retired or put into storage: when last, and which.
-    pub async fn out_of_use(&self) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
-        let sql = "SELECT gyro, at, kind FROM event WHERE kind IN ('retired', 'in_storage') ORDER BY gyro, at, id";
-        let rows: Vec<(Whole<u32>, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
-        let ended = rows
-            .into_iter()
-            .filter_map(|(Whole(gyro), at, kind)| Some((gyro, (UtcMicros(at), Event::from_name(&kind)?))));
-        Ok(ended.collect())
-    }
+/// Gyros that were retired or put into storage: when last, and which.
+pub async fn out_of_use(store: &Store) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+    let sql = "SELECT gyro, at, kind FROM event WHERE kind IN ('retired', 'in_storage') ORDER BY gyro, at, id";
+    let rows: Vec<(Whole<u32>, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+    let ended =
+        rows.into_iter().filter_map(|(Whole(gyro), at, kind)| Some((gyro, (UtcMicros(at), Event::from_name(&kind)?))));
+    Ok(ended.collect())
+}
 
-    /// Every event of several gyros, by gyro and oldest first.
-    pub async fn events_of(&self, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
-                     FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id",
-            postgres: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test FROM event
-                       WHERE gyro IN (SELECT CAST(j.value AS BIGINT)
-                                      FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))
-                       ORDER BY gyro, at, id",
-        });
-        let gyros = serde_json::json!(gyros).to_string();
-        let rows: Vec<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
-        rows.into_iter().map(event_of).collect()
-    }
+/// Every event of several gyros, by gyro and oldest first.
+pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test
+                 FROM event WHERE gyro IN (SELECT value FROM json_each($1)) ORDER BY gyro, at, id",
+        postgres:
+            "SELECT id, gyro, at, kind, reason, author, received_at, d_i, d_i_sd, d_s, d_s_sd, until, test FROM event
+                   WHERE gyro IN (SELECT CAST(j.value AS BIGINT)
+                                  FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))
+                   ORDER BY gyro, at, id",
+    });
+    let gyros = serde_json::json!(gyros).to_string();
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(gyros).fetch_all(db).await?);
+    rows.into_iter().map(event_of).collect()
 }

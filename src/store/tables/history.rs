@@ -115,91 +115,89 @@ pub(crate) fn merged(folded: Vec<Figures>, waiting: Vec<Figures>, newest_first: 
     all
 }
 
-impl Store {
-    /// The oldest `limit` rows of a gyro within `span` that count, oldest first.
-    pub async fn history(&self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        self.counting(gyro, span, limit, false).await
-    }
+/// The oldest `limit` rows of a gyro within `span` that count, oldest first.
+pub async fn oldest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
+    counting(store, gyro, span, limit, false).await
+}
 
-    /// The newest `limit` rows of a gyro within `span` that count, oldest first.
-    pub async fn newest_history(&self, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
-        let mut rows = self.counting(gyro, span, limit, true).await?;
-        rows.reverse();
-        Ok(rows)
-    }
+/// The newest `limit` rows of a gyro within `span` that count, oldest first.
+pub async fn newest(store: &Store, gyro: u32, span: Span, limit: usize) -> Result<Vec<Figures>, StoreError> {
+    let mut rows = counting(store, gyro, span, limit, true).await?;
+    rows.reverse();
+    Ok(rows)
+}
 
-    pub(crate) async fn counting(
-        &self,
-        gyro: u32,
-        mut span: Span,
-        limit: usize,
-        newest_first: bool,
-    ) -> Result<Vec<Figures>, StoreError> {
-        let mut counting = Vec::new();
-        loop {
-            let wanted = limit - counting.len();
-            let rows = self.marked(gyro, span, wanted, newest_first).await?;
-            let (full, last) = (rows.len() == wanted, rows.last().map(|figures| figures.at));
-            counting.extend(rows.into_iter().filter(|figures| !figures.voided));
-            match last {
-                Some(last) if full && counting.len() < limit && newest_first => span.to = UtcMicros(last.0 - 1),
-                Some(last) if full && counting.len() < limit => span.from = UtcMicros(last.0 + 1),
-                _ => return Ok(counting),
-            }
+pub(crate) async fn counting(
+    store: &Store,
+    gyro: u32,
+    mut span: Span,
+    limit: usize,
+    newest_first: bool,
+) -> Result<Vec<Figures>, StoreError> {
+    let mut counting = Vec::new();
+    loop {
+        let wanted = limit - counting.len();
+        let rows = marked(store, gyro, span, wanted, newest_first).await?;
+        let (full, last) = (rows.len() == wanted, rows.last().map(|figures| figures.at));
+        counting.extend(rows.into_iter().filter(|figures| !figures.voided));
+        match last {
+            Some(last) if full && counting.len() < limit && newest_first => span.to = UtcMicros(last.0 - 1),
+            Some(last) if full && counting.len() < limit => span.from = UtcMicros(last.0 + 1),
+            _ => return Ok(counting),
         }
     }
+}
 
-    /// With the rows that count no more.
-    async fn marked(
-        &self,
-        gyro: u32,
-        span: Span,
-        limit: usize,
-        newest_first: bool,
-    ) -> Result<Vec<Figures>, StoreError> {
-        let waiting = self.unplaced.tail.read().first_of(gyro, span, limit, newest_first);
-        let folded = read_folded(&self.readers, gyro, span, limit, newest_first).await?;
-        Ok(merged(folded, waiting, newest_first, limit))
-    }
+/// With the rows that count no more.
+async fn marked(
+    store: &Store,
+    gyro: u32,
+    span: Span,
+    limit: usize,
+    newest_first: bool,
+) -> Result<Vec<Figures>, StoreError> {
+    let waiting = store.unplaced.tail.read().first_of(gyro, span, limit, newest_first);
+    let folded = read_folded(&store.readers, gyro, span, limit, newest_first).await?;
+    Ok(merged(folded, waiting, newest_first, limit))
+}
 
-    /// The rows of a gyro within `span` that do not count any more, oldest first.
-    pub async fn voided_history(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM voided_history
-                     WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at, record)",
-            postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at, record) FROM voided_history
-                       WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3",
-        });
-        let packed: Option<Vec<u8>> = on!(self.readers, db => sqlx::query_scalar(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_one(db).await?);
-        unpack(gyro, &packed.unwrap_or_default())
-    }
+/// The rows of a gyro within `span` that do not count any more, oldest first.
+pub async fn voided(store: &Store, gyro: u32, span: Span) -> Result<Vec<Figures>, StoreError> {
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT CAST(group_concat(figures, '') AS BLOB) FROM (SELECT figures FROM voided_history
+                 WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3 ORDER BY calibrated_at, record)",
+        postgres: "SELECT string_agg(figures, CAST('' AS BYTEA) ORDER BY calibrated_at, record) FROM voided_history
+                   WHERE gyro = $1 AND calibrated_at BETWEEN $2 AND $3",
+    });
+    let packed: Option<Vec<u8>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(Whole(gyro)).bind(span.from.0).bind(span.to.0).fetch_one(db).await?);
+    unpack(gyro, &packed.unwrap_or_default())
+}
 
-    /// How many rows a gyro has that count.
-    pub async fn count_history(&self, gyro: u32) -> Result<usize, StoreError> {
-        Ok(self.history(gyro, Span::EVER, usize::MAX).await?.len())
-    }
+/// How many rows a gyro has that count.
+pub async fn count(store: &Store, gyro: u32) -> Result<usize, StoreError> {
+    Ok(oldest(store, gyro, Span::EVER, usize::MAX).await?.len())
+}
 
-    /// The temperature of each of a gyro's records that states one; of a campaign that does not, the mean of its dwells.
-    pub async fn temperatures(&self, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
-        let rows = self.history(gyro, Span::EVER, usize::MAX).await?;
-        let records: Vec<i64> = rows.iter().map(|row| row.record.0).collect();
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
-                            (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
-                     FROM json_each($1) AS j JOIN record ON record.id = j.value WHERE json_valid(body)",
-            // What begins with a brace was read as JSON before it was stored; other campaigns came as CSV.
-            postgres: "SELECT sent.id, coalesce(CAST(sent.body->>'temperature_c' AS DOUBLE PRECISION),
-                           (SELECT avg(CAST(dwell.value->>'temperature_c' AS DOUBLE PRECISION))
-                            FROM jsonb_array_elements(CASE WHEN jsonb_typeof(sent.body->'dwells') = 'array'
-                                                      THEN sent.body->'dwells' ELSE '[]' END) AS dwell(value)))
-                       FROM (SELECT record.id, CAST(record.body AS JSONB) AS body
-                             FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)
-                             JOIN record ON record.id = CAST(j.value AS BIGINT)
-                             WHERE ltrim(record.body, E' \\t\\r\\n') LIKE '{%') AS sent",
-        });
-        let records = serde_json::Value::from(records).to_string();
-        let rows: Vec<(i64, Option<f64>)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(records).fetch_all(db).await?);
-        Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
-    }
+/// The temperature of each of a gyro's records that states one; of a campaign that does not, the mean of its dwells.
+pub async fn temperatures(store: &Store, gyro: u32) -> Result<Vec<(Id, f64)>, StoreError> {
+    let rows = oldest(store, gyro, Span::EVER, usize::MAX).await?;
+    let records: Vec<i64> = rows.iter().map(|row| row.record.0).collect();
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT record.id, CAST(coalesce(json_extract(body, '$.temperature_c'),
+                        (SELECT avg(value->>'temperature_c') FROM json_each(body, '$.dwells'))) AS REAL)
+                 FROM json_each($1) AS j JOIN record ON record.id = j.value WHERE json_valid(body)",
+        // What begins with a brace was read as JSON before it was stored; other campaigns came as CSV.
+        postgres: "SELECT sent.id, coalesce(CAST(sent.body->>'temperature_c' AS DOUBLE PRECISION),
+                       (SELECT avg(CAST(dwell.value->>'temperature_c' AS DOUBLE PRECISION))
+                        FROM jsonb_array_elements(CASE WHEN jsonb_typeof(sent.body->'dwells') = 'array'
+                                                  THEN sent.body->'dwells' ELSE '[]' END) AS dwell(value)))
+                   FROM (SELECT record.id, CAST(record.body AS JSONB) AS body
+                         FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)
+                         JOIN record ON record.id = CAST(j.value AS BIGINT)
+                         WHERE ltrim(record.body, E' \\t\\r\\n') LIKE '{%') AS sent",
+    });
+    let records = serde_json::Value::from(records).to_string();
+    let rows: Vec<(i64, Option<f64>)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(records).fetch_all(db).await?);
+    Ok(rows.into_iter().filter_map(|(id, temperature)| Some((Id(id), temperature?))).collect())
 }

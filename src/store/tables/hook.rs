@@ -109,80 +109,80 @@ impl Store {
     pub fn with(self, secrets: Secrets) -> Self {
         Self { secrets, ..self }
     }
+}
 
-    /// Encrypts the secrets of hooks that are to be written, where there is a key.
-    pub fn hide(&self, hooks: &mut [HookRow]) -> Result<(), StoreError> {
-        hooks.iter_mut().try_for_each(|hook| self.secrets.hide(hook).map(|_| ()))
-    }
+/// Encrypts the secrets of hooks that are to be written, where there is a key.
+pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
+    hooks.iter_mut().try_for_each(|hook| store.secrets.hide(hook).map(|_| ()))
+}
 
-    /// Encrypts what was stored before there was a key; says of how many hooks.
-    ///
-    /// # Errors
-    /// [`StoreError::Key`] where something is encrypted, and not with this key.
-    pub async fn hide_stored(&self, writer: &mut Writer) -> Result<usize, StoreError> {
-        writer.take_turn().await?;
-        let hidden = self.hide_in_turn(writer).await;
-        writer.give_back().await;
-        hidden
-    }
+/// Encrypts what was stored before there was a key; says of how many hooks.
+///
+/// # Errors
+/// [`StoreError::Key`] where something is encrypted, and not with this key.
+pub async fn hide_stored(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+    writer.take_turn().await?;
+    let hidden = hide_in_turn(store, writer).await;
+    writer.give_back().await;
+    hidden
+}
 
-    async fn hide_in_turn(&self, writer: &mut Writer) -> Result<usize, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
-        let stored: Result<Vec<HookRow>, StoreError> =
-            on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect());
-        let mut hooks = Vec::new();
-        for mut hook in stored? {
-            self.secrets.show(&mut hook.clone())?;
-            if self.secrets.hide(&mut hook)? {
-                hooks.push(hook);
-            }
+async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} ORDER BY id"));
+    let stored: Result<Vec<HookRow>, StoreError> =
+        on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(hook).collect());
+    let mut hooks = Vec::new();
+    for mut hook in stored? {
+        store.secrets.show(&mut hook.clone())?;
+        if store.secrets.hide(&mut hook)? {
+            hooks.push(hook);
         }
-        let count = hooks.len();
-        if count > 0 {
-            writer.commit(&Changes { hooks, ..Changes::default() }).await?;
-        }
-        Ok(count)
     }
+    let count = hooks.len();
+    if count > 0 {
+        writer.commit(&Changes { hooks, ..Changes::default() }).await?;
+    }
+    Ok(count)
+}
 
-    fn shown(&self, row: &impl Cells) -> Result<HookRow, StoreError> {
-        let mut hook = hook(row)?;
-        self.secrets.show(&mut hook)?;
-        Ok(hook)
-    }
+fn shown(store: &Store, row: &impl Cells) -> Result<HookRow, StoreError> {
+    let mut hook = hook(row)?;
+    store.secrets.show(&mut hook)?;
+    Ok(hook)
+}
 
-    /// Every hook that was not deleted, oldest first.
-    pub async fn hooks(&self) -> Result<Vec<HookRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE deleted_at IS NULL ORDER BY id"));
-        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| self.shown(row)).collect())
-    }
+/// Every hook that was not deleted, oldest first.
+pub async fn all(store: &Store) -> Result<Vec<HookRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE deleted_at IS NULL ORDER BY id"));
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(|row| shown(store, row)).collect())
+}
 
-    /// A hook, unless it was deleted.
-    pub async fn hook(&self, id: Id) -> Result<Option<HookRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1 AND deleted_at IS NULL"));
-        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| self.shown(row)).transpose())
-    }
+/// A hook, unless it was deleted.
+pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1 AND deleted_at IS NULL"));
+    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| shown(store, row)).transpose())
+}
 
-    /// What hooks have heard last of alerts that fire: hook, alert, severity.
-    pub async fn heard(&self) -> Result<Vec<(Id, Id, String)>, StoreError> {
-        let sql = "SELECT hook, alert, severity FROM hook_heard";
-        let rows: Vec<(i64, i64, String)> = on!(self.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
-        Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
-    }
+/// What hooks have heard last of alerts that fire: hook, alert, severity.
+pub async fn heard(store: &Store) -> Result<Vec<(Id, Id, String)>, StoreError> {
+    let sql = "SELECT hook, alert, severity FROM hook_heard";
+    let rows: Vec<(i64, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
+}
 
-    /// The alerts of which the last message that a hook took was not that they are resolved.
-    pub async fn delivered_firing(&self, hook: Id) -> Result<Vec<Id>, StoreError> {
-        let sql = "SELECT told.alert, told.action
-                   FROM (SELECT d.alert AS alert, coalesce(d.action, s.action) AS action, d.id AS id
-                         FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
-                         WHERE d.hook = $1 AND d.state = 'delivered' AND d.alert IS NOT NULL
-                         UNION ALL
-                         SELECT p.alert, p.action, p.delivery FROM delivery_part AS p JOIN delivery AS d ON d.id = p.delivery
-                         WHERE p.hook = $1 AND d.state = 'delivered') AS told
-                   ORDER BY told.id";
-        let told: Vec<(i64, Option<String>)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
-        let last: std::collections::BTreeMap<i64, Option<String>> = told.into_iter().collect();
-        let fires = last.into_iter().filter(|(_, action)| action.as_deref() != Some("resolve"));
-        Ok(fires.map(|(alert, _)| Id(alert)).collect())
-    }
+/// The alerts of which the last message that a hook took was not that they are resolved.
+pub async fn delivered_firing(store: &Store, hook: Id) -> Result<Vec<Id>, StoreError> {
+    let sql = "SELECT told.alert, told.action
+               FROM (SELECT d.alert AS alert, coalesce(d.action, s.action) AS action, d.id AS id
+                     FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
+                     WHERE d.hook = $1 AND d.state = 'delivered' AND d.alert IS NOT NULL
+                     UNION ALL
+                     SELECT p.alert, p.action, p.delivery FROM delivery_part AS p JOIN delivery AS d ON d.id = p.delivery
+                     WHERE p.hook = $1 AND d.state = 'delivered') AS told
+               ORDER BY told.id";
+    let told: Vec<(i64, Option<String>)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
+    let last: std::collections::BTreeMap<i64, Option<String>> = told.into_iter().collect();
+    let fires = last.into_iter().filter(|(_, action)| action.as_deref() != Some("resolve"));
+    Ok(fires.map(|(alert, _)| Id(alert)).collect())
 }

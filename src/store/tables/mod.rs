@@ -1,25 +1,25 @@
 //! One file a table: its rows, what reads them and what writes them.
 
-pub(super) mod access;
-pub(super) mod alerts;
-pub(super) mod bench;
-pub(super) mod correction;
+pub mod access;
+pub mod alerts;
+pub mod bench;
+pub mod correction;
 pub(super) mod delivery;
 pub(super) mod delivery_line;
-pub(super) mod diagnosis;
-pub(super) mod diagnosis_digest;
-pub(super) mod diagnosis_job;
-pub(super) mod event;
-pub(super) mod gyro;
-pub(super) mod histories;
-pub(super) mod history;
-pub(super) mod hook;
-pub(super) mod keys;
-pub(super) mod model;
-pub(super) mod names;
-pub(super) mod outbox;
+pub mod diagnosis;
+pub mod diagnosis_digest;
+pub mod diagnosis_job;
+pub mod event;
+pub mod gyro;
+pub mod histories;
+pub mod history;
+pub mod hook;
+pub mod keys;
+pub mod model;
+pub mod names;
+pub mod outbox;
 #[cfg(test)]
 pub(super) mod outbox_tests;
-pub(super) mod record;
-pub(super) mod set_aside;
-pub(super) mod silence;
+pub mod record;
+pub mod set_aside;
+pub mod silence;

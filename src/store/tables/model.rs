@@ -55,24 +55,22 @@ fn row(row: &impl Cells) -> Result<ModelRow, StoreError> {
     })
 }
 
-impl Store {
-    /// Every model that was adopted for an IMU, newest first.
-    pub async fn models(&self, imu: u32) -> Result<Vec<ModelRow>, StoreError> {
-        let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model WHERE imu = $1 ORDER BY id DESC";
-        on!(self.readers, db => sqlx::query(sql).bind(Whole(imu)).fetch_all(db).await?.iter().map(row).collect())
-    }
+/// Every model that was adopted for an IMU, newest first.
+pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<ModelRow>, StoreError> {
+    let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model WHERE imu = $1 ORDER BY id DESC";
+    on!(store.readers, db => sqlx::query(sql).bind(Whole(imu)).fetch_all(db).await?.iter().map(row).collect())
+}
 
-    /// The newest model of each IMU that has one.
-    pub async fn models_in_force(&self) -> Result<Vec<ModelRow>, StoreError> {
-        let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model
-                   WHERE id IN (SELECT max(id) FROM imu_model GROUP BY imu)";
-        on!(self.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(row).collect())
-    }
+/// The newest model of each IMU that has one.
+pub async fn in_force(store: &Store) -> Result<Vec<ModelRow>, StoreError> {
+    let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model
+               WHERE id IN (SELECT max(id) FROM imu_model GROUP BY imu)";
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(row).collect())
+}
 
-    /// The adopted model that a stored campaign was fitted with, if it was one.
-    pub async fn model_of_campaign(&self, record: Id) -> Result<Option<ModelRow>, StoreError> {
-        let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model
-                   WHERE id = (SELECT model FROM campaign_model WHERE record = $1)";
-        on!(self.readers, db => sqlx::query(sql).bind(record.0).fetch_optional(db).await?.as_ref().map(row).transpose())
-    }
+/// The adopted model that a stored campaign was fitted with, if it was one.
+pub async fn of_campaign(store: &Store, record: Id) -> Result<Option<ModelRow>, StoreError> {
+    let sql = "SELECT id, imu, adopted_at, author, reason, body FROM imu_model
+               WHERE id = (SELECT model FROM campaign_model WHERE record = $1)";
+    on!(store.readers, db => sqlx::query(sql).bind(record.0).fetch_optional(db).await?.as_ref().map(row).transpose())
 }

@@ -130,15 +130,13 @@ impl Names {
     }
 }
 
-impl Store {
-    /// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at random. A commit
-    /// that a failover has lost may have been answered, so that its numbers are in use somewhere and must not become another name's.
-    pub fn new_number(&self, known: &Table, new: usize, is_new: impl Fn(u32) -> bool) -> u32 {
-        match &self.place {
-            Place::File(_) => known.last_number() + new as u32 + 1,
-            Place::Server(_) => std::iter::repeat_with(|| rand::random_range(1..=i32::MAX.unsigned_abs()))
-                .find(|number| known.name(*number).is_none() && !is_new(*number))
-                .expect("there are more numbers than names"),
-        }
+/// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at random. A commit
+/// that a failover has lost may have been answered, so that its numbers are in use somewhere and must not become another name's.
+pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32) -> bool) -> u32 {
+    match &store.place {
+        Place::File(_) => known.last_number() + new as u32 + 1,
+        Place::Server(_) => std::iter::repeat_with(|| rand::random_range(1..=i32::MAX.unsigned_abs()))
+            .find(|number| known.name(*number).is_none() && !is_new(*number))
+            .expect("there are more numbers than names"),
     }
 }

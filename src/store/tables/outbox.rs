@@ -16,40 +16,38 @@ fn subject(row: &impl Cells) -> Result<Subject, sqlx::Error> {
     })
 }
 
-impl Store {
-    /// At most `limit` deliveries of a hook that are due, the longest due first.
-    ///
-    /// A time beyond `horizon` was written by a clock gone wrong: what waits until then is due.
-    pub async fn due_deliveries(
-        &self,
-        hook: Id,
-        now: UtcMicros,
-        horizon: UtcMicros,
-        limit: u32,
-    ) -> Result<Vec<DueDelivery>, StoreError> {
-        let sql = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.attempts, d.first_attempt_at,
-                          s.at, coalesce(d.action, s.action) AS action, s.body, d.digest
-                   FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
-                   WHERE d.hook = $1 AND d.state = 'waiting' AND (d.due_at <= $2 OR d.due_at > $3)
-                   ORDER BY d.due_at, d.id LIMIT $4";
-        on!(self.readers, db => {
-            let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
-            let rows = query.fetch_all(db).await?;
-            let mut found: Vec<DueDelivery> = rows.iter().map(|row| Ok(due(row)?)).collect::<Result<_, StoreError>>()?;
-            for due in found.iter_mut().filter(|due| due.subject == Subject::Many) {
-                due.content = sqlx::query_as(PARTS).bind(due.id.0).fetch_all(db).await?;
-            }
-            Ok(found)
-        })
-    }
+/// At most `limit` deliveries of a hook that are due, the longest due first.
+///
+/// A time beyond `horizon` was written by a clock gone wrong: what waits until then is due.
+pub async fn due_of_hook(
+    store: &Store,
+    hook: Id,
+    now: UtcMicros,
+    horizon: UtcMicros,
+    limit: u32,
+) -> Result<Vec<DueDelivery>, StoreError> {
+    let sql = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.attempts, d.first_attempt_at,
+                      s.at, coalesce(d.action, s.action) AS action, s.body, d.digest
+               FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step
+               WHERE d.hook = $1 AND d.state = 'waiting' AND (d.due_at <= $2 OR d.due_at > $3)
+               ORDER BY d.due_at, d.id LIMIT $4";
+    on!(store.readers, db => {
+        let query = sqlx::query(sql).bind(hook.0).bind(now.0).bind(horizon.0).bind(Whole(limit));
+        let rows = query.fetch_all(db).await?;
+        let mut found: Vec<DueDelivery> = rows.iter().map(|row| Ok(due(row)?)).collect::<Result<_, StoreError>>()?;
+        for due in found.iter_mut().filter(|due| due.subject == Subject::Many) {
+            due.content = sqlx::query_as(PARTS).bind(due.id.0).fetch_all(db).await?;
+        }
+        Ok(found)
+    })
+}
 
-    /// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
-    pub async fn next_due(&self, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>, StoreError> {
-        let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
-        let at: Option<i64> =
-            on!(self.readers, db => sqlx::query_scalar(sql).bind(hook.0).bind(now.0).fetch_one(db).await?);
-        Ok(at.map(UtcMicros))
-    }
+/// When the next delivery of a hook is due after `now`; none where nothing waits that is not due already.
+pub async fn next_due(store: &Store, hook: Id, now: UtcMicros) -> Result<Option<UtcMicros>, StoreError> {
+    let sql = "SELECT min(due_at) FROM delivery WHERE hook = $1 AND state = 'waiting' AND due_at > $2";
+    let at: Option<i64> =
+        on!(store.readers, db => sqlx::query_scalar(sql).bind(hook.0).bind(now.0).fetch_one(db).await?);
+    Ok(at.map(UtcMicros))
 }
 
 const PARTS: &str = "SELECT part.action, coalesce(part.body, step.body)
@@ -77,70 +75,68 @@ const COLUMNS: &str = "SELECT d.id, d.hook, d.step, d.alert, d.queued_at, d.stat
                               coalesce(d.alert, (SELECT p.alert FROM delivery_part AS p WHERE p.delivery = d.id AND p.place = 0)) AS first
                        FROM delivery AS d LEFT JOIN alert_step AS s ON s.id = d.step";
 
-impl Store {
-    pub async fn queue_state(&self, hook: Id) -> Result<QueueState, StoreError> {
-        let sql = "SELECT (SELECT count(*) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting')),
-                          (SELECT count(*) FROM delivery WHERE hook = $1 AND state = 'dead'),
-                          (SELECT min(queued_at) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting'))";
-        let (open, dead, oldest): (i64, i64, Option<i64>) =
-            on!(self.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_one(db).await?);
-        Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
-    }
+pub async fn queue_state(store: &Store, hook: Id) -> Result<QueueState, StoreError> {
+    let sql = "SELECT (SELECT count(*) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting')),
+                      (SELECT count(*) FROM delivery WHERE hook = $1 AND state = 'dead'),
+                      (SELECT min(queued_at) FROM delivery WHERE hook = $1 AND state IN ('behind', 'waiting'))";
+    let (open, dead, oldest): (i64, i64, Option<i64>) =
+        on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_one(db).await?);
+    Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
+}
 
-    /// The queues of all hooks together. A queue whose hook is disabled ages by intent, so its age does not count.
-    pub async fn outbox_totals(&self) -> Result<QueueState, StoreError> {
-        let sql = "SELECT (SELECT count(*) FROM delivery WHERE state IN ('behind', 'waiting')),
-                          (SELECT count(*) FROM delivery WHERE state = 'dead'),
-                          (SELECT min((SELECT min(queued_at) FROM delivery
-                                       WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
-                           FROM hook WHERE deleted_at IS NULL AND enabled = 1)";
-        let (open, dead, oldest): (i64, i64, Option<i64>) =
-            on!(self.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
-        Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
-    }
+/// The queues of all hooks together. A queue whose hook is disabled ages by intent, so its age does not count.
+pub async fn outbox_totals(store: &Store) -> Result<QueueState, StoreError> {
+    let sql = "SELECT (SELECT count(*) FROM delivery WHERE state IN ('behind', 'waiting')),
+                      (SELECT count(*) FROM delivery WHERE state = 'dead'),
+                      (SELECT min((SELECT min(queued_at) FROM delivery
+                                   WHERE delivery.hook = hook.id AND state IN ('behind', 'waiting')))
+                       FROM hook WHERE deleted_at IS NULL AND enabled = 1)";
+    let (open, dead, oldest): (i64, i64, Option<i64>) =
+        on!(store.readers, db => sqlx::query_as(sql).fetch_one(db).await?);
+    Ok(QueueState { open, dead, oldest_open: oldest.map(UtcMicros) })
+}
 
-    /// Deliveries of a hook older than `before`, newest first, with their attempts.
-    pub async fn deliveries(
-        &self,
-        hook: Id,
-        state: Option<DeliveryState>,
-        before: Option<Id>,
-        limit: u32,
-    ) -> Result<Vec<DeliveryRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!(
-            "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
-        ));
-        let (before, state) = (before.map_or(i64::MAX, |id| id.0), state.map(DeliveryState::name));
-        let read = async {
-            on!(self.readers, db => {
-                let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
-                let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(Whole(limit));
-                let rows = query.fetch_all(&mut *snapshot).await?;
-                let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
-                for delivery in &mut deliveries {
-                    let made = sqlx::query_as(ATTEMPTS).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
-                    delivery.attempts = attempts(delivery.id, made);
-                }
-                Ok(deliveries)
-            })
-        };
-        self.readers.within_limit(read).await
-    }
+/// Deliveries of a hook older than `before`, newest first, with their attempts.
+pub async fn of_hook(
+    store: &Store,
+    hook: Id,
+    state: Option<DeliveryState>,
+    before: Option<Id>,
+    limit: u32,
+) -> Result<Vec<DeliveryRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!(
+        "{COLUMNS} WHERE d.hook = $1 AND d.id < $2 AND ($3 IS NULL OR d.state = $3) ORDER BY d.id DESC LIMIT $4"
+    ));
+    let (before, state) = (before.map_or(i64::MAX, |id| id.0), state.map(DeliveryState::name));
+    let read = async {
+        on!(store.readers, db => {
+            let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
+            let query = sqlx::query(sql).bind(hook.0).bind(before).bind(state).bind(Whole(limit));
+            let rows = query.fetch_all(&mut *snapshot).await?;
+            let mut deliveries: Vec<DeliveryRow> = rows.iter().map(delivery).collect::<Result<_, _>>()?;
+            for delivery in &mut deliveries {
+                let made = sqlx::query_as(ATTEMPTS).bind(delivery.id.0).fetch_all(&mut *snapshot).await?;
+                delivery.attempts = attempts(delivery.id, made);
+            }
+            Ok(deliveries)
+        })
+    };
+    store.readers.within_limit(read).await
+}
 
-    /// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
-    pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
-        let read = async {
-            on!(self.readers, db => {
-                let mut snapshot = db.begin_with(self.readers.words(SNAPSHOT)).await?;
-                let query = sqlx::query(sql).bind(id.0);
-                let Some(row) = query.fetch_optional(&mut *snapshot).await? else { return Ok(None) };
-                let made = sqlx::query_as(ATTEMPTS).bind(id.0).fetch_all(&mut *snapshot).await?;
-                Ok(Some(DeliveryRow { attempts: attempts(id, made), ..delivery(&row)? }))
-            })
-        };
-        self.readers.within_limit(read).await
-    }
+/// A delivery with its attempts, both as of one moment: an attempt that is written meanwhile is in neither.
+pub async fn get(store: &Store, id: Id) -> Result<Option<DeliveryRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE d.id = $1"));
+    let read = async {
+        on!(store.readers, db => {
+            let mut snapshot = db.begin_with(store.readers.words(SNAPSHOT)).await?;
+            let query = sqlx::query(sql).bind(id.0);
+            let Some(row) = query.fetch_optional(&mut *snapshot).await? else { return Ok(None) };
+            let made = sqlx::query_as(ATTEMPTS).bind(id.0).fetch_all(&mut *snapshot).await?;
+            Ok(Some(DeliveryRow { attempts: attempts(id, made), ..delivery(&row)? }))
+        })
+    };
+    store.readers.within_limit(read).await
 }
 
 /// What several queries see is of one moment.

@@ -3,6 +3,7 @@ use tempfile::TempDir;
 use crate::core::alert_decision::{Alert, Hushed, Status, Told};
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
+use crate::store;
 use crate::store::tests::{first_names, opened};
 use crate::store::*;
 
@@ -125,12 +126,12 @@ impl Bench {
     }
 
     async fn due(&self, now: i64) -> Vec<i64> {
-        let due = self.store.due_deliveries(HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
+        let due = store::outbox::due_of_hook(&self.store, HOOK, UtcMicros(now), HORIZON, 100).await.unwrap();
         due.iter().map(|delivery| delivery.id.0).collect()
     }
 
     async fn states(&self) -> Vec<DeliveryState> {
-        let mut rows = self.store.deliveries(HOOK, None, None, 100).await.unwrap();
+        let mut rows = store::outbox::of_hook(&self.store, HOOK, None, None, 100).await.unwrap();
         rows.reverse();
         rows.into_iter().map(|row| row.state).collect()
     }
@@ -141,9 +142,9 @@ const DONE: Progress = Progress::Done(DeliveryState::Delivered);
 #[tokio::test]
 async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
     let mut bench = Bench::new().await;
-    assert_eq!(bench.store.alerts().await.unwrap(), [alert(Id(1), 1), alert(Id(2), 2)]);
-    assert_eq!(bench.store.alert_steps(Id(1), 2).await.unwrap(), [step(Id(32), Id(1)), step(Id(34), Id(1))]);
-    assert_eq!(bench.store.hook(HOOK).await.unwrap(), Some(hook(HOOK)));
+    assert_eq!(store::alerts::all(&bench.store).await.unwrap(), [alert(Id(1), 1), alert(Id(2), 2)]);
+    assert_eq!(store::alerts::steps(&bench.store, Id(1), 2).await.unwrap(), [step(Id(32), Id(1)), step(Id(34), Id(1))]);
+    assert_eq!(store::hook::get(&bench.store, HOOK).await.unwrap(), Some(hook(HOOK)));
 
     let remark = |by: &str| Some(Remark { by: by.into(), reason: "known".into(), at: UtcMicros(60) });
     let mut changed = alert(Id(2), 2);
@@ -173,19 +174,19 @@ async fn alerts_steps_and_hooks_are_read_back_as_they_were_written() {
         ..Changes::default()
     };
     bench.writer.commit(&changes).await.unwrap();
-    assert_eq!(bench.store.alert(Id(2)).await.unwrap(), Some(changed));
-    assert_eq!(bench.store.alert(Id(3)).await.unwrap(), None);
-    assert_eq!(bench.store.hook(HOOK).await.unwrap(), None);
-    assert_eq!(bench.store.hooks().await.unwrap(), [hook(Id(21))]);
+    assert_eq!(store::alerts::get(&bench.store, Id(2)).await.unwrap(), Some(changed));
+    assert_eq!(store::alerts::get(&bench.store, Id(3)).await.unwrap(), None);
+    assert_eq!(store::hook::get(&bench.store, HOOK).await.unwrap(), None);
+    assert_eq!(store::hook::all(&bench.store).await.unwrap(), [hook(Id(21))]);
 
-    let in_force = async |bench: &Bench, at| bench.store.silences(Some(UtcMicros(at)), 9).await.unwrap();
+    let in_force = async |bench: &Bench, at| store::silence::list(&bench.store, Some(UtcMicros(at)), 9).await.unwrap();
     assert_eq!(in_force(&bench, 90).await, std::slice::from_ref(&silence));
     assert_eq!(in_force(&bench, 91).await, [], "its time is over");
     let ended = SilenceRow { ended: remark("bob"), ..silence };
     bench.writer.commit(&Changes { silences: vec![ended.clone()], ..Changes::default() }).await.unwrap();
     assert_eq!(in_force(&bench, 70).await, []);
-    assert_eq!(bench.store.silence(Id(80)).await.unwrap(), Some(ended.clone()));
-    assert_eq!(bench.store.silences(None, 9).await.unwrap(), [ended]);
+    assert_eq!(store::silence::get(&bench.store, Id(80)).await.unwrap(), Some(ended.clone()));
+    assert_eq!(store::silence::list(&bench.store, None, 9).await.unwrap(), [ended]);
 }
 
 fn many(id: i64, alerts: &[i64]) -> NewDelivery {
@@ -237,11 +238,11 @@ async fn a_message_of_many_alerts_says_of_each_what_its_step_says_or_what_it_was
     let mut bench = Bench::new().await;
     let digest = NewDelivery { digest: Some("{\"total\":2}".into()), ..many(40, &[2, 1]) };
     bench.change(OutboxChanges { queued: vec![digest], ..OutboxChanges::default() }).await;
-    let due = bench.store.due_deliveries(HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
+    let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(100), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.subject, due.at, due.digest.as_deref()), (Subject::Many, None, Some("{\"total\":2}")));
     let fire = |body: String| ("fire".to_owned(), body);
     assert_eq!(due.content, [fire(step(Id(31), Id(2)).body), fire("{\"as\": \"it 是\"}".into())]);
-    let row = bench.store.delivery(Id(40)).await.unwrap().unwrap();
+    let row = store::outbox::get(&bench.store, Id(40)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action.as_deref(), row.alert), (Subject::Many, Some("fire"), Some(Id(2))));
 }
 
@@ -252,7 +253,7 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     let heard = vec![(HOOK, Id(1), warning), (HOOK, Id(2), warning), (HOOK, Id(1), critical), (Id(21), Id(1), warning)];
     bench.change(OutboxChanges { heard, ..OutboxChanges::default() }).await;
     let all = async |bench: &Bench| {
-        let mut all = bench.store.heard().await.unwrap();
+        let mut all = store::hook::heard(&bench.store).await.unwrap();
         all.sort();
         all
     };
@@ -265,7 +266,7 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     bench.change(OutboxChanges { forgotten, heard, ..OutboxChanges::default() }).await;
     assert_eq!(all(&bench).await, [row(HOOK, 1, "critical"), row(Id(21), 1, "warning")], "what is new holds");
 
-    assert_eq!(bench.store.delivered_firing(HOOK).await.unwrap(), []);
+    assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), []);
     let ends = NewDelivery {
         action: Some("resolve"),
         subject: Subject::Step { step: Id(32), alert: Id(1) },
@@ -274,9 +275,9 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     };
     bench.change(OutboxChanges { queued: vec![many(40, &[1, 2]), ends], ..OutboxChanges::default() }).await;
     bench.attempt(40, 150, DONE).await;
-    assert_eq!(bench.store.delivered_firing(HOOK).await.unwrap(), [Id(1), Id(2)]);
+    assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), [Id(1), Id(2)]);
     bench.attempt(41, 151, DONE).await;
-    assert_eq!(bench.store.delivered_firing(HOOK).await.unwrap(), [Id(2)]);
+    assert_eq!(store::hook::delivered_firing(&bench.store, HOOK).await.unwrap(), [Id(2)]);
 }
 
 #[tokio::test]
@@ -292,10 +293,10 @@ async fn only_the_first_of_each_alerts_line_is_due_and_its_end_moves_the_next_up
     assert_eq!(bench.due(500).await, [41, 42]);
     bench.attempt(42, 500, Progress::Done(DeliveryState::Dead)).await;
     assert_eq!(bench.due(500).await, [41, 44], "a dead letter holds nobody up");
-    let row = bench.store.delivery(Id(42)).await.unwrap().unwrap();
+    let row = store::outbox::get(&bench.store, Id(42)).await.unwrap().unwrap();
     assert_eq!((row.state, row.finished_at, row.attempts.len()), (DeliveryState::Dead, Some(UtcMicros(500)), 2));
     assert_eq!((row.attempts[0].at, row.attempts[0].status), (UtcMicros(160), Some(500)));
-    let due = bench.store.due_deliveries(HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
+    let due = store::outbox::due_of_hook(&bench.store, HOOK, UtcMicros(500), HORIZON, 1).await.unwrap().remove(0);
     assert_eq!((due.at, due.content), (Some(UtcMicros(10)), vec![("fire".into(), step(Id(31), Id(2)).body)]));
     assert_eq!(row.attempts[0].answer.as_deref(), Some("no \"such\" 频道"));
 }
@@ -322,7 +323,7 @@ async fn a_line_that_grows_later_stays_in_order() {
 async fn the_next_that_is_due_later_is_known() {
     let mut bench = Bench::new().await;
     bench.queue().await;
-    let next = async |bench: &Bench, now| bench.store.next_due(HOOK, UtcMicros(now)).await.unwrap();
+    let next = async |bench: &Bench, now| store::outbox::next_due(&bench.store, HOOK, UtcMicros(now)).await.unwrap();
     assert_eq!(next(&bench, 99).await, Some(UtcMicros(100)));
     assert_eq!(next(&bench, 100).await, None);
     bench.attempt(41, 200, Progress::RetryAt(UtcMicros(400))).await;
@@ -345,7 +346,7 @@ async fn a_test_comes_before_whatever_waits() {
     let test = NewDelivery { subject: Subject::Test, action: None, ..many(60, &[]) };
     bench.change(OutboxChanges { queued: vec![test], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(100).await, [60, 40, 41]);
-    let row = bench.store.delivery(Id(60)).await.unwrap().unwrap();
+    let row = store::outbox::get(&bench.store, Id(60)).await.unwrap().unwrap();
     assert_eq!((row.subject, row.action), (Subject::Test, None));
 }
 
@@ -359,17 +360,17 @@ async fn replayed_deliveries_start_anew_and_a_deleted_hooks_queue_is_dropped() {
     let replayed = vec![(Id(40), UtcMicros(700)), (Id(43), UtcMicros(700))];
     bench.change(OutboxChanges { replayed, ..OutboxChanges::default() }).await;
     assert_eq!(bench.states().await, [Waiting, Waiting, Waiting, Behind, Behind, Behind], "43 is not done yet");
-    assert_eq!(bench.store.queue_state(HOOK).await.unwrap().open, 6);
-    let totals = bench.store.outbox_totals().await.unwrap();
+    assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap().open, 6);
+    let totals = store::outbox::outbox_totals(&bench.store).await.unwrap();
     assert_eq!((totals.open, totals.dead, totals.oldest_open), (6, 0, Some(UtcMicros(100))));
     let disabled = HookRow { enabled: false, ..hook(HOOK) };
     bench.writer.commit(&Changes { hooks: vec![disabled], ..Changes::default() }).await.unwrap();
-    assert_eq!(bench.store.outbox_totals().await.unwrap().oldest_open, None);
+    assert_eq!(store::outbox::outbox_totals(&bench.store).await.unwrap().oldest_open, None);
     bench.attempt(40, 701, DONE).await;
     bench.change(OutboxChanges { dropped: vec![(HOOK, UtcMicros(800))], ..OutboxChanges::default() }).await;
     bench.attempt(41, 801, DONE).await;
     assert_eq!(bench.states().await, [Delivered, Dropped, Dropped, Dropped, Dropped, Dropped]);
-    assert_eq!(bench.store.queue_state(HOOK).await.unwrap(), QueueState::default());
+    assert_eq!(store::outbox::queue_state(&bench.store, HOOK).await.unwrap(), QueueState::default());
 }
 
 #[tokio::test]
@@ -379,8 +380,8 @@ async fn a_target_that_is_back_is_told_at_once_what_waits() {
     bench.attempt(41, 150, Progress::RetryAt(UtcMicros(90_000))).await;
     bench.change(OutboxChanges { hastened: vec![(HOOK, UtcMicros(200))], ..OutboxChanges::default() }).await;
     assert_eq!(bench.due(200).await, [40, 41]);
-    let dead = bench.store.deliveries(HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
-    let old = bench.store.deliveries(HOOK, None, Some(Id(42)), 1).await.unwrap();
+    let dead = store::outbox::of_hook(&bench.store, HOOK, Some(DeliveryState::Dead), None, 9).await.unwrap();
+    let old = store::outbox::of_hook(&bench.store, HOOK, None, Some(Id(42)), 1).await.unwrap();
     assert_eq!((dead.len(), old[0].id), (0, Id(41)));
 }
 
@@ -391,7 +392,7 @@ async fn a_restart_finds_everything_that_was_queued() {
     bench.store.close().await;
     bench.writer.close().await.unwrap();
     let (store, mut writer) = opened(&bench.dir).await;
-    let due = store.due_deliveries(HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
+    let due = store::outbox::due_of_hook(&store, HOOK, UtcMicros(100), HORIZON, 100).await.unwrap();
     assert_eq!(due.len(), 2);
     assert!(writer.next_id(UtcMicros(0)) > Id(45), "identifiers go on where they were");
 }
@@ -402,7 +403,7 @@ async fn what_a_hook_has_heard_fire_is_known_as_it_was_last_told() {
     let untold = StepRow { told: false, ..step(Id(36), Id(1)) };
     let outbox = OutboxChanges { heard: vec![(HOOK, Id(1), Some(Severity::Critical))], ..OutboxChanges::default() };
     bench.writer.commit(&Changes { alert_steps: vec![untold], outbox, ..Changes::default() }).await.unwrap();
-    let firing = bench.store.heard_firing(HOOK).await.unwrap();
+    let firing = store::alerts::heard_firing(&bench.store, HOOK).await.unwrap();
     assert_eq!(firing, [("critical".to_owned(), step(Id(34), Id(1)).body)]);
-    assert_eq!(bench.store.heard_firing(Id(21)).await.unwrap(), []);
+    assert_eq!(store::alerts::heard_firing(&bench.store, Id(21)).await.unwrap(), []);
 }

@@ -9,6 +9,7 @@ use crate::store::error::StoreError;
 use crate::store::id::Id;
 use crate::store::open::Store;
 use crate::store::packed::verdicts::VerdictSheet;
+use crate::store::postgres;
 
 /// What a station sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -149,141 +150,134 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
     })
 }
 
-impl Store {
-    pub async fn record(&self, id: Id) -> Result<Option<RecordRow>, StoreError> {
-        let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
-                          voided <> 0, notes, sent_by
-                   FROM record WHERE id = $1";
-        let found: Option<Row> = on!(self.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
-        let found = found.map(row).transpose()?;
-        if let Some(row) = &found {
-            self.know_names_of(row).await?;
+pub async fn get(store: &Store, id: Id) -> Result<Option<RecordRow>, StoreError> {
+    let sql = "SELECT id, kind, imu, station, calibrated_at, received_at, body, body_sha256, verdicts,
+                      voided <> 0, notes, sent_by
+               FROM record WHERE id = $1";
+    let found: Option<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
+    let found = found.map(row).transpose()?;
+    if let Some(row) = &found {
+        postgres::names::know_names_of(store, row).await?;
+    }
+    Ok(found)
+}
+
+/// Every record, in order of arrival.
+pub async fn ids(store: &Store) -> Result<Vec<Id>, StoreError> {
+    let ids: Vec<i64> =
+        on!(store.readers, db => sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(db).await?);
+    Ok(ids.into_iter().map(Id).collect())
+}
+
+/// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
+pub async fn at(store: &Store, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
+    // On a server nothing waits, and $3 is null.
+    let waiting = store.unplaced.calendar.read().at(imu, at).map(|id| id.0);
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record WHERE id = $3
+                 OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
+        postgres: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record
+                   WHERE imu = $1 AND calibrated_at = $2 AND $3 IS NULL ORDER BY voided",
+    });
+    let found: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(at.0).bind(waiting).fetch_all(db).await?);
+    let found = found.into_iter().map(|(id, Whole(of), then, hash, voided)| {
+        let found = RecordAt { id: Id(id), hash, voided };
+        let is_here = (of, UtcMicros(then)) == (imu, at);
+        if is_here { Ok(found) } else { Err(StoreError::Damaged(format!("record {} is of another instant", Id(id)))) }
+    });
+    found.collect()
+}
+
+/// As `records_at`, of many places: of a database server in one question, of a file one by one, which costs nothing there.
+pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>, StoreError> {
+    let Readers::Postgres(db) = &store.readers else {
+        let mut all = Vec::with_capacity(places.len());
+        for (imu, time) in places {
+            all.push(at(store, *imu, *time).await?);
         }
-        Ok(found)
+        return Ok(all);
+    };
+    if places.is_empty() {
+        return Ok(Vec::new());
     }
+    let sql = "SELECT CAST(key AS BIGINT), id, body_sha256, voided <> 0
+               FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) JOIN record
+               ON imu = CAST(j.value->>0 AS BIGINT) AND calibrated_at = CAST(j.value->>1 AS BIGINT) ORDER BY key, voided";
+    let wanted: Vec<[i64; 2]> = places.iter().map(|(imu, at)| [i64::from(*imu), at.0]).collect();
+    let found: Vec<(i64, i64, Vec<u8>, bool)> =
+        sqlx::query_as(sql).bind(serde_json::json!(wanted).to_string()).fetch_all(db).await?;
+    let mut all = vec![Vec::new(); places.len()];
+    for (key, id, hash, voided) in found {
+        all[(key - 1).unsigned_abs() as usize].push(RecordAt { id: Id(id), hash, voided });
+    }
+    Ok(all)
+}
 
-    /// Every record, in order of arrival.
-    pub async fn record_ids(&self) -> Result<Vec<Id>, StoreError> {
-        let ids: Vec<i64> =
-            on!(self.readers, db => sqlx::query_scalar("SELECT id FROM record ORDER BY id").fetch_all(db).await?);
-        Ok(ids.into_iter().map(Id).collect())
-    }
+/// The newest record's instant of each IMU.
+pub async fn newest_of_imus(store: &Store) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
+    let Readers::Postgres(db) = &store.readers else { return Ok(store.unplaced.calendar.read().newest().collect()) };
+    let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
+    let rows: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(sql).fetch_all(db).await?;
+    Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
+}
 
-    /// The records of an IMU at an instant: the one that counts first (there is one at the most), then those that do not.
-    pub async fn records_at(&self, imu: u32, at: UtcMicros) -> Result<Vec<RecordAt>, StoreError> {
-        // On a server nothing waits, and $3 is null.
-        let waiting = self.unplaced.calendar.read().at(imu, at).map(|id| id.0);
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record WHERE id = $3
-                     OR id IN (SELECT record FROM calendar WHERE imu = $1 AND calibrated_at = $2) ORDER BY voided",
-            postgres: "SELECT id, imu, calibrated_at, body_sha256, voided <> 0 FROM record
-                       WHERE imu = $1 AND calibrated_at = $2 AND $3 IS NULL ORDER BY voided",
-        });
-        let found: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(Whole(imu)).bind(at.0).bind(waiting).fetch_all(db).await?);
-        let found = found.into_iter().map(|(id, Whole(of), then, hash, voided)| {
-            let found = RecordAt { id: Id(id), hash, voided };
-            let is_here = (of, UtcMicros(then)) == (imu, at);
-            if is_here {
-                Ok(found)
-            } else {
-                Err(StoreError::Damaged(format!("record {} is of another instant", Id(id))))
-            }
-        });
-        found.collect()
-    }
+/// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros; none of what does not
+/// count.
+pub async fn since(store: &Store, after: Id, limit: u32) -> Result<Vec<(u32, UtcMicros, Vec<u32>)>, StoreError> {
+    let sql = "SELECT id, imu, calibrated_at, verdicts, voided <> 0 FROM record WHERE id > $1 ORDER BY id LIMIT $2";
+    let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(after.0).bind(Whole(limit)).fetch_all(db).await?);
+    let seen = |(id, Whole(imu), at, verdicts, voided): (i64, Whole<u32>, i64, Vec<u8>, bool)| {
+        let sheet = VerdictSheet::unpack(Id(id), &verdicts)?;
+        let gyros = sheet.0.into_iter().map(|(gyro, _)| gyro);
+        Ok((imu, UtcMicros(at), gyros.filter(|_| !voided).collect()))
+    };
+    rows.into_iter().map(seen).collect()
+}
 
-    /// As [`Store::records_at`], of many places: of a database server in one question, of a file one by one, which costs nothing there.
-    pub async fn records_at_many(&self, places: &[(u32, UtcMicros)]) -> Result<Vec<Vec<RecordAt>>, StoreError> {
-        let Readers::Postgres(db) = &self.readers else {
-            let mut all = Vec::with_capacity(places.len());
-            for (imu, at) in places {
-                all.push(self.records_at(*imu, *at).await?);
-            }
-            return Ok(all);
-        };
-        if places.is_empty() {
-            return Ok(Vec::new());
-        }
-        let sql = "SELECT CAST(key AS BIGINT), id, body_sha256, voided <> 0
-                   FROM jsonb_array_elements(CAST($1 AS JSONB)) WITH ORDINALITY AS j(value, key) JOIN record
-                   ON imu = CAST(j.value->>0 AS BIGINT) AND calibrated_at = CAST(j.value->>1 AS BIGINT) ORDER BY key, voided";
-        let wanted: Vec<[i64; 2]> = places.iter().map(|(imu, at)| [i64::from(*imu), at.0]).collect();
-        let found: Vec<(i64, i64, Vec<u8>, bool)> =
-            sqlx::query_as(sql).bind(serde_json::json!(wanted).to_string()).fetch_all(db).await?;
-        let mut all = vec![Vec::new(); places.len()];
-        for (key, id, hash, voided) in found {
-            all[(key - 1).unsigned_abs() as usize].push(RecordAt { id: Id(id), hash, voided });
-        }
-        Ok(all)
-    }
+pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
+    let sql = "SELECT verdicts FROM record WHERE id = $1";
+    let found: Option<Vec<u8>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(id.0).fetch_optional(db).await?);
+    found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
+}
 
-    /// The newest record's instant of each IMU.
-    pub async fn newest_of_imus(&self) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
-        let Readers::Postgres(db) = &self.readers else { return Ok(self.unplaced.calendar.read().newest().collect()) };
-        let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
-        let rows: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(sql).fetch_all(db).await?;
-        Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
-    }
+/// The verdict sheets of several records.
+pub async fn verdict_sheets(
+    store: &Store,
+    records: impl Iterator<Item = Id>,
+) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))",
+        postgres: "SELECT id, verdicts FROM record WHERE id IN (SELECT CAST(j.value AS BIGINT)
+                   FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
+    });
+    let rows: Vec<(i64, Vec<u8>)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(json_of(records)).fetch_all(db).await?);
+    rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
+}
 
-    /// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros; none of what does not
-    /// count.
-    pub async fn records_since(&self, after: Id, limit: u32) -> Result<Vec<(u32, UtcMicros, Vec<u32>)>, StoreError> {
-        let sql = "SELECT id, imu, calibrated_at, verdicts, voided <> 0 FROM record WHERE id > $1 ORDER BY id LIMIT $2";
-        let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(after.0).bind(Whole(limit)).fetch_all(db).await?);
-        let seen = |(id, Whole(imu), at, verdicts, voided): (i64, Whole<u32>, i64, Vec<u8>, bool)| {
-            let sheet = VerdictSheet::unpack(Id(id), &verdicts)?;
-            let gyros = sheet.0.into_iter().map(|(gyro, _)| gyro);
-            Ok((imu, UtcMicros(at), gyros.filter(|_| !voided).collect()))
-        };
-        rows.into_iter().map(seen).collect()
-    }
-
-    pub async fn verdict_sheet(&self, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
-        let sql = "SELECT verdicts FROM record WHERE id = $1";
-        let found: Option<Vec<u8>> =
-            on!(self.readers, db => sqlx::query_scalar(sql).bind(id.0).fetch_optional(db).await?);
-        found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
-    }
-
-    /// The verdict sheets of several records.
-    pub async fn verdict_sheets(
-        &self,
-        records: impl Iterator<Item = Id>,
-    ) -> Result<Vec<(Id, VerdictSheet)>, StoreError> {
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT id, verdicts FROM record WHERE id IN (SELECT value FROM json_each($1))",
-            postgres: "SELECT id, verdicts FROM record WHERE id IN (SELECT CAST(j.value AS BIGINT)
-                       FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
-        });
-        let rows: Vec<(i64, Vec<u8>)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(json_of(records)).fetch_all(db).await?);
-        rows.into_iter().map(|(id, bytes)| Ok((Id(id), VerdictSheet::unpack(Id(id), &bytes)?))).collect()
-    }
-
-    /// The newest `limit` records of an IMU that count, newest first, without their bodies.
-    pub async fn records_of_imu(&self, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
-        // What waits counts, and is newer than the rest. On a server nothing does, and $3 says so.
-        let waiting: Vec<Id> = self.unplaced.calendar.read().last_of(imu, limit as usize).collect();
-        let sql = self.readers.words(Sql {
-            sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
-                         (SELECT value FROM json_each($3) UNION ALL SELECT record FROM
-                             (SELECT record FROM calendar WHERE imu = $1 AND voided = 0 ORDER BY calibrated_at DESC LIMIT $2))
-                     ORDER BY calibrated_at DESC LIMIT $2",
-            postgres: "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
-                       AND $3 IS NOT NULL ORDER BY calibrated_at DESC LIMIT $2",
-        });
-        let rows: Vec<(i64, i64, Whole<u32>, i64)> = on!(self.readers, db => {
-            sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).bind(json_of(waiting)).fetch_all(db).await?
-        });
-        let head = |(id, kind, Whole(station), at)| {
-            let kind =
-                Kind::from_code(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
-            Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
-        };
-        rows.into_iter().map(head).collect()
-    }
+/// The newest `limit` records of an IMU that count, newest first, without their bodies.
+pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordHead>, StoreError> {
+    // What waits counts, and is newer than the rest. On a server nothing does, and $3 says so.
+    let waiting: Vec<Id> = store.unplaced.calendar.read().last_of(imu, limit as usize).collect();
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT id, kind, station, calibrated_at FROM record WHERE voided = 0 AND id IN
+                     (SELECT value FROM json_each($3) UNION ALL SELECT record FROM
+                         (SELECT record FROM calendar WHERE imu = $1 AND voided = 0 ORDER BY calibrated_at DESC LIMIT $2))
+                 ORDER BY calibrated_at DESC LIMIT $2",
+        postgres: "SELECT id, kind, station, calibrated_at FROM record WHERE imu = $1 AND voided = 0
+                   AND $3 IS NOT NULL ORDER BY calibrated_at DESC LIMIT $2",
+    });
+    let rows: Vec<(i64, i64, Whole<u32>, i64)> = on!(store.readers, db => {
+        sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).bind(json_of(waiting)).fetch_all(db).await?
+    });
+    let head = |(id, kind, Whole(station), at)| {
+        let kind =
+            Kind::from_code(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
+        Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
+    };
+    rows.into_iter().map(head).collect()
 }
 
 fn json_of(ids: impl IntoIterator<Item = Id>) -> String {

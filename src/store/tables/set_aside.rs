@@ -85,28 +85,26 @@ pub(crate) fn note(noted: &[(Id, String)], batch: &mut Batch) {
     );
 }
 
-impl Store {
-    /// Who confirmed the time of a record that was set aside.
-    pub async fn confirmation(&self, record: Id) -> Result<Option<ConfirmationRow>, StoreError> {
-        let sql = "SELECT at, author, reason FROM confirmation WHERE record = $1";
-        let row: Option<(i64, String, String)> =
-            on!(self.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
-        Ok(row.map(|(at, author, reason)| ConfirmationRow { record, at: UtcMicros(at), author, reason }))
-    }
+/// Who confirmed the time of a record that was set aside.
+pub async fn confirmation(store: &Store, record: Id) -> Result<Option<ConfirmationRow>, StoreError> {
+    let sql = "SELECT at, author, reason FROM confirmation WHERE record = $1";
+    let row: Option<(i64, String, String)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(record.0).fetch_optional(db).await?);
+    Ok(row.map(|(at, author, reason)| ConfirmationRow { record, at: UtcMicros(at), author, reason }))
+}
 
-    /// Whether a record is set aside until somebody confirms its time.
-    pub async fn is_set_aside(&self, record: Id) -> Result<bool, StoreError> {
-        let sql = "SELECT count(*) > 0 FROM record WHERE id = $1 AND voided <> 0
-                   AND NOT EXISTS (SELECT 1 FROM correction WHERE item = record.id)";
-        Ok(on!(self.readers, db => sqlx::query_scalar(sql).bind(record.0).fetch_one(db).await?))
-    }
+/// Whether a record is set aside until somebody confirms its time.
+pub async fn is_set_aside(store: &Store, record: Id) -> Result<bool, StoreError> {
+    let sql = "SELECT count(*) > 0 FROM record WHERE id = $1 AND voided <> 0
+               AND NOT EXISTS (SELECT 1 FROM correction WHERE item = record.id)";
+    Ok(on!(store.readers, db => sqlx::query_scalar(sql).bind(record.0).fetch_one(db).await?))
+}
 
-    /// The records of a gyro that are set aside, oldest first.
-    pub async fn set_aside_of_gyro(&self, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StoreError> {
-        let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
-                   AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
-                   ORDER BY calibrated_at, record";
-        let rows: Vec<(i64, i64)> = on!(self.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
-        Ok(rows.into_iter().map(|(record, at)| (Id(record), UtcMicros(at))).collect())
-    }
+/// The records of a gyro that are set aside, oldest first.
+pub async fn of_gyro(store: &Store, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StoreError> {
+    let sql = "SELECT record, calibrated_at FROM voided_history WHERE gyro = $1
+               AND NOT EXISTS (SELECT 1 FROM correction WHERE item = voided_history.record)
+               ORDER BY calibrated_at, record";
+    let rows: Vec<(i64, i64)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(gyro)).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(record, at)| (Id(record), UtcMicros(at))).collect())
 }

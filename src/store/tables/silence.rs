@@ -76,21 +76,19 @@ fn silence(row: &impl Cells) -> Result<SilenceRow, StoreError> {
 const COLUMNS: &str =
     "SELECT id, serial, imu, station, rule, until, author, reason, at, ended_at, ended_by, ended_reason FROM silence";
 
-impl Store {
-    /// Silences in force at `now`, or all that there ever were; the newest first.
-    pub async fn silences(&self, in_force_at: Option<UtcMicros>, limit: u32) -> Result<Vec<SilenceRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!(
-            "{COLUMNS} WHERE ($1 IS NULL OR (until > $1 AND ended_at IS NULL)) ORDER BY id DESC LIMIT $2"
-        ));
-        on!(self.readers, db => sqlx::query(sql)
-            .bind(in_force_at.map(|at| at.0))
-            .bind(crate::store::db::Whole(limit))
-            .fetch_all(db)
-            .await?.iter().map(silence).collect())
-    }
+/// Silences in force at `now`, or all that there ever were; the newest first.
+pub async fn list(store: &Store, in_force_at: Option<UtcMicros>, limit: u32) -> Result<Vec<SilenceRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!(
+        "{COLUMNS} WHERE ($1 IS NULL OR (until > $1 AND ended_at IS NULL)) ORDER BY id DESC LIMIT $2"
+    ));
+    on!(store.readers, db => sqlx::query(sql)
+        .bind(in_force_at.map(|at| at.0))
+        .bind(crate::store::db::Whole(limit))
+        .fetch_all(db)
+        .await?.iter().map(silence).collect())
+}
 
-    pub async fn silence(&self, id: Id) -> Result<Option<SilenceRow>, StoreError> {
-        let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1"));
-        on!(self.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(silence).transpose())
-    }
+pub async fn get(store: &Store, id: Id) -> Result<Option<SilenceRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE id = $1"));
+    on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(silence).transpose())
 }

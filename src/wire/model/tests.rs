@@ -75,12 +75,13 @@ fn each_entry_of_the_catalogue_can_be_kept_with_every_kind_of_shape_it_has() {
         Shape::InputSpin,
     ];
     for entry in CATALOGUE {
-        let possible: Vec<Shape> = shapes.into_iter().filter(|shape| entry.effect.can_have(*shape)).collect();
+        let possible: Vec<Shape> = shapes.into_iter().filter(|shape| entry.parameter.takes(*shape)).collect();
         assert!(!possible.is_empty(), "{}", entry.id);
         for shape in possible {
             let adopted = Adopted { effect: entry.effect, shape, slots: Slot::ALL.to_vec() };
             let slot = if entry.scope == Scope::Common { None } else { Some(Slot::G2) };
-            let estimates = (entry.coefficients)(shape)
+            let estimates = entry
+                .coefficients(shape)
                 .iter()
                 .map(|c| Estimate { slot, name: c.name, value: 0.25, sd: 0.125, unit: c.unit })
                 .collect();

@@ -198,6 +198,9 @@ no_answer_within = no answer within { $seconds } s
 tls_failed = TLS failed: { $why }
 no_connection = no connection: { $why }
 no_http_answer = no HTTP answer: { $why }
+connection_refused = Connection refused (os error { $number })
+connection_reset = Connection reset by peer (os error { $number })
+no_route_to_host = No route to host (os error { $number })
 stored_message_unreadable = the stored message cannot be read: { $why }
 header_control_character = a header would contain a control character
 

@@ -198,6 +198,9 @@ no_answer_within = { $seconds } s内没有答复
 tls_failed = TLS失败：{ $why }
 no_connection = 未能连接：{ $why }
 no_http_answer = 没有HTTP答复：{ $why }
+connection_refused = 连接被拒绝（系统错误{ $number }）
+connection_reset = 连接被对方中断（系统错误{ $number }）
+no_route_to_host = 没有到该主机的路由（系统错误{ $number }）
 stored_message_unreadable = 存储的消息无法读取：{ $why }
 header_control_character = 请求头含有控制字符
 

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::*;
 use crate::core::calibrate::{EffectParameter, calibrate_augmented};
 use crate::core::campaign::{CampaignGyro, Dwell, Phase, TestKind};
-use crate::core::effects::Shape;
+use crate::core::effects::{Refusal, Shape};
 use crate::core::frames::Rotation;
 use crate::core::model::Terms;
 use crate::core::mounting::{Geometry, Slot};
@@ -113,7 +113,7 @@ fn adopted_effects_come_back_for_the_gyros_that_have_them() {
     // Outputs that never change have no axes, and so no effects.
     campaign.dwells.iter_mut().for_each(|dwell| dwell.output_pulse_s[1] = 7.0);
     let found = calibrate_augmented(&campaign, Terms::MODEL_6, &model[1..2]);
-    let why = diagnose::Refusal::NoOutput("G2");
+    let why = Refusal::NoOutput("G2");
     assert_eq!(found.notes, [CampaignNote::EffectsLeftOut { why }]);
     assert!(found.gyros.iter().all(|gyro| gyro.effects.is_empty()));
 }

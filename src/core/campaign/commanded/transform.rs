@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::{Cause, EARTH, Part, Vectors};
-use crate::core::campaign::{Campaign, Dwell, Phase};
+use crate::core::campaign::{Campaign, Dwell, Phase, with_earth_rate};
 use crate::core::frames::{Body, Nav, Rotation};
 
 /// Units of rate, in arcsec/s.
@@ -55,9 +55,9 @@ impl Mistake {
             Undo::OfAttitude => {
                 let still = |d: &mut Dwell| d.phase == Phase::Static;
                 right.dwells.iter_mut().filter_map(|d| still(d).then_some(d)).for_each(|d| d.rate_arcsec_s.fill(0.0));
-                return right.with_earth_rate(Part::Static).ok();
+                return with_earth_rate(&right, Part::Static).ok();
             }
-            Undo::AddEarth(part) => return campaign.with_earth_rate(part).ok(),
+            Undo::AddEarth(part) => return with_earth_rate(campaign, part).ok(),
             _ => {
                 let vertical = campaign.site.map(|site| site.earth_rate().0.z);
                 for (_, dwell) in right.dwells.iter_mut().enumerate().filter(|(k, _)| concerned(*k)) {

@@ -14,6 +14,12 @@ fn gyro(d_s: f64, d_o: f64, g_sd: Option<f64>) -> Separation {
     separate(&Geometry::Skewed, Slot::G2, &e, &g, covariance.as_ref()).unwrap()
 }
 
+#[test]
+fn the_readings_of_a_closure_are_what_nothing_but_a_closure_shows() {
+    let closure_only = crate::core::effects::CATALOGUE.iter().filter(|entry| entry.closure_only);
+    assert_eq!(closure_only.map(|entry| entry.effect).collect::<Vec<_>>(), CLOSURE_CLASS);
+}
+
 fn diagnosed(separation: &Separation) -> ClosureDiagnosis {
     closures([(Slot::G2, separation)].into_iter())
 }

@@ -12,11 +12,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use crate::core::augmented::Options;
 use crate::core::calibrate::{GyroCalibration, calibrate_augmented};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::diagnose::diagnosis::Residual;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::{Options, Refusal};
+use crate::core::effects::Refusal;
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::numerics::basis::{Basis, dot};

@@ -6,12 +6,12 @@
 //! difference of the two sizes. Folds keep repeats of one orientation together; for effects that follow time they are
 //! blocks of time.
 
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
 use crate::core::diagnose::diagnosis::HeldOut;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::Effect;
 use crate::core::numerics::basis::{Basis, axpy, dot};
-use crate::core::numerics::cholesky::Lower;
 
 /// Folds, where there are enough groups.
 const FOLDS: usize = 8;
@@ -33,7 +33,7 @@ pub(crate) struct Errors {
 /// Errors of all gyros without and with the effects in question, `kept` in the model both times. A gyro that they leave
 /// alone counts too: what other causes leave in it is part of the gap that is not closed.
 pub(crate) fn errors(frame: &Frame, kept: &[&Part], asked: &[&Part], variances: &[f64]) -> Errors {
-    let by_time = asked.iter().any(|part| follows_time(part.effect));
+    let by_time = asked.iter().any(|part| part.effect.entry().follows_time);
     let mut errors = Errors::default();
     for (j, &variance) in variances.iter().enumerate() {
         let without = basis(frame, j, kept, None);
@@ -96,10 +96,6 @@ impl Errors {
     }
 }
 
-fn follows_time(effect: Effect) -> bool {
-    matches!(effect, Effect::Warmup | Effect::TimeRamp | Effect::BiasStep | Effect::Periodic | Effect::TemperatureBias)
-}
-
 fn basis(frame: &Frame, j: usize, kept: &[&Part], asked: Option<&[&Part]>) -> Basis {
     let gyro = &frame.gyros[j];
     let mut basis = gyro.basis.clone();
@@ -122,21 +118,28 @@ fn left_out(basis: &Basis, residual: &[f64], fold: &[usize]) -> Option<(Vec<f64>
     let (size, rank) = (fold.len(), basis.rank());
     let left: Vec<f64> = fold.iter().map(|&k| residual[k]).collect();
     if size <= rank {
-        let factor = Lower::of(unexplained(&rows(basis, fold), 0.0), size)?;
-        return Some((factor.solve(left), factor.inverse_trace()));
+        let factor = unexplained(&rows(basis, fold), 0.0).cholesky()?;
+        let errors = factor.solve(&DVector::from_vec(left));
+        return Some((errors.data.into(), inverse_trace(&factor)));
     }
     let columns = columns(basis, fold);
-    let factor = Lower::of(unexplained(&columns, 0.0), rank)?;
-    let along = factor.solve(columns.iter().map(|column| dot(column, &left)).collect());
+    let factor = unexplained(&columns, 0.0).cholesky()?;
+    let along = factor.solve(&DVector::from_iterator(rank, columns.iter().map(|column| dot(column, &left))));
     let mut errors = left;
-    columns.iter().zip(along).for_each(|(column, along)| axpy(along, column, &mut errors));
-    Some((errors, factor.inverse_trace() + (size - rank) as f64))
+    columns.iter().zip(&along).for_each(|(column, along)| axpy(*along, column, &mut errors));
+    Some((errors, inverse_trace(&factor) + (size - rank) as f64))
+}
+
+fn inverse_trace(factor: &Cholesky<f64, Dyn>) -> f64 {
+    let size = factor.l_dirty().nrows();
+    let inverse = factor.l_dirty().solve_lower_triangular(&DMatrix::identity(size, size));
+    inverse.map_or(f64::INFINITY, |inverse| inverse.norm_squared())
 }
 
 /// Whether every eigenvalue of `1 - Q_f Q_f'` exceeds [`PREDICTABLE`]: less that, it still is positive definite.
 fn determined(basis: &Basis, fold: &[usize]) -> bool {
     let narrow = if fold.len() <= basis.rank() { rows(basis, fold) } else { columns(basis, fold) };
-    Lower::of(unexplained(&narrow, PREDICTABLE), narrow.len()).is_some()
+    unexplained(&narrow, PREDICTABLE).cholesky().is_some()
 }
 
 /// Of `Q_f`: a vector for each dwell of the fold.
@@ -149,15 +152,15 @@ fn columns(basis: &Basis, fold: &[usize]) -> Vec<Vec<f64>> {
     basis.vectors().iter().map(|q| fold.iter().map(|&k| q[k]).collect()).collect()
 }
 
-/// `1 - X X' - least` of the rows `X`, row by row, lower triangle.
-fn unexplained(rows: &[Vec<f64>], least: f64) -> Vec<f64> {
+/// `1 - X X' - least` of the rows `X`; of it only the lower triangle, which is all that its factor reads.
+fn unexplained(rows: &[Vec<f64>], least: f64) -> DMatrix<f64> {
     let size = rows.len();
-    let mut matrix = vec![0.0; size * size];
+    let mut matrix = DMatrix::zeros(size, size);
     for (a, row) in rows.iter().enumerate() {
         for (b, other) in rows[..=a].iter().enumerate() {
-            matrix[a * size + b] = -dot(row, other);
+            matrix[(a, b)] = -dot(row, other);
         }
-        matrix[a * size + a] += 1.0 - least;
+        matrix[(a, a)] += 1.0 - least;
     }
     matrix
 }

@@ -3,7 +3,7 @@
 use crate::core::diagnose::diagnosis::NotIdentifiable;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::{Bank, Kind};
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{Basis, dot};
@@ -42,12 +42,11 @@ pub(crate) struct Mimic {
 /// The entries that this design confounds with g_linear, where that is in the model or was named.
 pub(crate) fn mimics(frame: &Frame, bank: &Bank, parts: &[Part]) -> Vec<Mimic> {
     let named = |effect: Effect| parts.iter().any(|part| part.effect == effect);
-    if !frame.terms.contains(Term::GLinear) && !named(Effect::GLinear) {
+    if !frame.terms.contains(Term::GLinear) && !parts.iter().any(|part| part.effect.term() == Some(Term::GLinear)) {
         return Vec::new();
     }
     let open = |entry: &&&Entry| {
-        let closure_only = matches!(entry.effect, Effect::OutputAxisG | Effect::MountClocking);
-        !held(frame, entry) && !closure_only && !named(entry.effect) && (entry.missing)(&frame.setting).is_none()
+        !held(frame, entry) && !entry.closure_only && !named(entry.effect) && (entry.missing)(&frame.setting).is_none()
     };
     // What is seen beside the bias and the model is not shared with g_linear.
     let doubtful = |entry: &&&Entry| visible(bank, entry.effect) < 1.0 - SHARED;
@@ -117,7 +116,7 @@ impl Mimic {
         NotIdentifiable {
             effect: self.effect,
             visible_fraction: self.visible,
-            confounded_with: vec![Effect::GLinear],
+            confounded_with: Effect::of_term(Term::GLinear).into_iter().collect(),
             reason: format!(
                 "g_linear takes {:.0} % of its power in these dwells (principal angle {angle:.0} deg): the two are hard to \
                  tell apart, and what is just too small to be seen of it shifts D_I and D_S by up to {:.0} of their \
@@ -141,7 +140,7 @@ fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> 
         let (effect, needs) = (entry.effect, entry.needs.to_owned());
         Some(NotIdentifiable { effect, visible_fraction, confounded_with: Vec::new(), reason, needs })
     };
-    if matches!(entry.effect, Effect::OutputAxisG | Effect::MountClocking) {
+    if entry.closure_only {
         return listed(0.0, "D_O a_O lies inside G; it shows in the closure of G only".to_owned());
     }
     if let Some(missing) = (entry.missing)(&frame.setting) {
@@ -157,6 +156,6 @@ fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> 
 
 /// Largest visible share over shapes and gyros.
 pub(crate) fn visible(bank: &Bank, effect: Effect) -> f64 {
-    let own = bank.hypotheses.iter().filter(|h| h.kind == Kind::Effect(effect));
+    let own = bank.hypotheses.iter().filter(|h| h.kind == effect);
     own.flat_map(|h| &h.blocks).map(|block| block.visible).fold(0.0, f64::max)
 }

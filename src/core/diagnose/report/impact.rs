@@ -5,14 +5,13 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use crate::core::diagnose::diagnosis::{BUDGET_DEG_PER_H_G0, Impact};
 use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::Effect;
 use crate::core::model::Term;
 use crate::core::numerics::least_squares::Factor;
 
 /// Shift of D_I and D_S of every gyro; empty where neither model holds G.
 pub(crate) fn impact(frame: &Frame, parts: &[Part], fit: &Fit) -> Vec<Impact> {
     let g_in_model = frame.terms.contains(Term::GLinear);
-    let g_adopted = parts.iter().any(|part| part.effect == Effect::GLinear);
+    let g_adopted = parts.iter().any(|part| part.effect.term() == Some(Term::GLinear));
     if parts.is_empty() || !(g_in_model || g_adopted) {
         return Vec::new();
     }
@@ -50,7 +49,7 @@ fn adopted_g(parts: &[Part], fit: &Fit, j: usize) -> Vector3<f64> {
     let values: Vec<f64> = fit
         .fitted
         .iter()
-        .filter(|f| parts[f.part].effect == Effect::GLinear && f.gyro == Some(j))
+        .filter(|f| parts[f.part].effect.term() == Some(Term::GLinear) && f.gyro == Some(j))
         .map(|f| f.value)
         .collect();
     if values.len() == 3 { Vector3::from_column_slice(&values) } else { Vector3::zeros() }
@@ -74,7 +73,8 @@ impl Coefficients {
             // G adopted as an effect is reported from the effect's own fit.
             columns.extend(part.columns(frame, j));
         }
-        let from_g = from_g.or_else(|| further.iter().any(|p| p.effect == Effect::GLinear).then(|| columns.len() - 3));
+        let from_g = from_g
+            .or_else(|| further.iter().any(|p| p.effect.term() == Some(Term::GLinear)).then(|| columns.len() - 3));
         let n = frame.dwells();
         let design = DMatrix::from_fn(n, columns.len(), |k, c| columns[c][k]);
         let fit = Factor::new(design, &frame.gyros[j].sd).fit(&DVector::from_column_slice(output));

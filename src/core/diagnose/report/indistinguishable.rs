@@ -1,7 +1,6 @@
 //! What a campaign cannot tell apart from what was adopted, and which gyros have it.
 
 use crate::core::diagnose::search::bayes_factor::{criterion, gains, of_gyro, score};
-use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::projections::Products;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
 use crate::core::effects::Effect;
@@ -18,7 +17,10 @@ const MEMBER: [f64; 3] = [7.5, 9.8, 11.8];
 
 /// Contract entries that stand in for choice `i` as well as it does, itself first.
 pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect> {
-    let Kind::Effect(own) = choices[i].kind else { return Vec::new() };
+    let own = choices[i].kind;
+    if !own.is_nameable() {
+        return Vec::new();
+    }
     let mut others = choices.to_vec();
     others.remove(i);
     let state = search.state(&others);
@@ -28,13 +30,10 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
         .bank
         .kinds
         .iter()
-        .filter_map(|(kind, range)| match kind {
-            Kind::Effect(effect) => Some((
-                *effect,
-                score(search.bank, *kind, range.clone(), &seen).log_evidence,
-                criterion(search.bank, range.clone(), &seen),
-            )),
-            Kind::Competitor(_) => None,
+        .filter(|(kind, _)| kind.is_nameable())
+        .map(|(kind, range)| {
+            let evidence = score(search.bank, *kind, range.clone(), &seen).log_evidence;
+            (*kind, evidence, criterion(search.bank, range.clone(), &seen))
         })
         .collect();
     let Some(&(_, evidence, fit)) = judged.iter().find(|(effect, ..)| *effect == own) else { return vec![own] };
@@ -42,7 +41,7 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     class.extend(
         judged
             .iter()
-            .filter(|(effect, ..)| *effect != own && !search.is_ruled_out(&others, Kind::Effect(*effect)))
+            .filter(|(effect, ..)| *effect != own && !search.is_ruled_out(&others, *effect))
             .filter(|(_, e, f)| *e > evidence - EVIDENCE_MARGIN || *f > fit - FIT_MARGIN)
             .map(|(effect, ..)| *effect),
     );
@@ -59,8 +58,8 @@ pub(crate) fn wider_in_gyros(
     class: &[Effect],
 ) -> Vec<(usize, Vec<Effect>)> {
     let hypothesis = &search.bank.hypotheses[choices[i].hypothesis];
-    let Kind::Effect(own) = hypothesis.kind else { return Vec::new() };
-    if hypothesis.common {
+    let own = hypothesis.kind;
+    if hypothesis.common || !own.is_nameable() {
         return Vec::new();
     }
     let mut others = choices.to_vec();
@@ -70,18 +69,16 @@ pub(crate) fn wider_in_gyros(
     let seen = products.seen(&state);
     let in_gyro = |j: usize| {
         let judged: Vec<(Effect, f64, f64)> = (search.bank.kinds.iter())
-            .filter_map(|(kind, range)| match kind {
-                Kind::Effect(effect) => {
-                    of_gyro(search.bank, range.clone(), j, &seen[j]).map(|(evidence, fit)| (*effect, evidence, fit))
-                }
-                Kind::Competitor(_) => None,
+            .filter(|(kind, _)| kind.is_nameable())
+            .filter_map(|(kind, range)| {
+                of_gyro(search.bank, range.clone(), j, &seen[j]).map(|(evidence, fit)| (*kind, evidence, fit))
             })
             .collect();
         let (_, evidence, fit) = *judged.iter().find(|(effect, ..)| *effect == own)?;
         let as_well = |effect: &Effect, e: f64, f: f64| {
             class.contains(effect) || e > evidence - EVIDENCE_MARGIN || f > fit - FIT_MARGIN
         };
-        let possible = |effect: &Effect| *effect != own && !search.is_ruled_out(&others, Kind::Effect(*effect));
+        let possible = |effect: &Effect| *effect != own && !search.is_ruled_out(&others, *effect);
         let mut wider = vec![own];
         wider.extend(judged.iter().filter(|(x, e, f)| possible(x) && as_well(x, *e, *f)).map(|(effect, ..)| *effect));
         (wider.len() > class.len()).then_some((j, wider))

@@ -1,12 +1,13 @@
 //! Stages 3 and 4: how far the named effects close the gap, what remains, what it does to the coefficients and what to measure next.
 
 pub(super) mod against_reference;
-pub(super) mod assemble;
+pub(super) mod closure;
 pub(super) mod held_out;
 pub(super) mod identifiability;
 pub(super) mod impact;
 pub(super) mod indistinguishable;
 pub(super) mod likeness;
+pub(super) mod named;
 pub(super) mod next_dwells;
 pub(super) mod remaining;
 pub(super) mod stated_errors;

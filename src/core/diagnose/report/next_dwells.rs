@@ -10,6 +10,7 @@ use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{CATALOGUE, Effect, Scope, Setting, Shape};
+use crate::core::model::Term;
 
 /// Dwells that are proposed at most.
 const PROPOSED: usize = 4;
@@ -207,12 +208,9 @@ fn likeliest(frame: &Frame, effect: Effect) -> Shape {
 
 /// Entries of the gyros that the design hides, at a typical size, against the model alone.
 fn hidden(frame: &Frame, setting: &Setting, bank: &Bank) -> Vec<Question> {
-    let closure_only = |e: Effect| matches!(e, Effect::OutputAxisG | Effect::MountClocking);
     let held = |id: &str| frame.terms.iter().any(|term| term.name() == id);
     let mut questions = Vec::new();
-    for entry in
-        CATALOGUE.iter().filter(|entry| entry.scope == Scope::Gyro && !closure_only(entry.effect) && !held(entry.id))
-    {
+    for entry in CATALOGUE.iter().filter(|entry| entry.scope == Scope::Gyro && !entry.closure_only && !held(entry.id)) {
         if (entry.missing)(&frame.setting).is_some() || visible(bank, entry.effect) > 0.01 {
             continue;
         }
@@ -251,7 +249,8 @@ fn confounded(frame: &Frame, setting: &Setting, mimic: &Mimic) -> Question {
     let seen = crate::core::numerics::basis::dot(&seen, &seen).sqrt();
     let size = if seen > 0.0 { JUST_MISSED / seen } else { 0.0 };
     crate::core::numerics::basis::scale(size, &mut signal);
-    Question { effects: vec![mimic.effect, Effect::GLinear], signal, columns }
+    let effects = [mimic.effect].into_iter().chain(Effect::of_term(Term::GLinear)).collect();
+    Question { effects, signal, columns }
 }
 
 impl Question {

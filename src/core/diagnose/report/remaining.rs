@@ -1,6 +1,6 @@
 //! What is left after adoption, tested by means that know no catalogue.
 //!
-//! Each test is a quadratic form `r' W r` of the residuals ([`likeness`]). `W` says which dwells ought to be strangers:
+//! Each test is a quadratic form `r' W r` of the residuals (`likeness`). `W` says which dwells ought to be strangers:
 //! neighbours in time, in temperature, of one orientation, of neighbouring orientations, of similar rates.
 //! Beside them stand the spread against the noise floor and repeats against the rest.
 
@@ -129,19 +129,19 @@ impl Left<'_> {
             let pure = pure_error(self.frame, gyro, &self.residuals[j]);
             let rss = dot(&self.residuals[j], &self.residuals[j]);
             let dof = self.dof(j) - pure.dof as f64;
-            if pure.dof == 0 || dof < 1.0 || pure.sum <= 0.0 {
+            if pure.dof == 0 || dof < 1.0 || pure.chi2 <= 0.0 {
                 continue;
             }
-            let lack = (rss - pure.sum).max(0.0);
+            let lack = (rss - pure.chi2).max(0.0);
             tests.push(Tested {
                 kind: "lack_of_fit",
                 gyro: Some(j),
-                p_value: f_tail(lack / dof / (pure.sum / pure.dof as f64), dof, pure.dof as f64),
+                p_value: f_tail(lack / dof / (pure.chi2 / pure.dof as f64), dof, pure.dof as f64),
             });
             // Gyros of different noise are put on one scale by all of their scatter.
             let scale = rss / self.dof(j);
             between += lack / scale;
-            within += pure.sum / scale;
+            within += pure.chi2 / scale;
             between_dof += dof;
             within_dof += pure.dof as f64;
         }

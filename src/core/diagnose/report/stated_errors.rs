@@ -18,7 +18,7 @@ pub(crate) fn too_large(frame: &Frame) -> Option<String> {
 pub(crate) fn too_small(frame: &Frame, fit: &Fit) -> Option<String> {
     let of_gyros = frame.gyros.iter().zip(&fit.residuals).filter(|_| frame.noise.stated);
     let repeats = of_gyros.map(|(gyro, residual)| noise_floor::pure_error(frame, gyro, residual));
-    let (sum, dof) = repeats.fold((0.0, 0), |(sum, dof), pure| (sum + pure.sum, dof + pure.dof));
+    let (sum, dof) = repeats.fold((0.0, 0), |(sum, dof), pure| (sum + pure.chi2, dof + pure.dof));
     let beyond_chance = chi2_tail(sum, dof).is_some_and(|p| p < 1e-3);
     beyond_chance.then(|| {
         let times = (sum / dof as f64).sqrt();

@@ -2,10 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::{Coefficient, Effect, Scope, Shape};
-use crate::core::numerics::basis::dot;
+use crate::core::effects::{Coefficient, Effect, Refusal, Scope, Shape};
+use crate::core::numerics::basis::{axpy, dot};
 
 /// An effect with its shape and its gyros fixed.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +115,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
         fitted.push(Fitted {
             part: unknown.part,
             gyro: unknown.gyro,
-            coefficient: (part.effect.entry().coefficients)(part.shape)[unknown.number],
+            coefficient: part.effect.entry().coefficients(part.shape)[unknown.number],
             value,
             sd: covariance[(u, u)].max(0.0).sqrt() / lengths[u],
         });
@@ -181,4 +182,22 @@ fn solve(frame: &Frame, design: &DMatrix<f64>, variances: &[f64]) -> (DVector<f6
     covariance.transpose_mut();
     qr.p().inv_permute_rows(&mut covariance);
     (solution, covariance)
+}
+
+impl Frame {
+    /// The same less effects whose coefficients all gyros share: as columns of each gyro they would be fitted once a gyro.
+    pub(super) fn without(mut self, shared: &[&Adopted]) -> Result<Self, Refusal> {
+        let seen = shared.iter().filter(|adopted| (adopted.effect.entry().missing)(&self.setting).is_none());
+        let part = |adopted: &&Adopted| Part {
+            effect: adopted.effect,
+            shape: adopted.shape,
+            members: self.setting.gyros.iter().map(|gyro| adopted.slots.contains(&gyro.slot)).collect(),
+        };
+        let parts: Vec<Part> = seen.copied().map(|adopted| part(&adopted)).collect();
+        let drift = fit(&self, &parts).drift;
+        for (output, drift) in self.outputs.iter_mut().zip(&drift) {
+            axpy(-1.0, drift, output);
+        }
+        self.whitened()
+    }
 }

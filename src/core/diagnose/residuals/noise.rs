@@ -4,6 +4,7 @@
 //! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
 
 use crate::core::campaign::Campaign;
+use crate::core::campaign::repeats::repeats;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, shape};
 use crate::core::effects::Setting;
 use crate::core::numerics::basis::{Basis, dot};
@@ -29,7 +30,7 @@ pub(crate) struct Noise {
 const ROUNDING: f64 = 1e-9;
 
 pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Noise {
-    let repeats = repeated(campaign);
+    let repeats = repeats(&campaign.dwells);
     let mut notes = Vec::new();
     let stated: Option<Vec<Vec<f64>>> = (0..outputs.len())
         .map(|j| {
@@ -74,31 +75,6 @@ fn above_rounding(mut sd: Vec<Vec<f64>>, outputs: &[Vec<f64>]) -> (Vec<Vec<f64>>
         rounding.push(sd.iter().map(|x| (least / x).powi(2)).sum::<f64>() / sd.len() as f64);
     }
     (sd, rounding)
-}
-
-/// Same phase, and attitude, force and rate equal to the digits that files carry.
-fn repeated(campaign: &Campaign) -> Vec<Vec<usize>> {
-    let dwells = &campaign.dwells;
-    let same = |a: usize, b: usize| {
-        let (a, b) = (&dwells[a], &dwells[b]);
-        let turned = match (&a.attitude, &b.attitude) {
-            (Some(p), Some(q)) => (p.matrix() - q.matrix()).amax() > 1e-6,
-            _ => false,
-        };
-        a.phase == b.phase
-            && !turned
-            && (a.specific_force_g0 - b.specific_force_g0).amax() < 1e-6
-            && (a.rate_arcsec_s - b.rate_arcsec_s).amax() < 1e-6 * (1.0 + a.rate_arcsec_s.amax())
-    };
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for k in 0..dwells.len() {
-        match groups.iter_mut().find(|group| same(group[0], k)) {
-            Some(group) => group.push(k),
-            None => groups.push(vec![k]),
-        }
-    }
-    groups.retain(|group| group.len() > 1);
-    groups
 }
 
 /// Stated errors drawn half-way (in logarithm) to the law `sem^2 = (alpha + beta w_I^2) duration^-p`, p = 0 or 1.

@@ -1,5 +1,6 @@
 //! The noise floor: stated standard errors, repeated dwells and residuals, weighed together.
 
+use crate::core::campaign::repeats::PureError;
 use crate::core::diagnose::diagnosis::{GyroFloor, NoiseFloor};
 use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
 use crate::core::numerics::basis::dot;
@@ -8,35 +9,18 @@ use crate::core::numerics::basis::dot;
 /// are met that are wrong by tens of per cent: a factor with a scatter of 22 % is worth 1/(2 x 0.22^2) = 10.
 pub(crate) const STATED_DOF: f64 = 10.0;
 
-/// What one gyro's dwells say about the factor between the real noise and `sd`, independently of any effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PureError {
-    /// Sum of squares within repeats, in units of `sd`.
-    pub sum: f64,
-    pub dof: usize,
-}
-
 /// Scatter of whitened residuals within groups of repeated dwells: sum of (y - weighted group mean)^2 / sd^2. Within a
 /// group the model's design is constant, so its residuals differ as outputs do; what adopted effects of time,
 /// temperature or order explain is no pure error, hence residuals and not outputs.
 pub(crate) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> PureError {
-    let mut pure = PureError { sum: 0.0, dof: 0 };
-    for group in &frame.noise.repeats {
-        let weights: Vec<f64> = group.iter().map(|&k| gyro.sd[k].powi(-2)).collect();
-        let total: f64 = weights.iter().sum();
-        let value = |k: usize| residual[k] * gyro.sd[k];
-        let mean = group.iter().zip(&weights).map(|(&k, w)| w * value(k)).sum::<f64>() / total;
-        pure.sum += group.iter().zip(&weights).map(|(&k, w)| w * (value(k) - mean).powi(2)).sum::<f64>();
-        pure.dof += group.len() - 1;
-    }
-    pure
+    PureError::of(&frame.noise.repeats, |k| residual[k] * gyro.sd[k], |k| gyro.sd[k])
 }
 
 /// Variance factor of one gyro from stated errors and repeats alone; none where there is neither.
 pub(crate) fn variance(stated: bool, pure: PureError) -> Option<f64> {
     let prior = if stated { STATED_DOF } else { 0.0 };
     let dof = prior + pure.dof as f64;
-    (dof > 0.0).then(|| ((prior + pure.sum) / dof).max(1e-12))
+    (dof > 0.0).then(|| ((prior + pure.chi2) / dof).max(1e-12))
 }
 
 pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> NoiseFloor {

@@ -4,7 +4,7 @@
 //! effect of rate can pass for one another, so evidence is averaged over `c` before an effect is believed.
 
 use crate::core::effects::Setting;
-use crate::core::numerics::basis::{axpy, dot, scale};
+use crate::core::numerics::basis::{Basis, dot};
 
 /// Values of `c` that are weighed, equally likely beforehand.
 pub(crate) const GROWTHS: [f64; 9] = [0.0, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
@@ -20,33 +20,19 @@ pub(crate) fn shape(s: &Setting, j: usize, c: f64, p: f64) -> Vec<f64> {
 /// integrated out (restricted likelihood, up to a constant that `c` does not change).
 pub(crate) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> f64 {
     let whiten = |column: &[f64]| -> Vec<f64> { column.iter().zip(shape).map(|(x, sd)| x / sd).collect() };
-    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let mut basis = Basis::default();
     let mut log_det = 0.0;
     for column in design {
-        let raw = dot(column, column);
-        let mut column = whiten(column);
-        let before = dot(&column, &column);
-        for _ in 0..2 {
-            for q in &basis {
-                let along = dot(q, &column);
-                axpy(-along, q, &mut column);
-            }
-        }
-        let after = dot(&column, &column);
-        if after > 1e-14 * before {
-            log_det += (after / raw).ln();
-            scale(1.0 / after.sqrt(), &mut column);
-            basis.push(column);
+        let whitened = whiten(column);
+        let before = dot(&whitened, &whitened);
+        let left = basis.push(whitened);
+        if left > 0.0 {
+            log_det += (left * before / dot(column, column)).ln();
         }
     }
     let mut residual = whiten(output);
-    for _ in 0..2 {
-        for q in &basis {
-            let along = dot(q, &residual);
-            axpy(-along, q, &mut residual);
-        }
-    }
-    let dof = residual.len() as f64 - basis.len() as f64;
+    basis.project_out(&mut residual);
+    let dof = residual.len() as f64 - basis.rank() as f64;
     let rss = dot(&residual, &residual).max(f64::MIN_POSITIVE);
     -shape.iter().map(|sd| sd.ln()).sum::<f64>() - 0.5 * log_det - 0.5 * dof * rss.ln()
 }
@@ -54,10 +40,4 @@ pub(crate) fn restricted(output: &[f64], design: &[Vec<f64>], shape: &[f64]) -> 
 /// Restricted likelihood of all gyros at each of [`GROWTHS`].
 pub(crate) fn profile(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], p: f64) -> [f64; GROWTHS.len()] {
     GROWTHS.map(|c| (0..outputs.len()).map(|j| restricted(&outputs[j], &designs[j], &shape(s, j, c, p))).sum())
-}
-
-/// ln of the mean of exp.
-pub(crate) fn log_mean(profile: &[f64]) -> f64 {
-    let top = profile.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    top + (profile.iter().map(|x| (x - top).exp()).sum::<f64>() / profile.len() as f64).ln()
 }

@@ -14,72 +14,22 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
-use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
-use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, Kind};
-use crate::core::diagnose::search::projections::{Products, Seen};
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis};
+use crate::core::diagnose::search::projections::{MAX_GYROS, Products, Seen, State};
 use crate::core::diagnose::search::shared_coefficients::Common;
-use crate::core::numerics::basis::{Basis, dot};
+use crate::core::effects::Effect;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::small_systems;
-
-/// Residuals of one gyro under the model and what has been adopted so far.
-#[derive(Debug, Clone)]
-pub(crate) struct GyroState {
-    /// Adopted columns, orthonormal and orthogonal to the model's.
-    pub extra: Basis,
-    pub residual: Vec<f64>,
-    /// Sum of squares and degrees of freedom that say how large the noise is: stated errors counted in, and the other gyros'
-    /// where they are alike.
-    pub rss: f64,
-    pub nu: f64,
-}
-
-/// An IMU's gyros.
-pub(crate) const MAX_GYROS: usize = 3;
-
-pub(crate) type State = Vec<GyroState>;
 
 /// One kind's evidence given a state.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
-    pub kind: Kind,
+    pub kind: Effect,
     pub log_evidence: f64,
     /// Index of the hypothesis that weighs most.
     pub best: usize,
     /// ln B of each gyro for the best hypothesis (of all gyros together, at every place, for a common one).
     pub gyro_log: [f64; MAX_GYROS],
-}
-
-/// The model in use with further columns adopted.
-pub(crate) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
-    let mut gyros = each_by_itself(frame, extras);
-    if frame.noise.stated {
-        let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
-        pool(&mut scatter);
-        gyros.iter_mut().zip(scatter).for_each(|(gyro, scatter)| (gyro.rss, gyro.nu) = (scatter.rss, scatter.nu));
-    }
-    gyros
-}
-
-/// As [`state`], with each gyro's noise from its own residuals alone: what one gyro holds is no noise in another.
-pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
-    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-    frame
-        .gyros
-        .iter()
-        .zip(extras)
-        .zip(&frame.noise.rounding)
-        .map(|((gyro, extra), rounding)| {
-            let mut residual = gyro.residual.clone();
-            extra.project_out(&mut residual);
-            let dof = (gyro.dof() - extra.rank().min(gyro.dof())) as f64;
-            // What lies below rounding is no residual that anything could explain.
-            let rss = dot(&residual, &residual).max(rounding * dof);
-            GyroState { rss: prior + rss, nu: prior + dof, residual, extra }
-        })
-        .collect()
 }
 
 /// Scores every kind of the bank.
@@ -104,7 +54,7 @@ pub(crate) fn together(logs: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Scores one kind of hypothesis.
-pub(crate) fn score(bank: &Bank, kind: Kind, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
+pub(crate) fn score(bank: &Bank, kind: Effect, range: std::ops::Range<usize>, seen: &[Seen]) -> Score {
     let mut score = Score { kind, log_evidence: f64::NEG_INFINITY, best: range.start, gyro_log: [0.0; MAX_GYROS] };
     let mut total = LogSum::default();
     for i in range {

@@ -7,10 +7,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVectorView};
 
-use crate::core::diagnose::Adopted;
+use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::effects::competitors::{COMPETITORS, Competitor, Prior};
-use crate::core::effects::{CATALOGUE, Effect, Scope, Shape};
+use crate::core::effects::{CATALOGUE, COMPETITORS, Effect, Entry, Prior, Scope, Shape};
 use crate::core::numerics::basis::{axpy, dot, scale};
 use crate::core::numerics::small_systems;
 
@@ -24,16 +23,9 @@ const FLAT_POWER: [[f64; 3]; 4] = [[16.0, 100.0, 1e5], [8.0, 50.0, 5e4], [5.0, 3
 /// Prior power of a whole smooth hypothesis.
 const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Effect(Effect),
-    /// Index into [`COMPETITORS`].
-    Competitor(usize),
-}
-
 #[derive(Debug, Clone)]
 pub(crate) struct Hypothesis {
-    pub kind: Kind,
+    pub kind: Effect,
     pub shape: Shape,
     /// Logarithm of the share of the kind's prior weight.
     pub log_weight: f64,
@@ -80,7 +72,7 @@ pub(crate) struct Bank {
     /// Sorted by kind; contract entries before competitors.
     pub hypotheses: Vec<Hypothesis>,
     /// Ranges of `hypotheses` of one kind each.
-    pub kinds: Vec<(Kind, Range<usize>)>,
+    pub kinds: Vec<(Effect, Range<usize>)>,
     /// Per gyro: dwells x columns.
     pub columns: Vec<DMatrix<f64>>,
     /// Number of leading columns that belong to contract entries, per gyro.
@@ -89,7 +81,7 @@ pub(crate) struct Bank {
 
 /// Raw columns of one hypothesis, before projection.
 struct Raw {
-    kind: Kind,
+    kind: Effect,
     shape: Shape,
     log_weight: f64,
     common: bool,
@@ -101,17 +93,12 @@ impl Bank {
     /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`, and all competitors.
     pub fn of(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
-        for entry in CATALOGUE.iter().filter(|entry| nameable(frame, entry.effect)) {
-            let own = more.iter().filter(|(effect, _)| *effect == entry.effect).map(|(_, shape)| (*shape, 1.0));
-            let shapes = (entry.shapes)(&frame.setting).into_iter().chain(own).collect();
-            push_shapes(&mut raws, Kind::Effect(entry.effect), shapes, |shape| {
-                let columns = (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect();
-                (columns, Prior::Flat, entry.scope == Scope::Common)
-            });
+        for entry in CATALOGUE.iter().filter(|entry| could_be_a_cause(frame, entry)) {
+            push_shapes(&mut raws, frame, entry, more);
         }
         let contract = raws.len();
-        for (i, competitor) in COMPETITORS.iter().enumerate() {
-            push_competitor(&mut raws, i, competitor, frame);
+        for entry in COMPETITORS {
+            push_shapes(&mut raws, frame, entry, more);
         }
         Self::projected(frame, raws, contract)
     }
@@ -152,32 +139,27 @@ impl Bank {
     }
 }
 
-/// Entries that dwell residuals may show and that the model in use does not hold.
-fn nameable(frame: &Frame, effect: Effect) -> bool {
-    let entry = effect.entry();
-    let common = |adopted: &Adopted| adopted.effect == effect && entry.scope == Scope::Common;
+/// Whether dwell residuals may show it and the model in use does not hold it.
+fn could_be_a_cause(frame: &Frame, entry: &Entry) -> bool {
+    let common = |adopted: &Adopted| adopted.effect == entry.effect && entry.scope == Scope::Common;
     let held = frame.terms.iter().any(|term| term.name() == entry.id) || frame.adopted.iter().any(common);
-    let closure_only = matches!(effect, Effect::OutputAxisG | Effect::MountClocking);
-    !held && !closure_only && (entry.missing)(&frame.setting).is_none()
+    !held && !entry.closure_only && (entry.missing)(&frame.setting).is_none()
 }
 
-fn push_competitor(raws: &mut Vec<Raw>, index: usize, competitor: &Competitor, frame: &Frame) {
-    push_shapes(raws, Kind::Competitor(index), (competitor.shapes)(&frame.setting), |shape| {
-        let columns = (0..frame.gyros.len()).map(|j| (competitor.columns)(&frame.setting, j, shape)).collect();
-        (columns, competitor.prior, false)
-    });
-}
-
-fn push_shapes(
-    raws: &mut Vec<Raw>,
-    kind: Kind,
-    shapes: Vec<(Shape, f64)>,
-    build: impl Fn(Shape) -> (Vec<Vec<Vec<f64>>>, Prior, bool),
-) {
+/// An entry at the shapes of its grid and at those of `more` that are its own.
+fn push_shapes(raws: &mut Vec<Raw>, frame: &Frame, entry: &Entry, more: &[(Effect, Shape)]) {
+    let own = more.iter().filter(|(effect, _)| *effect == entry.effect).map(|(_, shape)| (*shape, 1.0));
+    let shapes: Vec<(Shape, f64)> = (entry.shapes)(&frame.setting).into_iter().chain(own).collect();
     let total: f64 = shapes.iter().map(|(_, weight)| weight).sum();
     for (shape, weight) in shapes {
-        let (columns, prior, common) = build(shape);
-        raws.push(Raw { kind, shape, log_weight: (weight / total).ln(), common, prior, columns });
+        raws.push(Raw {
+            kind: entry.effect,
+            shape,
+            log_weight: (weight / total).ln(),
+            common: entry.scope == Scope::Common,
+            prior: entry.prior,
+            columns: (0..frame.gyros.len()).map(|j| (entry.columns)(&frame.setting, j, shape)).collect(),
+        });
     }
 }
 
@@ -331,8 +313,8 @@ fn make_orthogonal(block: &mut Block, columns: &mut DMatrix<f64>) {
     block.len = order.len();
 }
 
-fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Kind, Range<usize>)> {
-    let mut kinds: Vec<(Kind, Range<usize>)> = Vec::new();
+fn kinds_of(hypotheses: &[Hypothesis]) -> Vec<(Effect, Range<usize>)> {
+    let mut kinds: Vec<(Effect, Range<usize>)> = Vec::new();
     for (i, hypothesis) in hypotheses.iter().enumerate() {
         match kinds.last_mut() {
             Some((kind, range)) if *kind == hypothesis.kind => range.end = i + 1,

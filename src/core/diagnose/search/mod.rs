@@ -10,4 +10,3 @@ pub(super) mod projections;
 pub(super) mod refined_shape;
 pub(super) mod shared_coefficients;
 pub(super) mod stepwise;
-pub(super) mod worth;

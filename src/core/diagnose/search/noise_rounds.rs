@@ -4,13 +4,14 @@
 //! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
 //! growth averaged out, not only at its best value.
 
-use crate::core::diagnose::Refusal;
-use crate::core::diagnose::residuals::noise_growth::{GROWTHS, log_mean, profile};
+use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::{Bank, Kind};
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::null_distribution::Null;
 use crate::core::diagnose::search::refined_shape::sharpened;
 use crate::core::diagnose::search::stepwise::{Choice, Known, Search, Threshold};
+use crate::core::effects::Refusal;
+use crate::core::numerics::log_sum::LogSum;
 
 /// Probability with which noise alone may get anything named.
 pub const FALSE_ALARM: f64 = 0.008;
@@ -106,7 +107,7 @@ fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) ->
     let Some(at) = GROWTHS.iter().position(|c| *c == growth) else { return found };
     let excess = |designs: &[Vec<Vec<f64>>]| {
         let profile = profile(&frame.setting, &frame.outputs, designs, fall);
-        log_mean(&profile) - profile[at]
+        LogSum::of(&profile).log_mean(profile.len()) - profile[at]
     };
     loop {
         let with_all = excess(&designs(frame, search.bank, &found, None));
@@ -114,7 +115,7 @@ fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) ->
         for i in 0..found.len() {
             let without = excess(&designs(frame, search.bank, &found, Some(i)));
             found[i].evidence = search.earned_beside_others(&found, i) + with_all - without;
-            let named = matches!(found[i].kind, Kind::Effect(_));
+            let named = found[i].kind.is_nameable();
             if named
                 && found[i].evidence < search.needed(found.len() - 1)
                 && weakest.is_none_or(|(_, e)| found[i].evidence < e)

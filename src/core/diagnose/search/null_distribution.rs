@@ -19,7 +19,7 @@ use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::together;
-use crate::core::diagnose::search::hypotheses::{Bank, Kind, basis_matrix};
+use crate::core::diagnose::search::hypotheses::{Bank, basis_matrix};
 use crate::core::diagnose::search::null_tables::Tabled;
 use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
@@ -35,7 +35,7 @@ pub(crate) struct Null {
 
 impl Null {
     pub fn of(frame: &Frame, bank: &Bank) -> Self {
-        let kinds: Vec<_> = bank.kinds.iter().filter(|(kind, _)| matches!(kind, Kind::Effect(_))).collect();
+        let kinds: Vec<_> = bank.kinds.iter().filter(|(kind, _)| kind.is_nameable()).collect();
         let mut random = Random::new(0x5851_F42D_4C95_7F2D);
         let signals: Vec<Signal> =
             (0..DRAWS).map(|d| Signal::draw(bank, &kinds[d % kinds.len()].1, &mut random)).collect();

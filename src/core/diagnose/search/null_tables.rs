@@ -6,9 +6,11 @@
 
 use std::ops::Range;
 
-use crate::core::diagnose::search::bayes_factor::{MAX_GYROS, score};
-use crate::core::diagnose::search::hypotheses::{Bank, Hypothesis, Kind};
+use crate::core::diagnose::search::bayes_factor::score;
+use crate::core::diagnose::search::hypotheses::{Bank, Hypothesis};
+use crate::core::diagnose::search::projections::MAX_GYROS;
 use crate::core::diagnose::search::projections::Seen;
+use crate::core::effects::Effect;
 
 /// Cells of a table over u from 0 to 1.
 const CELLS: usize = 1024;
@@ -25,7 +27,7 @@ type Place = Option<(usize, usize, usize)>;
 /// One kind's hypotheses: prior weight, and its block in each gyro. Common ones are not flat and go the long way.
 enum Entries {
     Flat(Vec<(f64, [Place; MAX_GYROS])>),
-    Common(Kind, Range<usize>),
+    Common(Effect, Range<usize>),
 }
 
 pub(crate) struct Tabled<'a> {
@@ -37,7 +39,7 @@ pub(crate) struct Tabled<'a> {
 
 impl<'a> Tabled<'a> {
     /// `nu` are the degrees of freedom of each gyro.
-    pub fn of(bank: &'a Bank, kinds: &[&(Kind, Range<usize>)], nu: &[f64]) -> Self {
+    pub fn of(bank: &'a Bank, kinds: &[&(Effect, Range<usize>)], nu: &[f64]) -> Self {
         // Gyros with as many degrees of freedom share their tables.
         let mut known: Vec<(f64, usize, &'static [f64])> = Vec::new();
         let mut place = |hypothesis: &Hypothesis, j: usize| -> Place {

@@ -7,9 +7,8 @@ use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::Score;
-use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
-use crate::core::effects::competitors::COMPETITORS;
+use crate::core::effects::Effect;
 
 /// ln of evidence from which on an effect is asked whether its size is plausible.
 const LEAST_ASKED: f64 = 1.0;
@@ -25,7 +24,7 @@ impl Search<'_> {
         let odds = self.odds_of_temperature();
         for score in scores {
             // Odds among causes, not against noise.
-            if score.log_evidence > self.threshold.alone && of_temperature(score.kind) {
+            if score.log_evidence > self.threshold.alone && score.kind.entry().of_temperature {
                 score.log_evidence += odds;
             }
             if score.log_evidence > LEAST_ASKED && self.is_implausible(choices, score) {
@@ -37,14 +36,14 @@ impl Search<'_> {
     /// The choices, those of temperature before the others where it has odds.
     pub(crate) fn most_plausible_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         if self.odds_of_temperature() > 0.0 {
-            choices.sort_by_key(|choice| !of_temperature(choice.kind));
+            choices.sort_by_key(|choice| !choice.kind.entry().of_temperature);
         }
         choices
     }
 
     /// Evidence without the odds that temperature has among causes.
-    pub(crate) fn against_noise(&self, kind: Kind, evidence: f64) -> f64 {
-        let odds = if of_temperature(kind) { self.odds_of_temperature() } else { 0.0 };
+    pub(crate) fn against_noise(&self, kind: Effect, evidence: f64) -> f64 {
+        let odds = if kind.entry().of_temperature { self.odds_of_temperature() } else { 0.0 };
         if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
     }
 
@@ -64,13 +63,6 @@ impl Search<'_> {
         let fit = augmented_fit::fit(self.frame, &parts);
         let own = fit.fitted.iter().filter(|f| f.part == parts.len() - 1);
         own.into_iter().any(|f| f.value.abs() - 2.0 * f.sd > most)
-    }
-}
-
-fn of_temperature(kind: Kind) -> bool {
-    match kind {
-        Kind::Effect(effect) => effect.is_of_temperature(),
-        Kind::Competitor(i) => COMPETITORS[i].id.contains("temperature"),
     }
 }
 

@@ -4,9 +4,59 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-use crate::core::diagnose::search::bayes_factor::{GyroState, State};
+use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
+use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
+use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis};
+use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::small_systems;
+
+/// Residuals of one gyro under the model and what has been adopted so far.
+#[derive(Debug, Clone)]
+pub(crate) struct GyroState {
+    /// Adopted columns, orthonormal and orthogonal to the model's.
+    pub extra: Basis,
+    pub residual: Vec<f64>,
+    /// Sum of squares and degrees of freedom that say how large the noise is: stated errors counted in, and the other gyros'
+    /// where they are alike.
+    pub rss: f64,
+    pub nu: f64,
+}
+
+/// An IMU's gyros.
+pub(crate) const MAX_GYROS: usize = 3;
+
+pub(crate) type State = Vec<GyroState>;
+
+/// The model in use with further columns adopted.
+pub(crate) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
+    let mut gyros = each_by_itself(frame, extras);
+    if frame.noise.stated {
+        let mut scatter: Vec<Scatter> = gyros.iter().map(|gyro| Scatter { rss: gyro.rss, nu: gyro.nu }).collect();
+        pool(&mut scatter);
+        gyros.iter_mut().zip(scatter).for_each(|(gyro, scatter)| (gyro.rss, gyro.nu) = (scatter.rss, scatter.nu));
+    }
+    gyros
+}
+
+/// As [`state`], with each gyro's noise from its own residuals alone: what one gyro holds is no noise in another.
+pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
+    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
+    frame
+        .gyros
+        .iter()
+        .zip(extras)
+        .zip(&frame.noise.rounding)
+        .map(|((gyro, extra), rounding)| {
+            let mut residual = gyro.residual.clone();
+            extra.project_out(&mut residual);
+            let dof = (gyro.dof() - extra.rank().min(gyro.dof())) as f64;
+            // What lies below rounding is no residual that anything could explain.
+            let rss = dot(&residual, &residual).max(rounding * dof);
+            GyroState { rss: prior + rss, nu: prior + dof, residual, extra }
+        })
+        .collect()
+}
 
 /// As many rows as make the library multiply by blocks and not column by column.
 const BLOCK: usize = 6;

@@ -6,7 +6,6 @@
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::Kind;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
 use crate::core::effects::{Effect, Shape};
 use crate::core::numerics::basis::dot;
@@ -81,7 +80,7 @@ fn golden_section(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
 /// The shapes of the grid on either side of `at`; at its ends as far beyond as the neighbour on the other side lies. None for an
 /// entry with a single shape: then it is known.
 fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
-    let grid = search.bank.hypotheses.iter().filter(|hypothesis| hypothesis.kind == Kind::Effect(effect));
+    let grid = search.bank.hypotheses.iter().filter(|hypothesis| hypothesis.kind == effect);
     let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
     for x in grid.filter_map(|hypothesis| value(hypothesis.shape)) {
         if x < at {

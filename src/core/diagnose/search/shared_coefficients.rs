@@ -2,8 +2,8 @@
 //!
 //! Each gyro weighs with its own noise, so the gyros do not multiply; the coefficients are found from all of them at once.
 
-use crate::core::diagnose::search::bayes_factor::MAX_GYROS;
 use crate::core::diagnose::search::hypotheses::Hypothesis;
+use crate::core::diagnose::search::projections::MAX_GYROS;
 use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::small_systems;

@@ -6,11 +6,13 @@ use std::rc::Rc;
 
 use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::bayes_factor::{Score, State, scores, state, together};
-use crate::core::diagnose::search::hypotheses::{Bank, Kind};
+use crate::core::diagnose::search::bayes_factor::{Score, log_bayes_in, scores, together};
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::null_distribution::Null;
-use crate::core::effects::competitors::{COMPETITORS, WANDERING};
+use crate::core::diagnose::search::projections::{Products, State, each_by_itself, state};
+use crate::core::effects::Effect;
 use crate::core::numerics::basis::Basis;
+use crate::core::numerics::log_sum::LogSum;
 
 /// More causes than this at once are not named: whatever needs them has not been understood.
 pub(crate) const MOST: usize = 4;
@@ -39,19 +41,19 @@ const POLISH: f64 = 12.0;
 /// One adopted hypothesis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Choice {
-    pub kind: Kind,
+    pub kind: Effect,
     /// Index into the bank.
     pub hypothesis: usize,
     pub members: Vec<bool>,
     /// Evidence given the other choices, prior odds included.
     pub evidence: f64,
     /// A competitor that explains the same a little better.
-    pub rival: Option<Kind>,
+    pub rival: Option<Effect>,
 }
 
 impl Choice {
     pub fn is_competitor(&self) -> bool {
-        matches!(self.kind, Kind::Competitor(_))
+        !self.kind.is_nameable()
     }
 }
 
@@ -115,7 +117,7 @@ impl Search<'_> {
     fn computed(&self, choices: &[Choice]) -> Vec<Score> {
         let mut scores = scores(self.bank, &self.state(choices));
         for score in &mut scores {
-            if matches!(score.kind, Kind::Competitor(_)) {
+            if !score.kind.is_nameable() {
                 score.log_evidence += SUSPECT_ODDS;
             }
         }
@@ -124,7 +126,7 @@ impl Search<'_> {
     }
 
     /// Whether `kind` was ruled out given `choices`.
-    pub fn is_ruled_out(&self, choices: &[Choice], kind: Kind) -> bool {
+    pub fn is_ruled_out(&self, choices: &[Choice], kind: Effect) -> bool {
         self.evidence(choices, kind) == f64::NEG_INFINITY
     }
 
@@ -138,14 +140,18 @@ impl Search<'_> {
 
     /// A choice as a part of the augmented model; none of a competitor.
     pub fn part(&self, choice: &Choice) -> Option<Part> {
-        let Kind::Effect(effect) = choice.kind else { return None };
-        Some(Part { effect, shape: self.bank.hypotheses[choice.hypothesis].shape, members: choice.members.clone() })
+        let part = || Part {
+            effect: choice.kind,
+            shape: self.bank.hypotheses[choice.hypothesis].shape,
+            members: choice.members.clone(),
+        };
+        choice.kind.is_nameable().then(part)
     }
 
     /// The strongest kind given `choices`; among contract entries only where `contract` says so.
     fn best_given(&self, choices: &[Choice], contract: bool) -> Option<Choice> {
         let scores = self.scores(choices);
-        let eligible = scores.iter().filter(|score| !contract || matches!(score.kind, Kind::Effect(_)));
+        let eligible = scores.iter().filter(|score| !contract || score.kind.is_nameable());
         Some(self.choice(eligible.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?))
     }
 
@@ -199,7 +205,7 @@ impl Search<'_> {
                 let mut others = choices.to_vec();
                 others.remove(i);
                 let known = self.scores(&others);
-                let eligible = |score: &&Score| !contract || matches!(score.kind, Kind::Effect(_));
+                let eligible = |score: &&Score| !contract || score.kind.is_nameable();
                 let scores: Vec<&Score> = known.iter().filter(eligible).collect();
                 let held = scores
                     .iter()
@@ -232,7 +238,7 @@ impl Search<'_> {
         let mut to_beat =
             self.worth(held) - if held.iter().any(Choice::is_competitor) { CONTRACT_FIRST } else { -CLEARLY };
         let alone = self.scores(&[]);
-        let starts = |score: &&Score| matches!(score.kind, Kind::Effect(_)) && score.log_evidence > PAIR_START;
+        let starts = |score: &&Score| score.kind.is_nameable() && score.log_evidence > PAIR_START;
         let mut firsts: Vec<&Score> = alone.iter().filter(starts).collect();
         firsts.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
         for score in firsts.iter().take(PAIR_STARTS) {
@@ -277,12 +283,12 @@ impl Search<'_> {
 
     /// Evidence with which `kind` is held against the threshold, given `choices`. Where nothing is named yet, a contract entry
     /// shares it with those that explain the same; beside a name, what is tied with much has been told from little.
-    pub fn earned(&self, choices: &[Choice], kind: Kind) -> f64 {
+    pub fn earned(&self, choices: &[Choice], kind: Effect) -> f64 {
         let scores = self.scores(choices);
         let own = self.against_noise(kind, evidence_of(&scores, kind));
-        let contract = scores.iter().filter(|s| matches!(s.kind, Kind::Effect(_)));
+        let contract = scores.iter().filter(|s| s.kind.is_nameable());
         match kind {
-            Kind::Effect(_) if choices.is_empty() => {
+            _ if choices.is_empty() && kind.is_nameable() => {
                 together(contract.map(|s| self.against_noise(s.kind, s.log_evidence).min(own + TIED)))
             }
             _ => own,
@@ -295,7 +301,7 @@ impl Search<'_> {
     }
 
     /// Evidence of `kind` given `choices`.
-    pub fn evidence(&self, choices: &[Choice], kind: Kind) -> f64 {
+    pub fn evidence(&self, choices: &[Choice], kind: Effect) -> f64 {
         evidence_of(&self.scores(choices), kind)
     }
 
@@ -310,10 +316,7 @@ impl Search<'_> {
         let others: Vec<Choice> =
             (0..choices.len()).filter(|k| ![i, j].contains(k)).map(|k| choices[k].clone()).collect();
         let known = self.scores(&others);
-        let wandering = known.iter().filter(|score| match score.kind {
-            Kind::Competitor(competitor) => WANDERING.contains(&COMPETITORS[competitor].id),
-            Kind::Effect(_) => false,
-        });
+        let wandering = known.iter().filter(|score| score.kind.entry().wanders);
         let best = wandering.map(|score| score.log_evidence).fold(f64::NEG_INFINITY, f64::max);
         let with = |more: &[usize]| others.iter().cloned().chain(more.iter().map(|&k| choices[k].clone())).collect();
         let (one, both): (Vec<Choice>, Vec<Choice>) = (with(&[i]), with(&[i, j]));
@@ -338,6 +341,53 @@ impl Search<'_> {
             self.polish(&mut choices);
         }
     }
+
+    /// Drops names that the others, chosen anew without them, make superfluous, the least missed first: a cause that two entries
+    /// explain alike may have been given to one of them in some gyros and to the other in the rest.
+    pub(crate) fn fewest(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
+        while choices.len() > 1 {
+            let all = self.evidence_together(&choices);
+            let fewer = (0..choices.len()).filter(|&i| !choices[i].is_competitor()).map(|i| {
+                let mut fewer = without(&choices, i);
+                self.polish_contract(&mut fewer);
+                (all - self.evidence_together(&fewer), fewer)
+            });
+            match fewer.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
+                Some((missed, mut fewer)) if missed <= self.needed(fewer.len()) => {
+                    self.polish(&mut fewer);
+                    choices = self.prune(fewer);
+                }
+                _ => break,
+            }
+        }
+        choices
+    }
+
+    /// Evidence of all choices together less what each further cause costs beforehand.
+    pub(crate) fn worth(&self, choices: &[Choice]) -> f64 {
+        self.evidence_together(choices) - PER_CAUSE * choices.len() as f64
+    }
+
+    /// Evidence of all choices: each given those before it, in its own gyros.
+    fn evidence_together(&self, choices: &[Choice]) -> f64 {
+        (0..choices.len()).map(|i| self.in_members(&choices[..i], &choices[i])).sum()
+    }
+
+    /// Evidence of a choice in its own gyros and no others, given `before`. [`Search::scores`] average over all sets of gyros: were
+    /// that added up, two names that share the gyros between them would each be credited with the other's. For the same reason each
+    /// gyro's noise is its own here: what is taken out of one must not make another's evidence stronger.
+    fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
+        let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
+        let hypotheses = &self.bank.hypotheses[range.clone()];
+        let state = each_by_itself(self.frame, self.extras(before));
+        let products = Products::of_some(self.bank, hypotheses, &state);
+        let seen = products.seen(&state);
+        let mut total = LogSum::default();
+        for hypothesis in hypotheses {
+            total.add(log_bayes_in(hypothesis, &choice.members, &seen));
+        }
+        total.log() + if !choice.kind.is_nameable() { SUSPECT_ODDS } else { 0.0 }
+    }
 }
 
 pub(crate) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
@@ -346,7 +396,7 @@ pub(crate) fn without(choices: &[Choice], i: usize) -> Vec<Choice> {
     others
 }
 
-fn evidence_of(scores: &[Score], kind: Kind) -> f64 {
+fn evidence_of(scores: &[Score], kind: Effect) -> f64 {
     scores.iter().find(|score| score.kind == kind).map_or(f64::NEG_INFINITY, |score| score.log_evidence)
 }
 
@@ -365,12 +415,11 @@ fn merged(choices: Vec<Choice>) -> Vec<Choice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::effects::Effect;
 
     #[test]
     fn an_effect_that_came_in_twice_for_other_gyros_is_one() {
         let choice = |hypothesis: usize, members: [bool; 3]| Choice {
-            kind: Kind::Effect(Effect::ScaleCubic),
+            kind: Effect::ScaleCubic,
             hypothesis,
             members: members.to_vec(),
             evidence: 9.0,

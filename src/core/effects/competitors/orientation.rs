@@ -2,11 +2,15 @@
 
 use nalgebra::Vector3;
 
-use super::{Competitor, Prior, one, picked};
+use super::common::picked;
 use crate::core::campaign::Phase;
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
-pub const ORIENTATION_HARMONICS: Competitor = Competitor {
+pub(super) const ENTRIES: &[&Entry] = &[&ORIENTATION_HARMONICS, &FRICTION, &HEADING, &EARTH_RATE, &ORIENTATION_BEFORE];
+
+pub const ORIENTATION_HARMONICS: Entry = Entry {
+    effect: Effect::OrientationHarmonics,
     id: "orientation_harmonics",
     looks_like: "a function of orientation beyond second degree",
     cause: "flexure of case and mount under their own weight beyond second degree",
@@ -15,12 +19,13 @@ pub const ORIENTATION_HARMONICS: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.01, source: "residuals of multi-position tests" },
     needs: "positions off the axes",
     confused_with: &[Effect::CrossCompliance, Effect::CubicG],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[3]), 1.0), (Shape::Only(&[3, 4]), 1.0)],
     columns: |s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
+    ..COMPETING
 };
 
-pub const FRICTION: Competitor = Competitor {
+pub const FRICTION: Entry = Entry {
+    effect: Effect::Friction,
     id: "friction",
     looks_like: "a dependence on the sense of specific force",
     cause: "pivots and flex leads hold by friction: the sense of the load counts",
@@ -29,16 +34,17 @@ pub const FRICTION: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.01, source: "pivot friction of floats without full flotation" },
     needs: "positions off the axes",
     confused_with: &[Effect::Hysteresis, Effect::GSquared],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1, 2]), 1.0)],
     columns: |s, j, shape| {
         let gyro = &s.gyros[j];
         let axes = [gyro.input, gyro.spin, gyro.output];
         picked(shape).iter().map(|&i| s.column(|k| s.force[k].dot(&axes[i]).abs())).collect()
     },
+    ..COMPETING
 };
 
-pub const HEADING: Competitor = Competitor {
+pub const HEADING: Entry = Entry {
+    effect: Effect::Heading,
     id: "heading",
     looks_like: "a dependence on the table's heading",
     cause: "cables, air flow and gradients in the room follow the table's heading",
@@ -47,13 +53,14 @@ pub const HEADING: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.01, source: "repeatability between headings of one face" },
     needs: "several headings a face, attitudes",
     confused_with: &[Effect::Azimuth, Effect::Magnetic, Effect::Levelling],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0, 1]), 1.0), (Shape::Only(&[2]), 1.0), (Shape::Only(&[0, 1, 2]), 0.5)],
     columns: |s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
+    ..COMPETING
 };
 
 /// Its part along the vertical lies inside G.
-pub const EARTH_RATE: Competitor = Competitor {
+pub const EARTH_RATE: Entry = Entry {
+    effect: Effect::EarthRate,
     id: "earth_rate",
     looks_like: "an error of the Earth's rate along north",
     cause: "the latitude, or the Earth's rate, that the dwells' rates were made with is wrong",
@@ -66,16 +73,16 @@ pub const EARTH_RATE: Competitor = Competitor {
     },
     needs: "several headings a face, attitudes",
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, j, _| {
         let Some(c) = &s.nav_to_body else { return Vec::new() };
         let along = |k: usize| s.gyros[j].input.dot(&(c[k] * Vector3::y()));
         vec![s.column(|k| if s.phase[k] == Phase::Static { along(k) } else { 0.0 })]
     },
+    ..COMPETING
 };
 
-pub const ORIENTATION_BEFORE: Competitor = Competitor {
+pub const ORIENTATION_BEFORE: Entry = Entry {
+    effect: Effect::OrientationBefore,
     id: "orientation_before",
     looks_like: "a memory of the orientation before",
     cause: "the float and the fluid remember how they stood before",
@@ -84,9 +91,8 @@ pub const ORIENTATION_BEFORE: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.05, source: "settling after a change of position" },
     needs: "an order in which the dwell before varies",
     confused_with: &[Effect::Hysteresis],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
+    ..COMPETING
 };
 
 /// All products of body components of specific force of one degree.

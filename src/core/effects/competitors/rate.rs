@@ -1,10 +1,15 @@
 //! Competing hypotheses that follow the rate, this one or those before.
 
-use super::{Competitor, Prior, one, picked};
+use super::common::picked;
 use crate::core::campaign::Phase;
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
-pub const RATE_EVEN: Competitor = Competitor {
+pub(super) const ENTRIES: &[&Entry] =
+    &[&RATE_EVEN, &RATE_ODD, &RATE_CURVE, &RATE_AND_FORCE, &STATIC_TO_RATE, &TORQUER_HEATING, &RATE_BEFORE];
+
+pub const RATE_EVEN: Entry = Entry {
+    effect: Effect::RateEven,
     id: "rate_even",
     looks_like: "an even function of rate",
     cause: "torquer and electronics rectify: drift that both senses share, about any axis",
@@ -13,16 +18,17 @@ pub const RATE_EVEN: Competitor = Competitor {
     typical: Typical { low: 1e-12, high: 1e-9, source: "rectification of rebalance loops" },
     needs: "rates about each axis in both senses",
     confused_with: &[Effect::ScaleAsymmetry, Effect::ScaleQuadratic, Effect::Anisoinertia],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: |s, _, shape| match picked(shape) {
         [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(2))).collect(),
         [1] => (0..3).map(|i| s.column(|k| s.rate[k][i].abs())).collect(),
         _ => (0..3).map(|i| s.column(|k| f64::from(u8::from(turns_about(s, k, i))))).collect(),
     },
+    ..COMPETING
 };
 
-pub const RATE_ODD: Competitor = Competitor {
+pub const RATE_ODD: Entry = Entry {
+    effect: Effect::RateOdd,
     id: "rate_odd",
     looks_like: "an odd function of rate",
     cause: "saturation of the torquer's magnet, about any axis",
@@ -31,16 +37,17 @@ pub const RATE_ODD: Competitor = Competitor {
     typical: Typical { low: 1e-16, high: 1e-9, source: "linearity of torquers, 10 to 100 ppm of full rate" },
     needs: "three rates or more about each axis",
     confused_with: &[Effect::ScaleCubic],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: |s, _, shape| match picked(shape) {
         [0] => (0..3).map(|i| s.column(|k| s.rate[k][i].powi(3))).collect(),
         [1] => (0..3).map(|i| s.column(|k| s.rate[k][i] * s.rate[k][i].abs())).collect(),
         _ => (0..3).map(|i| s.column(|k| if turns_about(s, k, i) { s.rate[k][i].signum() } else { 0.0 })).collect(),
     },
+    ..COMPETING
 };
 
-pub const RATE_CURVE: Competitor = Competitor {
+pub const RATE_CURVE: Entry = Entry {
+    effect: Effect::RateCurve,
     id: "rate_curve",
     looks_like: "a smooth function of the rate along the input axis",
     cause: "linearity of the rebalance loop by no single power",
@@ -50,11 +57,12 @@ pub const RATE_CURVE: Competitor = Competitor {
     needs: "many rates in both senses",
     confused_with: &[Effect::ScaleCubic, Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
     prior: Prior::Smooth,
-    shapes: one,
     columns: rate_curve,
+    ..COMPETING
 };
 
-pub const RATE_AND_FORCE: Competitor = Competitor {
+pub const RATE_AND_FORCE: Entry = Entry {
+    effect: Effect::RateAndForce,
     id: "rate_and_force",
     looks_like: "a scale factor that depends on orientation",
     cause: "the torquer's gap changes under load: scale factor depends on orientation",
@@ -63,7 +71,6 @@ pub const RATE_AND_FORCE: Competitor = Competitor {
     typical: Typical { low: 1e-7, high: 0.0001, source: "scale factor against orientation, 0.1 to 100 ppm" },
     needs: "each rate axis up and down",
     confused_with: &[Effect::GRateCoupling, Effect::Anisoinertia],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: |s, j, shape| match picked(shape) {
         [0] => (0..3).map(|i| s.column(|k| s.force[k][i] * s.rate[k][i])).collect(),
@@ -75,9 +82,11 @@ pub const RATE_AND_FORCE: Competitor = Competitor {
                 .collect()
         }
     },
+    ..COMPETING
 };
 
-pub const STATIC_TO_RATE: Competitor = Competitor {
+pub const STATIC_TO_RATE: Entry = Entry {
+    effect: Effect::StaticToRate,
     id: "static_to_rate",
     looks_like: "a difference between standing and turning",
     cause: "the unit was mounted anew, or slip rings and fans run, for the rate dwells",
@@ -86,15 +95,16 @@ pub const STATIC_TO_RATE: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.05, source: "repeatability of remounting" },
     needs: "rate dwells as many as static ones",
     confused_with: &[Effect::BiasStep, Effect::ScaleAsymmetry],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: |s, _, shape| match picked(shape) {
         [0] => vec![s.column(|k| turning(s, k))],
         _ => (0..3).map(|i| s.column(|k| turning(s, k) * s.force[k][i])).collect(),
     },
+    ..COMPETING
 };
 
-pub const TORQUER_HEATING: Competitor = Competitor {
+pub const TORQUER_HEATING: Entry = Entry {
+    effect: Effect::TorquerHeating,
     id: "torquer_heating",
     looks_like: "a memory of the rates before",
     cause: "the torquer's own heat after a fast dwell",
@@ -103,15 +113,16 @@ pub const TORQUER_HEATING: Competitor = Competitor {
     typical: Typical { low: 1e-12, high: 1e-9, source: "a watt in the torquer warms it by a kelvin" },
     needs: "slow dwells after fast ones",
     confused_with: &[Effect::ScaleQuadratic, Effect::Warmup],
-    prior: Prior::Flat,
     shapes: |s| [0.4, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
     columns: |s, j, shape| match shape {
         Shape::Tau(tau) => vec![heating(s, j, tau)],
         _ => Vec::new(),
     },
+    ..COMPETING
 };
 
-pub const RATE_BEFORE: Competitor = Competitor {
+pub const RATE_BEFORE: Entry = Entry {
+    effect: Effect::RateBefore,
     id: "rate_before",
     looks_like: "a memory of the rate before",
     cause: "fluid and suspension remember the rate before",
@@ -120,9 +131,8 @@ pub const RATE_BEFORE: Competitor = Competitor {
     typical: Typical { low: 1e-9, high: 1e-6, source: "settling after a change of rate" },
     needs: "an order in which the rate before varies",
     confused_with: &[Effect::Hysteresis, Effect::ScaleAsymmetry],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
+    ..COMPETING
 };
 
 fn turning(s: &Setting, k: usize) -> f64 {

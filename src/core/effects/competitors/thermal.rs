@@ -1,9 +1,14 @@
 //! Competing hypotheses that follow temperature.
 
-use super::{Competitor, Prior, mid, one, picked};
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use super::common::{mid, picked};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
-pub const BENT_TEMPERATURE: Competitor = Competitor {
+pub(super) const ENTRIES: &[&Entry] =
+    &[&BENT_TEMPERATURE, &TEMPERATURE_RATE, &TEMPERATURE_LAG, &TEMPERATURE_AND_TIME, &TEMPERATURE_G_SQUARED];
+
+pub const BENT_TEMPERATURE: Entry = Entry {
+    effect: Effect::BentTemperature,
     id: "bent_temperature",
     looks_like: "a bend in temperature",
     cause: "viscosity and buoyancy of the flotation fluid are no straight line in temperature",
@@ -12,12 +17,14 @@ pub const BENT_TEMPERATURE: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.05, source: "IEEE 517, temperature sensitivity beyond first degree" },
     needs: "a temperature that takes many values",
     confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
     columns: |s, _, shape| picked(shape).iter().map(|&degree| temperature_power(s, degree as i32)).collect(),
+    of_temperature: true,
+    ..COMPETING
 };
 
-pub const TEMPERATURE_RATE: Competitor = Competitor {
+pub const TEMPERATURE_RATE: Entry = Entry {
+    effect: Effect::TemperatureRate,
     id: "temperature_rate",
     looks_like: "a response to the rate of change of temperature",
     cause: "gradients through the case while it warms or cools turn the float",
@@ -26,15 +33,17 @@ pub const TEMPERATURE_RATE: Competitor = Competitor {
     typical: Typical { low: 1.0, high: 1e3, source: "IEEE 517, thermal gradients; 0.001 to 0.1 deg/h at 1 K/h" },
     needs: "a temperature that moves both ways",
     confused_with: &[Effect::TemperatureBias, Effect::Warmup, Effect::Periodic],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1]), 0.5)],
     columns: |s, _, shape| {
         let all = [temperature_slope(s), temperature_power(s, 1)];
         picked(shape).iter().map(|&i| all[i].clone()).collect()
     },
+    of_temperature: true,
+    ..COMPETING
 };
 
-pub const TEMPERATURE_LAG: Competitor = Competitor {
+pub const TEMPERATURE_LAG: Entry = Entry {
+    effect: Effect::TemperatureLag,
     id: "temperature_lag",
     looks_like: "a late response to temperature",
     cause: "the float follows the case late",
@@ -43,15 +52,17 @@ pub const TEMPERATURE_LAG: Competitor = Competitor {
     typical: Typical { low: 0.001, high: 0.1, source: "thermal time constants of floated gyros, minutes to an hour" },
     needs: "changes of temperature faster than the lag",
     confused_with: &[Effect::TemperatureBias, Effect::Warmup],
-    prior: Prior::Flat,
     shapes: |s| [2.0, 4.0, 8.0, 16.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
     columns: |s, _, shape| match shape {
         Shape::Tau(tau) => vec![temperature_lagged(s, tau)],
         _ => Vec::new(),
     },
+    of_temperature: true,
+    ..COMPETING
 };
 
-pub const TEMPERATURE_AND_TIME: Competitor = Competitor {
+pub const TEMPERATURE_AND_TIME: Entry = Entry {
+    effect: Effect::TemperatureAndTime,
     id: "temperature_and_time",
     looks_like: "a response to temperature that changes with time",
     cause: "the sensitivity to temperature changes as the unit settles",
@@ -60,12 +71,13 @@ pub const TEMPERATURE_AND_TIME: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.05, source: "as temperature_bias, changing within a day" },
     needs: "like temperatures early and late",
     confused_with: &[Effect::TemperatureBias, Effect::TimeRamp],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, _, _| vec![s.column(|k| mid(s, k) * temperature(s, k))],
+    of_temperature: true,
+    ..COMPETING
 };
 
-pub const TEMPERATURE_G_SQUARED: Competitor = Competitor {
+pub const TEMPERATURE_G_SQUARED: Entry = Entry {
+    effect: Effect::TemperatureGSquared,
     id: "temperature_g_squared",
     looks_like: "compliance that follows temperature",
     cause: "stiffness of gimbal and bearings follows temperature: compliance does",
@@ -74,9 +86,9 @@ pub const TEMPERATURE_G_SQUARED: Competitor = Competitor {
     typical: Typical { low: 0.0001, high: 0.01, source: "IEEE 517, temperature sensitivity of compliance" },
     needs: "each orientation at several temperatures",
     confused_with: &[Effect::TemperatureBias, Effect::TemperatureG],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, _, _| (0..3).map(|i| s.column(|k| temperature(s, k) * s.force[k][i].powi(2))).collect(),
+    of_temperature: true,
+    ..COMPETING
 };
 
 fn temperature(s: &Setting, k: usize) -> f64 {

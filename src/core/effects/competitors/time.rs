@@ -2,10 +2,22 @@
 
 use std::f64::consts::PI;
 
-use super::{Competitor, Prior, mid, one, picked};
-use crate::core::effects::{Effect, Setting, Shape, Typical};
+use super::common::{mid, picked};
+use crate::core::effects::entry::{COMPETING, Effect, Entry, Prior, Shape, Typical};
+use crate::core::effects::setting::Setting;
 
-pub const CURVE_IN_TIME: Competitor = Competitor {
+pub(super) const ENTRIES: &[&Entry] = &[
+    &CURVE_IN_TIME,
+    &WANDER_IN_TIME,
+    &CORRELATED_IN_TIME,
+    &BEND_IN_TIME,
+    &BURST,
+    &DRIFTING_MASS_UNBALANCE,
+    &DRIFTING_SCALE,
+];
+
+pub const CURVE_IN_TIME: Entry = Entry {
+    effect: Effect::CurveInTime,
     id: "curve_in_time",
     looks_like: "a smooth course in time",
     cause: "flex leads, suspension and electronics settle by no single law",
@@ -15,11 +27,13 @@ pub const CURVE_IN_TIME: Competitor = Competitor {
     needs: "dwells over the whole campaign",
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::BiasStep, Effect::Periodic],
     prior: Prior::Smooth,
-    shapes: one,
     columns: |s, _, _| waves(s, 9, 2.0),
+    wanders: true,
+    ..COMPETING
 };
 
-pub const WANDER_IN_TIME: Competitor = Competitor {
+pub const WANDER_IN_TIME: Entry = Entry {
+    effect: Effect::WanderInTime,
     id: "wander_in_time",
     looks_like: "a random walk in time",
     cause: "rate random walk: the bias drifts by what has no memory",
@@ -29,11 +43,13 @@ pub const WANDER_IN_TIME: Competitor = Competitor {
     needs: "dwells over the whole campaign",
     confused_with: &[Effect::TimeRamp, Effect::BiasStep, Effect::Warmup, Effect::Periodic],
     prior: Prior::Smooth,
-    shapes: one,
     columns: |s, _, _| waves(s, 16, 1.0),
+    wanders: true,
+    ..COMPETING
 };
 
-pub const CORRELATED_IN_TIME: Competitor = Competitor {
+pub const CORRELATED_IN_TIME: Entry = Entry {
+    effect: Effect::CorrelatedInTime,
     id: "correlated_in_time",
     looks_like: "noise that neighbouring dwells share",
     cause: "flicker of bias, and supplies that several dwells share",
@@ -43,11 +59,13 @@ pub const CORRELATED_IN_TIME: Competitor = Competitor {
     needs: "more dwells than waves",
     confused_with: &[Effect::Periodic, Effect::OutlierDwell, Effect::BiasStep],
     prior: Prior::Smooth,
-    shapes: one,
     columns: |s, _, _| waves(s, 26, 0.35),
+    wanders: true,
+    ..COMPETING
 };
 
-pub const BEND_IN_TIME: Competitor = Competitor {
+pub const BEND_IN_TIME: Entry = Entry {
+    effect: Effect::BendInTime,
     id: "bend_in_time",
     looks_like: "a bend in time",
     cause: "settling that is slower or faster than one time constant",
@@ -56,12 +74,13 @@ pub const BEND_IN_TIME: Competitor = Competitor {
     typical: Typical { low: 0.001, high: 0.1, source: "bias stability of floated gyros within a day" },
     needs: "dwells over the whole campaign",
     confused_with: &[Effect::TimeRamp, Effect::Warmup, Effect::Periodic],
-    prior: Prior::Flat,
     shapes: |_| vec![(Shape::Only(&[2]), 1.0), (Shape::Only(&[1, 2]), 1.0), (Shape::Only(&[1, 2, 3]), 1.0)],
     columns: |s, _, shape| picked(shape).iter().map(|&degree| legendre_in_time(s, degree)).collect(),
+    ..COMPETING
 };
 
-pub const BURST: Competitor = Competitor {
+pub const BURST: Entry = Entry {
+    effect: Effect::Burst,
     id: "burst",
     looks_like: "a passing disturbance of several dwells",
     cause: "a door, a crane, a power supply that recovers: a passing disturbance",
@@ -70,15 +89,16 @@ pub const BURST: Competitor = Competitor {
     typical: Typical { low: 0.001, high: 1.0, source: "station logs" },
     needs: "several dwells before and after it",
     confused_with: &[Effect::BiasStep, Effect::OutlierDwell, Effect::Periodic],
-    prior: Prior::Flat,
     shapes: windows,
     columns: |s, _, shape| match shape {
         Shape::Window(from, to) => vec![s.column(|k| f64::from(u8::from((from..to).contains(&k))))],
         _ => Vec::new(),
     },
+    ..COMPETING
 };
 
-pub const DRIFTING_MASS_UNBALANCE: Competitor = Competitor {
+pub const DRIFTING_MASS_UNBALANCE: Entry = Entry {
+    effect: Effect::DriftingMassUnbalance,
     id: "drifting_mass_unbalance",
     looks_like: "g-sensitivity that changes with time",
     cause: "the float's suspension currents and bubbles move its centre of mass through the day",
@@ -87,12 +107,12 @@ pub const DRIFTING_MASS_UNBALANCE: Competitor = Competitor {
     typical: Typical { low: 0.001, high: 0.05, source: "day-to-day stability of mass unbalance, 0.01 deg/(h g0)" },
     needs: "each orientation early and late",
     confused_with: &[Effect::TemperatureG, Effect::GLinear, Effect::Hysteresis],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, _, _| (0..3).map(|i| s.column(|k| mid(s, k) * s.force[k][i])).collect(),
+    ..COMPETING
 };
 
-pub const DRIFTING_SCALE: Competitor = Competitor {
+pub const DRIFTING_SCALE: Entry = Entry {
+    effect: Effect::DriftingScale,
     id: "drifting_scale",
     looks_like: "a scale factor that changes with time",
     cause: "the torquer's magnet ages or its reference voltage drifts",
@@ -101,9 +121,8 @@ pub const DRIFTING_SCALE: Competitor = Competitor {
     typical: Typical { low: 1e-6, high: 0.0001, source: "stability of torquer scale factors, 1 to 100 ppm" },
     needs: "rate dwells early and late",
     confused_with: &[Effect::TemperatureScale, Effect::ScaleQuadratic],
-    prior: Prior::Flat,
-    shapes: one,
     columns: |s, j, _| vec![s.column(|k| mid(s, k) * s.rate[k].dot(&s.gyros[j].input))],
+    ..COMPETING
 };
 
 /// Half cosines over the campaign, the m-th in proportion to m^-roughness.

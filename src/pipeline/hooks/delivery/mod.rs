@@ -24,6 +24,7 @@ use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 use crate::alert::deliver::Courier;
 use crate::alert::ladder::Ladder;
 use crate::pipeline::Pipeline;
+use crate::store;
 use crate::store::{Duty, Id, QueueState, StoreError};
 
 use crate::pipeline::hooks::delivery::queue::Lane;
@@ -117,7 +118,7 @@ impl Worker {
         let mut wake = self.desk.pipeline.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
             self.desk.pipeline.pulse.beat();
-            let is_on_duty = self.desk.pipeline.store.is_on_duty(Duty::Deliveries);
+            let is_on_duty = store::other_servers::is_on_duty(&self.desk.pipeline.store, Duty::Deliveries);
             if !is_on_duty {
                 // What was under way is sent again by whoever delivers now.
                 self.lanes.shutdown().await;
@@ -141,7 +142,7 @@ impl Worker {
 
     /// Every enabled hook has a lane; a lane ends by itself when its hook is disabled or deleted.
     async fn open_lanes(&mut self) -> Result<(), StoreError> {
-        for hook in self.desk.pipeline.store.hooks().await? {
+        for hook in store::hook::all(&self.desk.pipeline.store).await? {
             if hook.enabled && !self.hooks.values().any(|open| *open == hook.id) {
                 let lane = Lane::new(Arc::clone(&self.desk), hook.id, self.stopping.clone());
                 let task = self.lanes.spawn(lane.run());
@@ -172,6 +173,6 @@ impl Pipeline {
 
     /// How the queues of all hooks stand together.
     pub async fn outbox_totals(&self) -> Result<QueueState, StoreError> {
-        self.store.outbox_totals().await
+        store::outbox::outbox_totals(&self.store).await
     }
 }

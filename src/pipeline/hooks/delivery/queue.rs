@@ -19,6 +19,7 @@ use crate::pipeline::hooks::delivery::circuit::Health;
 use crate::pipeline::hooks::delivery::message;
 use crate::pipeline::hooks::delivery::message::Addressee;
 use crate::pipeline::hooks::{Attempted, Found};
+use crate::store;
 use crate::store::{DeliveryState, DueDelivery, Duty, Id, Progress, StoreError};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
@@ -105,7 +106,7 @@ impl Lane {
     /// The hook as it is now; none where it is told no more.
     async fn addressee(&mut self) -> Result<Option<Arc<Addressee>>, StoreError> {
         self.wake.borrow_and_update();
-        let Some(row) = self.desk.pipeline.store.hook(self.hook).await?.filter(|row| row.enabled) else {
+        let Some(row) = store::hook::get(&self.desk.pipeline.store, self.hook).await?.filter(|row| row.enabled) else {
             return Ok(None);
         };
         // Whoever has changed the hook has mended something.
@@ -165,7 +166,7 @@ impl Lane {
     }
 
     fn is_on_duty(&self) -> bool {
-        self.desk.pipeline.store.is_on_duty(Duty::Deliveries)
+        store::other_servers::is_on_duty(&self.desk.pipeline.store, Duty::Deliveries)
     }
 
     async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {
@@ -177,7 +178,7 @@ impl Lane {
         }
         let now = self.desk.pipeline.clock.now();
         // What has become due since it was last looked for is still to be fetched. The clock may have gone back.
-        let next = self.desk.pipeline.store.next_due(self.hook, self.looked_at.min(now)).await?;
+        let next = store::outbox::next_due(&self.desk.pipeline.store, self.hook, self.looked_at.min(now)).await?;
         // A millisecond more, so that it is due indeed.
         let until =
             next.map(|at| Duration::from_micros((at.0 - now.0).max(0).unsigned_abs()) + Duration::from_millis(1));
@@ -188,7 +189,7 @@ impl Lane {
         let now = self.desk.pipeline.clock.now();
         let horizon = UtcMicros(now.0.saturating_add(HORIZON.as_micros() as i64));
         let limit = FETCH + self.held.len() as u32;
-        let due = self.desk.pipeline.store.due_deliveries(self.hook, now, horizon, limit).await?;
+        let due = store::outbox::due_of_hook(&self.desk.pipeline.store, self.hook, now, horizon, limit).await?;
         self.look_again = due.len() == limit as usize;
         self.looked_at = now;
         self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
@@ -233,7 +234,7 @@ impl Lane {
         self.resend_at = Instant::now() + self.desk.pipeline.config.hooks.resend_every();
         let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
         let mut firing: Vec<(String, AlertBody)> = Vec::new();
-        for (severity, body) in self.desk.pipeline.store.heard_firing(self.hook).await? {
+        for (severity, body) in store::alerts::heard_firing(&self.desk.pipeline.store, self.hook).await? {
             firing.push((severity, serde_json::from_str(&body).map_err(damaged)?));
         }
         if firing.is_empty() {

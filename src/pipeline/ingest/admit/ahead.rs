@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::Newest;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
+use crate::store;
 use crate::store::{Figures, Id, RecordAt, Span, Store, StoreError};
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
@@ -39,15 +40,16 @@ impl Ahead {
         }
         let keys: Vec<&str> = keys.into_iter().collect();
         if !keys.is_empty() {
-            let mut used: HashMap<String, (Id, Vec<u8>)> = store.keys(&keys).await?.into_iter().collect();
+            let mut used: HashMap<String, (Id, Vec<u8>)> =
+                store::keys::get_many(store, &keys).await?.into_iter().collect();
             ahead.keys = keys.into_iter().map(|key| (key.to_owned(), used.remove(key))).collect();
         }
         let at_imus: Vec<(u32, UtcMicros)> = at_imus.into_iter().collect();
-        let records = store.records_at_many(&at_imus).await?;
+        let records = store::record::at_many(store, &at_imus).await?;
         ahead.records = at_imus.into_iter().zip(records).collect();
         let at_gyros: Vec<(u32, UtcMicros)> = at_gyros.into_iter().collect();
         let spans: Vec<_> = at_gyros.iter().map(|(gyro, at)| (*gyro, Span { from: *at, to: *at })).collect();
-        let rows = store.histories(&spans, 1).await?;
+        let rows = store::histories::oldest(store, &spans, 1).await?;
         let held = |rows: Vec<Figures>| rows.first().map(|figures| figures.record);
         ahead.rows = at_gyros.into_iter().zip(rows.into_iter().map(held)).collect();
         Ok(ahead)
@@ -57,15 +59,15 @@ impl Ahead {
     pub(super) async fn key(&self, key: &str, store: &Store) -> Result<Option<(Id, Vec<u8>)>, StoreError> {
         match self.keys.get(key) {
             Some(known) => Ok(known.clone()),
-            None => store.key(key).await,
+            None => store::keys::get(store, key).await,
         }
     }
 
-    /// As [`Store::records_at`].
+    /// As `records_at`.
     pub(super) async fn records_at(&self, imu: u32, at: UtcMicros, store: &Store) -> Result<Vec<RecordAt>, StoreError> {
         match self.records.get(&(imu, at)) {
             Some(known) => Ok(known.clone()),
-            None => store.records_at(imu, at).await,
+            None => store::record::at(store, imu, at).await,
         }
     }
 
@@ -74,7 +76,7 @@ impl Ahead {
         match self.rows.get(&(gyro, at)) {
             Some(known) => Ok(*known),
             None => {
-                let rows = store.history(gyro, Span { from: at, to: at }, 1).await?;
+                let rows = store::history::oldest(store, gyro, Span { from: at, to: at }, 1).await?;
                 Ok(rows.first().map(|figures| figures.record))
             }
         }

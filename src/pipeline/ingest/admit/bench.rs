@@ -6,6 +6,7 @@ use super::{Desk, Group, Table};
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::{Accepted, Refused};
+use crate::store;
 use crate::store::{BenchRow, Id, StoreError};
 
 impl Desk<'_> {
@@ -23,7 +24,7 @@ impl Desk<'_> {
                 }
                 counting = Some(*id);
             }
-            for there in self.store.bench_results_at(gyro, at, method).await? {
+            for there in store::bench::at(self.store, gyro, at, method).await? {
                 let same_bytes = there.hash == sent.body_sha256;
                 let counts = !there.voided && !group.changes.withdrawn.benches.contains(&(there.id, gyro));
                 // What was voided and is sent again stays as it is: the sender does not know.
@@ -60,6 +61,6 @@ impl Desk<'_> {
     }
 
     async fn is_alike(&self, bench: Id, body: &str) -> Result<bool, StoreError> {
-        Ok(self.store.bench_result(bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
+        Ok(store::bench::get(self.store, bench).await?.is_some_and(|stored| benches_agree(&stored.body, body)))
     }
 }

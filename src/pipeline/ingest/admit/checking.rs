@@ -11,6 +11,7 @@ use crate::core::note::Note;
 use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
+use crate::store;
 use crate::store::{Id, StoreError};
 use crate::wire::history_note;
 
@@ -204,7 +205,7 @@ impl Desk<'_> {
         for gyro in gyros {
             let (Some(number), Some(other)) = (gyro.number, gyro.history().last()) else { continue };
             let between = at.min(other.at)..=at.max(other.at);
-            let stored = self.store.events(number).await?;
+            let stored = store::event::of_gyro(self.store, number).await?;
             let new = group.changes.events.iter().filter(|event| event.gyro == number);
             if stored.iter().chain(new).any(|it| it.event.resets_baseline() && between.contains(&it.at)) {
                 return Ok(true);
@@ -220,10 +221,11 @@ impl Desk<'_> {
         if let Some((_, gyro, _)) = here.max_by_key(|(then, ..)| *then) {
             return Ok(Some(gyro));
         }
-        for head in self.store.records_of_imu(imu, 3).await? {
-            let (then, sheet) = (head.calibrated_at, self.store.verdict_sheet(head.id).await?);
+        for head in store::record::of_imu(self.store, imu, 3).await? {
+            let (then, sheet) = (head.calibrated_at, store::record::verdict_sheet(self.store, head.id).await?);
             for (gyro, _) in sheet.filter(|_| then < at).into_iter().flat_map(|sheet| sheet.0) {
-                let rows = self.store.history(gyro, crate::store::Span { from: then, to: then }, 1).await?;
+                let rows =
+                    store::history::oldest(self.store, gyro, crate::store::Span { from: then, to: then }, 1).await?;
                 if rows.iter().any(|row| row.record == head.id && row.slot == slot) {
                     return Ok(Some(gyro));
                 }
@@ -267,7 +269,8 @@ impl Desk<'_> {
         let numbers: Vec<u32> = gyros.iter().filter_map(|gyro| gyro.number).collect();
         let mut earlier: BTreeMap<(UtcMicros, Id), bool> = BTreeMap::new();
         for number in &numbers {
-            let stored = self.store.history(*number, crate::store::Span::EVER, FALSE_RECORDS + 1).await?;
+            let stored =
+                store::history::oldest(self.store, *number, crate::store::Span::EVER, FALSE_RECORDS + 1).await?;
             let stored =
                 stored.iter().filter(|row| !group.withdraws(row.record)).map(|row| ((row.at, row.record), true));
             earlier.extend(stored);
@@ -303,10 +306,10 @@ impl Desk<'_> {
         note: &HistoryNote,
         group: &mut Group,
     ) -> Result<bool, StoreError> {
-        let Some(record) = self.store.record(id).await? else { return Ok(false) };
+        let Some(record) = store::record::get(self.store, id).await? else { return Ok(false) };
         let others = record.verdicts.0.iter().any(|(gyro, _)| !of.contains(gyro));
         let is_confirmed = group.changes.confirmed.iter().any(|row| row.record == id);
-        if others || is_confirmed || self.store.confirmation(id).await?.is_some() {
+        if others || is_confirmed || store::set_aside::confirmation(self.store, id).await?.is_some() {
             return Ok(false);
         }
         self.withdraw(&record, group).await?;

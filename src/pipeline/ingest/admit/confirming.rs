@@ -5,14 +5,15 @@ use serde_json::json;
 use super::{Desk, Group};
 use crate::pipeline::ingest::submission::Confirmation;
 use crate::pipeline::{Accepted, Refused};
+use crate::store;
 use crate::store::{ConfirmationRow, HistoryRow, Span};
 
 impl Desk<'_> {
     pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.id;
-        let record = self.store.record(id).await?.ok_or(Refused::UnknownRecord { id })?;
+        let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
         let before = group.changes.confirmed.iter().any(|row| row.record == id);
-        if before || self.store.confirmation(id).await?.is_some() {
+        if before || store::set_aside::confirmation(self.store, id).await?.is_some() {
             return Ok(Accepted::There { id, same_bytes: true });
         }
         if !self.said_before(id, group).await?.is_empty() {
@@ -31,7 +32,7 @@ impl Desk<'_> {
                 let serial = self.name_of(super::Table::Gyros, gyro, group);
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
-            let aside = self.store.voided_history(gyro, Span { from: at, to: at }).await?;
+            let aside = store::history::voided(self.store, gyro, Span { from: at, to: at }).await?;
             rows.extend(aside.into_iter().filter(|row| row.record == id).map(|figures| HistoryRow { gyro, figures }));
         }
         for row in &rows {

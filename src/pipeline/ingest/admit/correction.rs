@@ -10,6 +10,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
 use crate::pipeline::{Accepted, Refused};
+use crate::store;
 use crate::store::{CorrectionRow, HistoryRow, Id, Kind, RecordRow, Span, StoreError};
 
 impl Desk<'_> {
@@ -21,11 +22,13 @@ impl Desk<'_> {
         }
         match (sent.item, &sent.replacement) {
             (Corrected::Bench(_), _) => {
-                let bench = self.store.bench_result(id).await?.ok_or(Refused::UnknownBench { id })?;
+                let bench = store::bench::get(self.store, id).await?.ok_or(Refused::UnknownBench { id })?;
                 group.changes.withdrawn.benches.push((id, bench.gyro));
             }
             (Corrected::Calibration { id, kind }, replacement) => {
-                let record = self.store.record(id).await?.filter(|record| kind.is_none_or(|kind| record.kind == kind));
+                let record = store::record::get(self.store, id)
+                    .await?
+                    .filter(|record| kind.is_none_or(|kind| record.kind == kind));
                 let record = record.ok_or(Refused::UnknownRecord { id })?;
                 let before = (group.changes.withdrawn.records.len(), group.changes.withdrawn.history.len());
                 if said.is_empty() {
@@ -66,7 +69,7 @@ impl Desk<'_> {
     pub(super) async fn withdraw(&mut self, record: &RecordRow, group: &mut Group) -> Result<(), StoreError> {
         let at = record.calibrated_at;
         for &(gyro, _) in &record.verdicts.0 {
-            let rows = self.store.history(gyro, Span { from: at, to: at }, 1).await?;
+            let rows = store::history::oldest(self.store, gyro, Span { from: at, to: at }, 1).await?;
             let withdrawn = rows.into_iter().map(|figures| HistoryRow { gyro, figures });
             group.changes.withdrawn.history.extend(withdrawn);
         }
@@ -93,7 +96,7 @@ impl Desk<'_> {
 
     /// What was said of an item as it stands, this group included.
     pub(super) async fn said_before(&self, item: Id, group: &Group) -> Result<Vec<CorrectionRow>, StoreError> {
-        let mut said = self.store.corrections(item).await?;
+        let mut said = store::correction::of_item(self.store, item).await?;
         said.extend(group.changes.corrections.iter().cloned());
         said.retain(|row| row.item == item);
         Ok(said)
@@ -130,7 +133,7 @@ impl Desk<'_> {
         if let Some(record) = group.changes.records.iter().find(|record| record.id == id) {
             return Ok(says(record.kind, &record.body));
         }
-        Ok(self.store.record(id).await?.is_some_and(|record| says(record.kind, &record.body)))
+        Ok(store::record::get(self.store, id).await?.is_some_and(|record| says(record.kind, &record.body)))
     }
 
     /// The record of an IMU that counts at an instant, and the hash of its body.

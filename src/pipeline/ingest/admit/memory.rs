@@ -7,6 +7,7 @@ use super::Group;
 use crate::core::mounting::Slot;
 use crate::core::own_history::Shown;
 use crate::core::time::UtcMicros;
+use crate::store;
 use crate::store::{Figures, Id, Span, Store, StoreError};
 
 /// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
@@ -105,7 +106,8 @@ impl Memory {
             Entry::Vacant(unseen) => unseen,
         };
         let is_new = group.changes.gyros.iter().any(|(number, _)| *number == gyro);
-        let stored = if is_new { Vec::new() } else { store.newest_history(gyro, Span::EVER, REMEMBERED).await? };
+        let stored =
+            if is_new { Vec::new() } else { store::history::newest(store, gyro, Span::EVER, REMEMBERED).await? };
         let whole = stored.len() < REMEMBERED;
         let counts = |figures: &&Figures| !group.withdraws(figures.record);
         let mut rows: Vec<Remembered> = stored.iter().filter(counts).map(Remembered::from).collect();
@@ -128,7 +130,7 @@ impl Memory {
         let mut around = Around { before: ring.rows[place.saturating_sub(BEFORE)..place].to_vec(), after: Vec::new() };
         if place == 0 && !ring.whole {
             let upto = Span { to: UtcMicros(at.0 - 1), ..Span::EVER };
-            let stored = store.newest_history(gyro, upto, BEFORE).await?;
+            let stored = store::history::newest(store, gyro, upto, BEFORE).await?;
             around.before = stored.iter().filter(|row| !group.withdraws(row.record)).map(Remembered::from).collect();
         }
         if around.before.is_empty() {

@@ -20,6 +20,7 @@ use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, GyroEvent, Submission};
 use crate::pipeline::{Accepted, Actor, Refused};
+use crate::store;
 use crate::store::{
     Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Kind, PublishedFigures, RecordRow, States, Store,
     StoreError, StoredVerdict, Tables, VerdictSheet,
@@ -152,7 +153,7 @@ impl Desk<'_> {
     async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
         let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
         let gyro = self.number(Table::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
-        let stored = self.store.events(gyro).await?;
+        let stored = store::event::of_gyro(self.store, gyro).await?;
         let there = stored
             .iter()
             .chain(&group.changes.events)
@@ -221,7 +222,7 @@ impl Desk<'_> {
             return number;
         }
         let (new, is_new) = (table.of(group).len(), |number| group.numbers.contains(&(table, number)));
-        let number = self.store.new_number(table.of_store(&self.store.names().read()), new, is_new);
+        let number = store::names::new_number(self.store, table.of_store(&self.store.names().read()), new, is_new);
         group.numbers.insert((table, number));
         table.of_mut(group).insert(name.to_owned(), number);
         for key in look_keys(name) {

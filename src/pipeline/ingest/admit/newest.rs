@@ -6,6 +6,7 @@ use crate::core::history_note::FAR_DAYS;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge;
 use crate::pipeline::ingest::submission::Calibration;
+use crate::store;
 use crate::store::{Changes, HistoryRow, RecordRow, Span, Store, StoreError, Tables};
 
 /// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
@@ -17,8 +18,8 @@ pub(crate) struct Newest {
 
 impl Newest {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
-        let imus = store.newest_of_imus().await?.into_iter().collect();
-        let gyros = store.newest_of_gyros(0, u32::MAX).await?.into_iter();
+        let imus = store::record::newest_of_imus(store).await?.into_iter().collect();
+        let gyros = store::gyro::newest_of_gyros(store, 0, u32::MAX).await?.into_iter();
         Ok(Self { imus, gyros: gyros.filter_map(|(gyro, figures)| figures.map(|f| (gyro, (f.at, f.imu)))).collect() })
     }
 
@@ -92,7 +93,7 @@ impl Newest {
     /// Reads the newest records of some gyros again.
     pub async fn read_again(&mut self, store: &Store, gyros: &[u32]) -> Result<(), StoreError> {
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-        for (gyro, rows) in gyros.iter().zip(store.newest_histories(&ever, 1).await?) {
+        for (gyro, rows) in gyros.iter().zip(store::histories::newest(store, &ever, 1).await?) {
             match rows.last() {
                 Some(newest) => self.gyros.insert(*gyro, (newest.at, newest.imu)),
                 None => self.gyros.remove(gyro),

@@ -9,6 +9,7 @@ use crate::core::judge::history::{
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::older_summary::{Past, RUN};
+use crate::store;
 use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
@@ -60,12 +61,12 @@ impl Line {
             let first = stored.first().map(|figures: &Figures| figures.at);
             let before = first.map_or(until, |first| UtcMicros(first.0 - 1));
             let count = ahead.max(2 * stored.len());
-            let older = store.newest_history(gyro, Span { to: before, ..Span::EVER }, count).await?;
+            let older = store::history::newest(store, gyro, Span { to: before, ..Span::EVER }, count).await?;
             let is_whole = older.len() < count;
             stored.splice(0..0, older);
             if let Some(mut line) = Self::of_newest(&stored, is_whole, marks.clone(), need, method) {
                 if !is_whole {
-                    let first = store.history(gyro, line.of_baseline(until), FIRST_FEW).await?;
+                    let first = store::history::oldest(store, gyro, line.of_baseline(until), FIRST_FEW).await?;
                     line.set_baseline(&first, method);
                 }
                 line.trim(need);
@@ -93,7 +94,7 @@ impl Line {
         let begun = lines.iter().filter(|(.., is_whole)| !is_whole);
         let baselines: Vec<(u32, Span)> =
             begun.map(|(gyro, line, _)| (*gyro, line.of_baseline(Span::EVER.to))).collect();
-        let mut first = store.histories(&baselines, FIRST_FEW).await?.into_iter();
+        let mut first = store::histories::oldest(store, &baselines, FIRST_FEW).await?.into_iter();
         for (_, line, is_whole) in &mut lines {
             if !*is_whole {
                 line.set_baseline(&first.next().unwrap_or_default(), method);
@@ -157,7 +158,7 @@ impl Line {
         method: JudgedMethod,
     ) -> Result<Self, StoreError> {
         let (mut left, mut entered) = (HashMap::new(), HashMap::new());
-        for correction in store.corrections_of_gyro(gyro).await? {
+        for correction in store::correction::of_gyro(store, gyro).await? {
             let CorrectionRow { item, replaced_by, at, .. } = correction.said;
             left.entry(item).or_insert(at);
             replaced_by.map(|new| entered.entry(new).or_insert(at));
@@ -169,8 +170,8 @@ impl Line {
                 && entered.get(&row.record).is_none_or(|at| *at < then)
         };
         let until = Span { to: voided.at, ..Span::EVER };
-        let mut rows = store.history(gyro, until, usize::MAX).await?;
-        let withdrawn = store.voided_history(gyro, until).await?.into_iter();
+        let mut rows = store::history::oldest(store, gyro, until, usize::MAX).await?;
+        let withdrawn = store::history::voided(store, gyro, until).await?.into_iter();
         // What is set aside has never counted.
         rows.extend(withdrawn.filter(|row| left.contains_key(&row.record)));
         rows.retain(counted);
@@ -291,7 +292,7 @@ impl Line {
         let window = days_before(at, days);
         let from = reset_before(self.marks(), at, Rule::Range).map_or(window, |reset| reset.max(window));
         if let Some(span) = self.past.wanted(from) {
-            let rows = source.store.history(source.gyro, span, usize::MAX).await?;
+            let rows = store::history::oldest(source.store, source.gyro, span, usize::MAX).await?;
             self.past.keep(rows.iter().map(|figures| sample_of(figures, source.method)).collect());
         }
         Ok(self.past.since(from))
@@ -363,14 +364,14 @@ pub(crate) fn distinct(samples: impl IntoIterator<Item = Sample>) -> Vec<Sample>
 }
 
 pub(crate) async fn load_marks(store: &Store, gyro: u32) -> Result<Vec<Mark>, StoreError> {
-    let events = store.events(gyro).await?;
+    let events = store::event::of_gyro(store, gyro).await?;
     Ok(events.iter().map(mark_of).collect())
 }
 
 /// What was done to each of several gyros; those to which nothing was are left out.
 pub(crate) async fn marks_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, Vec<Mark>>, StoreError> {
     let mut marks = HashMap::<u32, Vec<Mark>>::new();
-    for event in store.events_of(gyros).await? {
+    for event in store::event::of_gyros(store, gyros).await? {
         marks.entry(event.gyro).or_default().push(mark_of(&event));
     }
     Ok(marks)

@@ -10,6 +10,7 @@ use crate::core::judge::history::{
 use crate::core::judge::{Rule, Verdict, judge};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::gyro_window::{Line, Source, load_marks, mark_of, sample_of};
+use crate::store;
 use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
@@ -182,14 +183,14 @@ impl Judge {
         mut line: Line,
         from: UtcMicros,
     ) -> Result<Reopened, StoreError> {
-        let stored = self.store.history(gyro, Span { from, ..Span::EVER }, usize::MAX).await?;
+        let stored = store::history::oldest(&self.store, gyro, Span { from, ..Span::EVER }, usize::MAX).await?;
         line.insert(self.samples_of(indices, changes));
         Ok(Reopened { line, stored, altered: inserted(indices, changes).collect(), shrunk: false })
     }
 
     /// Everything of a gyro, with what is new, and without what counts no more.
     async fn reopen_all(&self, gyro: u32, indices: &[usize], changes: &Changes) -> Result<Reopened, StoreError> {
-        let mut stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
+        let mut stored = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let mut marks = load_marks(&self.store, gyro).await?;
         let new_events = changes.events.iter().filter(|event| event.gyro == gyro);
         let new_marks: Vec<Mark> = new_events.map(mark_of).collect();
@@ -236,7 +237,7 @@ impl Judge {
     ) -> Result<(), StoreError> {
         let sheet = match sheets.remove(&record) {
             Some(sheet) => Some(sheet),
-            None => self.store.verdict_sheet(record).await?,
+            None => store::record::verdict_sheet(&self.store, record).await?,
         };
         let Some(mut sheet) = sheet else {
             return Err(StoreError::Damaged(format!("record {record} of gyro number {gyro} is missing")));

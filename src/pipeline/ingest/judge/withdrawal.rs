@@ -7,6 +7,7 @@ use crate::core::alert_decision;
 use crate::core::alert_decision::{Alert, Status};
 use crate::core::judge::{Coefficient, Rule};
 use crate::core::time::UtcMicros;
+use crate::store;
 use crate::store::{Changes, CorrectionRow, Figures, HistoryRow, Id, Span, StoreError, VerdictSheet};
 
 impl Judge {
@@ -45,13 +46,13 @@ impl Judge {
 
     async fn replay(&self, gyro: u32, changes: &Changes) -> Result<HashSet<(Coefficient, Rule)>, StoreError> {
         let gone: HashSet<Id> = changes.withdrawn.records.iter().copied().collect();
-        let stored = self.store.history(gyro, Span::EVER, usize::MAX).await?;
+        let stored = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let new = changes.history.iter().filter(|row| row.gyro == gyro).map(|row| row.figures);
         let left = stored.into_iter().filter(|figures| !gone.contains(&figures.record)).chain(new);
         let mut records: Vec<(UtcMicros, Id)> = left.map(|figures| (figures.at, figures.record)).collect();
         records.sort_unstable();
         let mut sheets: HashMap<Id, VerdictSheet> =
-            self.store.verdict_sheets(records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
+            store::record::verdict_sheets(&self.store, records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
         sheets.extend(changes.rejudged.sheets.iter().cloned());
         sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
         let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();

@@ -15,6 +15,7 @@ use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::pipeline::{Actor, Refused};
+use crate::store;
 use crate::store::{AlertRow, Changes, Duty, Id, StoreError};
 use crate::wire::alert::AlertBody;
 
@@ -89,7 +90,7 @@ impl Task {
 
     /// Lets the alerts follow the clock.
     pub(super) async fn tick(&mut self) {
-        if !self.store.is_on_duty(Duty::Clock) {
+        if !store::other_servers::is_on_duty(&self.store, Duty::Clock) {
             return;
         }
         let followed = match self.begin().await {
@@ -106,7 +107,8 @@ impl Task {
 
     async fn try_tick(&mut self) -> Result<(), StoreError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
-        let out_of_use = if self.judge.has_intervals() { self.store.out_of_use().await? } else { HashMap::new() };
+        let out_of_use =
+            if self.judge.has_intervals() { store::event::out_of_use(&self.store).await? } else { HashMap::new() };
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
         {
@@ -172,7 +174,7 @@ impl Task {
         self.hooks.refresh(&self.store).await?;
         let known = match order {
             SilenceOrder::Begin { .. } => None,
-            SilenceOrder::End { silence, .. } => self.store.silence(*silence).await?,
+            SilenceOrder::End { silence, .. } => store::silence::get(&self.store, *silence).await?,
         };
         let (id, mut changes) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };

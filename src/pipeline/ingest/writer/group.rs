@@ -12,6 +12,7 @@ use crate::pipeline::ingest::judge;
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply};
+use crate::store;
 use crate::store::{Changes, Id, Kind, Span, StoreError};
 use crate::telemetry;
 
@@ -75,7 +76,7 @@ impl Task {
         };
         let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
         let most = self.judge.read_ahead();
-        let rows = self.store.newest_histories(&ever, most).await?;
+        let rows = store::histories::newest(&self.store, &ever, most).await?;
         let read: Vec<_> = gyros.into_iter().zip(rows).collect();
         self.memory.take_in(read.iter().map(|(gyro, rows)| (*gyro, rows.as_slice(), rows.len() < most)));
         let unknown: Vec<_> = read.into_iter().filter(|(gyro, _)| !self.judge.knows(*gyro)).collect();

@@ -26,6 +26,7 @@ use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::ingest::writer::overlapped::UnderWay;
 use crate::pipeline::ingest::writer::postgres_turn::in_turn;
 use crate::pipeline::{Accepted, Job, Refused, Reply};
+use crate::store;
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
@@ -111,7 +112,7 @@ impl Task {
         let hooks = HookBook::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
         let alerts = AlertBook::load(&store, config.alerts.policy(), clock.now()).await?;
-        let benched = store.gyros_on_benches().await?.into_iter().collect();
+        let benched = store::bench::gyros_on_benches(&store).await?.into_iter().collect();
         Ok(Self {
             store,
             writer,
@@ -135,7 +136,7 @@ impl Task {
         let max_group = self.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
-        let mut moves = self.store.moves();
+        let mut moves = store::other_servers::moves(&self.store);
         loop {
             let room = max_group.saturating_sub(jobs.len()).max(1);
             tokio::select! {
@@ -302,7 +303,7 @@ impl Task {
 
     /// Changes who may use the service.
     async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, Refused> {
-        let known = self.store.tokens().await?;
+        let known = store::access::tokens(&self.store).await?;
         let (guard, writer, now) = (&self.after.guard, &mut self.writer, self.clock.now());
         Registrar { guard, writer, now }.carry_out(order, by, &known).await
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::{HookBook, Newest, Task};
 use crate::pipeline::Refused;
+use crate::store;
 use crate::store::{Id, Missed, Moves, StoreError};
 
 /// Records of others that are looked at one by one; after more everything is read again.
@@ -97,12 +98,12 @@ impl Task {
         self.memory.forget();
         self.alerts.forget();
         self.newest = Newest::load(&self.store).await?;
-        self.benched = self.store.gyros_on_benches().await?.into_iter().collect();
+        self.benched = store::bench::gyros_on_benches(&self.store).await?.into_iter().collect();
         Ok(())
     }
 
     async fn learn_records(&mut self, after: Id) -> Result<(), StoreError> {
-        let records = self.store.records_since(after, FEW).await?;
+        let records = store::record::since(&self.store, after, FEW).await?;
         if records.len() == FEW as usize {
             return self.read_all_again().await;
         }
@@ -116,11 +117,11 @@ impl Task {
 
     /// Gyros to which others have done something are looked at anew, and no others.
     async fn learn_touched(&mut self, version: i64) -> Result<(), StoreError> {
-        let gyros = self.store.touched_since(version).await?;
+        let gyros = store::standing::touched_since(&self.store, version).await?;
         self.judge.forget_of(&gyros);
         self.memory.forget_of(gyros.iter().copied());
         self.newest.read_again(&self.store, &gyros).await?;
-        self.benched.extend(self.store.on_benches(&gyros).await?);
+        self.benched.extend(store::bench::on_benches(&self.store, &gyros).await?);
         self.alerts.refresh_of(&gyros, &self.store, self.clock.now()).await
     }
 

@@ -8,6 +8,7 @@ use sqlx::SqlitePool;
 use tempfile::TempDir;
 
 use crate::core::time::UtcMicros;
+use crate::store;
 use crate::store::tests::{first_names, history, opened, options, record, url};
 use crate::store::*;
 
@@ -19,7 +20,7 @@ const ROWS: usize = 1_500;
 type Expected = BTreeMap<(u32, i64), Figures>;
 
 fn names() -> Changes {
-    Changes { gyros: (1..=GYROS).map(|k| (k, format!("LFG-{k}"))).collect(), ..first_names() }
+    Changes { gyros: (1..=GYROS).map(|k| (k, format!("LFG-{k:02}"))).collect(), ..first_names() }
 }
 
 /// New rows at any instants, some of which are there already and are judged again.
@@ -54,28 +55,28 @@ async fn check(store: &Store, expected: &Expected, random: &mut ChaCha8Rng) {
     for gyro in 1..=GYROS {
         let of_gyro = expected.range((gyro, 0)..=(gyro, i64::MAX)).map(|(_, row)| *row);
         let all: Vec<Figures> = of_gyro.filter(|row| !row.voided).collect();
-        assert_eq!(store.history(gyro, Span::EVER, usize::MAX).await.unwrap(), all);
-        assert_eq!(store.count_history(gyro).await.unwrap(), all.len());
+        assert_eq!(store::history::oldest(store, gyro, Span::EVER, usize::MAX).await.unwrap(), all);
+        assert_eq!(store::history::count(store, gyro).await.unwrap(), all.len());
         let (a, b) = (random.random_range(0..20_000), random.random_range(0..20_000));
         let (from, to) = (a.min(b), a.max(b));
         let limit = random.random_range(1..300);
         let span = Span { from: UtcMicros(from), to: UtcMicros(to) };
         let within: Vec<Figures> = all.iter().filter(|row| (from..=to).contains(&row.at.0)).copied().collect();
-        assert_eq!(store.history(gyro, span, limit).await.unwrap(), within[..limit.min(within.len())]);
+        assert_eq!(store::history::oldest(store, gyro, span, limit).await.unwrap(), within[..limit.min(within.len())]);
         let skipped = within.len().saturating_sub(limit);
-        assert_eq!(store.newest_history(gyro, span, limit).await.unwrap(), within[skipped..]);
+        assert_eq!(store::history::newest(store, gyro, span, limit).await.unwrap(), within[skipped..]);
         newest.push((gyro, all.last().copied()));
         stretches.push((gyro, span));
         oldest_of_many.push(within[..at_once.min(within.len())].to_vec());
         newest_of_many.push(within[within.len().saturating_sub(at_once)..].to_vec());
     }
-    assert_eq!(store.histories(&stretches, at_once).await.unwrap(), oldest_of_many);
-    assert_eq!(store.newest_histories(&stretches, at_once).await.unwrap(), newest_of_many);
+    assert_eq!(store::histories::oldest(store, &stretches, at_once).await.unwrap(), oldest_of_many);
+    assert_eq!(store::histories::newest(store, &stretches, at_once).await.unwrap(), newest_of_many);
     let ever: Vec<Stretch> = (1..=GYROS).map(|gyro| (gyro, Span::EVER)).collect();
     let last: Vec<Option<Figures>> =
-        store.newest_histories(&ever, 1).await.unwrap().iter().map(|rows| rows.last().copied()).collect();
+        store::histories::newest(store, &ever, 1).await.unwrap().iter().map(|rows| rows.last().copied()).collect();
     assert_eq!(last, newest.iter().map(|(_, row)| *row).collect::<Vec<_>>());
-    assert_eq!(store.newest_of_gyros(0, 100).await.unwrap(), newest);
+    assert_eq!(store::gyro::newest_of_gyros(store, 0, 100).await.unwrap(), newest);
 }
 
 #[tokio::test]

@@ -8,6 +8,7 @@ use sqlx::SqlitePool;
 use tempfile::TempDir;
 
 use crate::core::time::UtcMicros;
+use crate::store;
 use crate::store::tests::{first_names, opened, options, record, url};
 use crate::store::*;
 
@@ -69,12 +70,12 @@ async fn check_found(store: &Store, expected: &Expected, random: &mut ChaCha8Rng
         newest.extend(all.last().map(|(at, _)| (imu, UtcMicros(*at))));
         let limit = random.random_range(1..700);
         let counting = all.iter().rev().filter_map(|(at, found)| Some((found.0?, UtcMicros(*at)))).take(limit);
-        let heads = store.records_of_imu(imu, limit as u32).await.unwrap();
+        let heads = store::record::of_imu(store, imu, limit as u32).await.unwrap();
         let heads: Vec<_> = heads.iter().map(|head| (head.id, head.calibrated_at)).collect();
         assert_eq!(heads, counting.collect::<Vec<_>>());
         for _ in 0..20 {
             let at = random.random_range(0..=all.last().map_or(9, |(at, _)| at + 1));
-            let found = store.records_at(imu, UtcMicros(at)).await.unwrap();
+            let found = store::record::at(store, imu, UtcMicros(at)).await.unwrap();
             let (counts, mut not) = expected.get(&(imu, at)).cloned().unwrap_or_default();
             not.sort();
             let there: Vec<_> = found.iter().map(|found| (found.id, found.voided)).collect();
@@ -83,7 +84,7 @@ async fn check_found(store: &Store, expected: &Expected, random: &mut ChaCha8Rng
             assert_eq!(there, wanted);
         }
     }
-    let mut found = store.newest_of_imus().await.unwrap();
+    let mut found = store::record::newest_of_imus(store).await.unwrap();
     found.sort();
     assert_eq!(found, newest.into_iter().collect::<Vec<_>>());
 }
@@ -125,8 +126,9 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
     for entered in [false, true] {
         assert_eq!(store.unplaced.calendar.read().at(1, UtcMicros(20)).is_none(), entered);
         assert!(matches!(writer.commit(&of(ids[1], 20)).await, Err(StoreError::Refused(_))));
-        assert_eq!(store.record(ids[1]).await.unwrap(), None);
-        let there: Vec<Id> = store.records_at(1, UtcMicros(20)).await.unwrap().iter().map(|found| found.id).collect();
+        assert_eq!(store::record::get(&store, ids[1]).await.unwrap(), None);
+        let there: Vec<Id> =
+            store::record::at(&store, 1, UtcMicros(20)).await.unwrap().iter().map(|found| found.id).collect();
         assert_eq!(there, [ids[0]]);
         // A late one, before which all that waits is entered.
         let late = 10 - i64::from(entered);
@@ -134,7 +136,7 @@ async fn a_second_record_of_an_imu_and_instant_is_refused_wherever_the_first_sta
     }
     writer.commit(&of(ids[4], 30)).await.unwrap();
     assert!(store.unplaced.calendar.read().at(1, UtcMicros(30)).is_some());
-    let all: Vec<Id> = store.records_of_imu(1, 9).await.unwrap().iter().map(|head| head.id).collect();
+    let all: Vec<Id> = store::record::of_imu(&store, 1, 9).await.unwrap().iter().map(|head| head.id).collect();
     assert_eq!(all, [ids[4], ids[0], ids[2], ids[3]]);
 }
 
@@ -203,5 +205,5 @@ async fn an_entry_that_is_not_the_records_own_is_found_out() {
         assert!(matches!(found, Err(StoreError::Damaged(_))), "{damage}: {found:?}");
     }
     sqlx::query("UPDATE calendar SET record = $1").bind(ids[2].0).execute(&pool).await.unwrap();
-    assert!(matches!(store.records_at(1, UtcMicros(20)).await, Err(StoreError::Damaged(_))));
+    assert!(matches!(store::record::at(&store, 1, UtcMicros(20)).await, Err(StoreError::Damaged(_))));
 }

@@ -1,0 +1,178 @@
+//! What a fit answers, and what speaks for and against it.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::design;
+use super::noise::{self, Noise};
+use crate::core::campaign::{Campaign, CampaignNote};
+use crate::core::effects::{Coefficient, Effect};
+use crate::core::model::{Term, Terms};
+use crate::core::mounting::Slot;
+use crate::core::record::Name;
+
+/// Where a gyro's E comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScaleSource {
+    /// Fitted: the model has the scale term.
+    Fitted,
+    /// Held at `known_e_pulse_per_arcsec`.
+    Held,
+    /// Neither. The outputs stay in pulse/s.
+    Missing,
+}
+
+/// One fitted number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// D0, G_x .. G_z, P_x .. P_z, E_x .. E_z.
+    pub name: &'static str,
+    pub term: Term,
+    pub value: f64,
+    /// None where the campaign does not determine the parameter, or nothing gives the noise.
+    pub sd: Option<f64>,
+    /// Whether the dwells (with the gauge) leave one value.
+    pub determined: bool,
+}
+
+/// One fitted coefficient of an effect beyond model (6).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectParameter {
+    pub effect: Effect,
+    pub coefficient: Coefficient,
+    pub value: f64,
+    /// None where nothing gives the noise.
+    pub sd: Option<f64>,
+}
+
+/// A direction of the parameters along which no dwell changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NullDirection {
+    /// Unit vector in the order of the parameters.
+    pub direction: DVector<f64>,
+    /// The condition that fixes it; none where it is merely cut off at the shortest solution.
+    pub gauge: Option<&'static str>,
+}
+
+/// Rates up to this are the Earth's and the table's creep, arcsec/s.
+pub(super) const SLOW_ARCSEC_S: f64 = 20.0;
+
+/// The condition that makes D0 and P unique at constant |a|.
+pub const GAUGE: &str = "P_x + P_y + P_z = 0";
+
+/// One gyro's fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GyroCalibration {
+    pub slot: Slot,
+    pub serial: Name,
+    /// The terms that were fitted (without `scale` where E is held).
+    pub terms: Terms,
+    pub scale_source: ScaleSource,
+    pub parameters: Vec<Parameter>,
+    /// Fitted beside them: the effects of an augmented model.
+    pub effects: Vec<EffectParameter>,
+    /// Covariance of the parameters, p x p, with the noise scale and its t inflation; none without a noise scale.
+    pub covariance: Option<DMatrix<f64>>,
+    pub rank: usize,
+    pub null_directions: Vec<NullDirection>,
+    /// Sum of squared residuals over the standard errors as given (over 1 pulse/s without any).
+    pub chi2: f64,
+    pub dof: usize,
+    /// Chance of residuals as large as these if the model and the noise scale are right.
+    pub p_value: Option<f64>,
+    pub noise: Noise,
+    /// Standard deviation of each output as the noise scale has it, pulse/s; none without a noise scale.
+    pub sigma: Option<DVector<f64>>,
+    /// Measured less fitted, pulse/s, by dwell.
+    pub residuals: DVector<f64>,
+    /// The same over its own standard deviation, sigma sqrt(1 - leverage); none without a noise scale. Zero where
+    /// the dwell is fitted exactly because nothing else speaks of it (leverage 1).
+    pub standardised: Option<DVector<f64>>,
+    /// By dwell, 0 to 1.
+    pub leverage: DVector<f64>,
+    pub(super) known_e: Option<Vector3<f64>>,
+}
+
+/// The fit of a whole campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// What was asked for.
+    pub terms: Terms,
+    pub has_sem: bool,
+    /// Groups of repeated dwells.
+    pub repeats: Vec<Vec<usize>>,
+    /// Without standard errors: rho, by how much the variance at the fastest rate exceeds that at rest.
+    pub growth: f64,
+    pub gyros: Vec<GyroCalibration>,
+    /// Effects of the model that this campaign could not be fitted with, and why.
+    pub notes: Vec<CampaignNote>,
+}
+
+/// Standard deviations used as weights for gyro `j`: its standard errors, or ones.
+pub fn weights_sd(campaign: &Campaign, j: usize) -> Vec<f64> {
+    campaign.errors_of(j).unwrap_or_else(|| vec![1.0; campaign.dwells.len()])
+}
+
+impl Calibration {
+    /// How the figures came about.
+    pub fn all_notes(&self) -> Vec<CampaignNote> {
+        let mut notes = self.notes.clone();
+        notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
+        notes.extend((self.growth > 0.1).then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
+        notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
+        let overstated = |g: &GyroCalibration| Some((g.slot, noise::overstated(g.chi2, g.dof)?));
+        let gyros: Vec<(Slot, f64)> = self.gyros.iter().filter(|_| self.has_sem).filter_map(overstated).collect();
+        notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
+        let scattering = |g: &&GyroCalibration| g.p_value.is_some_and(|p| p < 1e-3);
+        let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
+        notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
+        notes
+    }
+}
+
+impl GyroCalibration {
+    /// D0, pulse/s, where it was fitted.
+    pub fn bias(&self) -> Option<f64> {
+        self.of(Term::Bias).map(|p| p[0].value)
+    }
+
+    /// G, pulse/(s g0), body axes, where it was fitted.
+    pub fn g(&self) -> Option<Vector3<f64>> {
+        self.of(Term::GLinear).map(vector)
+    }
+
+    /// P, pulse/(s g0^2), body axes, where it was fitted.
+    pub fn p(&self) -> Option<Vector3<f64>> {
+        self.of(Term::GSquared).map(vector)
+    }
+
+    /// E, pulse/arcsec, body axes: fitted or held.
+    pub fn e(&self) -> Option<Vector3<f64>> {
+        self.known_e.or_else(|| self.of(Term::Scale).map(vector))
+    }
+
+    /// The parameters of one term, where it was fitted.
+    pub fn of(&self, term: Term) -> Option<&[Parameter]> {
+        let first = design::first_column(self.terms, term);
+        self.terms.contains(term).then(|| &self.parameters[first..first + term.columns()])
+    }
+
+    /// Names of the parameters that the dwells do not determine.
+    pub fn undetermined(&self) -> impl Iterator<Item = &'static str> {
+        self.parameters.iter().filter(|p| !p.determined).map(|p| p.name)
+    }
+
+    /// Reduced chi-square against the standard errors as given; none where nothing is left over.
+    pub fn reduced_chi2(&self) -> Option<f64> {
+        (self.dof > 0).then(|| self.chi2 / self.dof as f64)
+    }
+
+    /// |E|, pulse/arcsec, where E is held or determined.
+    pub fn scale_factor(&self) -> Option<f64> {
+        let known = self.known_e.is_some() || self.of(Term::Scale).is_some_and(|e| e.iter().all(|p| p.determined));
+        self.e().filter(|_| known).map(|e| e.norm()).filter(|&norm| norm > 0.0)
+    }
+}
+
+fn vector(parameters: &[Parameter]) -> Vector3<f64> {
+    Vector3::new(parameters[0].value, parameters[1].value, parameters[2].value)
+}

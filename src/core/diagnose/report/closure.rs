@@ -1,0 +1,193 @@
+//! How far the named effects close the gap, and what remains beside them.
+
+use super::remaining::{self, Left, Tested};
+use crate::core::diagnose::diagnosis::*;
+use crate::core::diagnose::report::held_out;
+use crate::core::diagnose::report::named::{Named, all_slots, slots};
+use crate::core::diagnose::residuals::augmented_fit;
+use crate::core::diagnose::residuals::augmented_fit::{Fit, Part};
+use crate::core::diagnose::residuals::noise_floor;
+use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
+use crate::core::diagnose::search::refined_shape::shape_sd;
+use crate::core::diagnose::search::stepwise::Search;
+use crate::core::effects::{Estimate, Shape};
+use crate::core::numerics::basis::{Basis, dot};
+
+/// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests that know no
+/// catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never contradict one another.
+pub(crate) const GAP: f64 = 0.02;
+const SHARE_OF_SEARCH: f64 = FALSE_ALARM / GAP;
+const REMAINS: f64 = GAP - FALSE_ALARM;
+
+/// Probability below which what remains beside a name is significant. A name speaks for a cause of nearly its form as well: there
+/// what it leaves has to be looked at more closely.
+const REMAINS_BESIDE_A_NAME: f64 = 0.05;
+
+/// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
+pub(crate) const UNSEEN: f64 = 10.0;
+
+pub(crate) fn level(named: &[Named]) -> f64 {
+    if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
+}
+
+/// Where something remains the residual is no measure of noise: repeats and stated errors are.
+pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
+    if !remains {
+        return fit.variances.clone();
+    }
+    (frame.gyros.iter().zip(&fit.residuals).zip(&fit.variances))
+        .map(|((gyro, residual), left)| {
+            noise_floor::variance(frame.noise.stated, noise_floor::pure_error(frame, gyro, residual))
+                .map_or(*left, |v| v.min(*left))
+        })
+        .collect()
+}
+
+pub(crate) fn reduced_chi2(fit: &Fit, variances: &[f64]) -> f64 {
+    let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
+    chi2 / fit.dof.iter().sum::<f64>()
+}
+
+pub(crate) struct Signs {
+    pub list: Vec<Sign>,
+    pub p_value: f64,
+}
+
+/// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no catalogue.
+pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
+    let frame = &settled.frame;
+    let mut list: Vec<Sign> = crowded.to_vec();
+    for choice in &settled.found {
+        if choice.is_competitor() {
+            let p_value = search.p_value(choice.evidence);
+            list.push(Sign { kind: choice.kind.id(), slots: slots(frame, &choice.members), p_value });
+        }
+    }
+    for named in named {
+        if let Some(rival) = named.rival {
+            let p_value = search.p_value(named.evidence);
+            list.push(Sign { kind: rival.id(), slots: slots(frame, &named.part.members), p_value });
+        }
+    }
+    let extras: Vec<Basis> = (0..frame.gyros.len())
+        .map(|j| {
+            let mut basis = frame.gyros[j].basis.clone();
+            let model = basis.rank();
+            for named in named.iter().filter(|n| n.part.members[j]) {
+                for column in named.part.columns(frame, j) {
+                    basis.push(frame.gyros[j].whiten(column));
+                }
+            }
+            basis.split_off(model)
+        })
+        .collect();
+    let left = Left { frame, extras: &extras, residuals: &fit.residuals };
+    let mut tests = left.tests();
+    tests.extend(harmonics(&left, named));
+    let all_slots = all_slots(frame);
+    let p_value = remaining::combined(&tests);
+    if list.is_empty() && p_value < level(named) {
+        list = remaining::signs(&tests, &all_slots, level(named));
+        if list.is_empty() {
+            list.push(Sign { kind: "tests_together", slots: all_slots, p_value });
+        }
+        return Signs { list, p_value };
+    }
+    let strongest = list.iter().map(|sign| sign.p_value).fold(p_value, f64::min);
+    Signs { list, p_value: strongest }
+}
+
+/// The second and third harmonic of each named sinusoid: a cycle of another form has them.
+fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
+    let mut tests = Vec::new();
+    for part in named.iter().map(|n| &n.part) {
+        let Shape::Period(period) = part.shape else { continue };
+        for j in (0..part.members.len()).filter(|&j| part.members[j]) {
+            let overtones = [2.0, 3.0].map(|n| Part { shape: Shape::Period(period / n), ..part.clone() });
+            let columns = overtones.iter().flat_map(|overtone| overtone.columns(left.frame, j));
+            tests.extend(left.of_form("harmonics", j, columns.map(|c| left.frame.gyros[j].whiten(c)).collect()));
+        }
+    }
+    tests
+}
+
+pub(crate) fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
+    let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
+    let from_search = search.p_value(best);
+    let from_tests = if nothing_named { signs.p_value / (1.0 - SHARE_OF_SEARCH) } else { 1.0 };
+    let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
+    let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
+    Gap {
+        rms_deg_per_h: noise_floor::rms(
+            &settled.frame,
+            settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice()),
+        ),
+        noise_alone_deg_per_h: noise_floor::expected_rms(&settled.frame, variances),
+        reduced_chi2: chi2 / dof as f64,
+        p_value: (from_search / SHARE_OF_SEARCH).min(from_tests).min(1.0),
+    }
+}
+
+pub(crate) fn effects(
+    settled: &Settled,
+    named: &[Named],
+    parts: &[Part],
+    fit: &Fit,
+    variances: &[f64],
+    noise_floor: &NoiseFloor,
+) -> Vec<NamedEffect> {
+    let frame = &settled.frame;
+    let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
+    (0..named.len())
+        .map(|p| {
+            // How far each shrinks the gap in the order of adoption, so that the closures lead from the gap to what remains.
+            let earlier: Vec<&Part> = parts[..p].iter().collect();
+            let others: Vec<Part> =
+                parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part.clone()).collect();
+            let errors = held_out::errors(frame, &earlier, &[&parts[p]], variances);
+            let coefficients = fit.fitted.iter().filter(|f| f.part == p).count() as f64;
+            NamedEffect {
+                effect: parts[p].effect,
+                shape: parts[p].shape,
+                class: named[p].class.clone(),
+                wider_in: (named[p].wider_in.iter())
+                    .map(|(j, class)| (frame.setting.gyros[*j].slot, class.clone()))
+                    .collect(),
+                gyros: slots(frame, &parts[p].members),
+                estimates: estimates(frame, parts, p, fit),
+                held_out: errors.held_out(noise_floor.deg_per_h, coefficients, UNSEEN),
+                p_value_adjusted: settled.null.p_value(named[p].evidence),
+                detectability: (rss(&augmented_fit::fit(frame, &others)) - rss(fit)).max(0.0).sqrt(),
+            }
+        })
+        .collect()
+}
+
+fn estimates(frame: &Frame, parts: &[Part], p: usize, fit: &Fit) -> Vec<Estimate> {
+    let mut list: Vec<Estimate> = fit
+        .fitted
+        .iter()
+        .filter(|f| f.part == p)
+        .map(|f| Estimate {
+            slot: f.gyro.map(|j| frame.setting.gyros[j].slot),
+            name: f.coefficient.name,
+            value: f.value,
+            sd: f.sd,
+            unit: f.coefficient.unit,
+        })
+        .collect();
+    let shape = |name, value, sd, unit| Some(Estimate { slot: None, name, value, sd, unit });
+    let known_to = |grid: f64| shape_sd(frame, parts, p, &fit.variances, grid);
+    list.extend(match parts[p].shape {
+        Shape::Tau(tau) => shape("tau", tau, known_to(0.25 * tau), "s"),
+        Shape::Instant(instant) => shape("instant", instant, 0.5 * frame.setting.interval(), "s"),
+        Shape::Period(period) => shape("period", period, known_to(0.2 * period * period / frame.setting.span()), "s"),
+        Shape::Dwell(dwell) => shape("dwell", dwell as f64, 0.0, "1"),
+        Shape::Azimuth(angle) => {
+            shape("field_azimuth", angle.to_degrees(), known_to(5.0_f64.to_radians()).to_degrees(), "deg")
+        }
+        _ => None,
+    });
+    list
+}

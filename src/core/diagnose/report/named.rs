@@ -1,0 +1,113 @@
+//! The names: contract entries among the choices of the search, and what speaks against them.
+
+use crate::core::diagnose::diagnosis::Sign;
+use crate::core::diagnose::report::indistinguishable;
+use crate::core::diagnose::residuals::augmented_fit::Part;
+use crate::core::diagnose::residuals::whitened::Frame;
+use crate::core::diagnose::search::stepwise::{Choice, Search};
+use crate::core::effects::Effect;
+use crate::core::mounting::Slot;
+
+/// ln of evidence by which two named courses in time must beat a single wandering one to stand without a doubt.
+const LEAD_OVER_WANDERING: f64 = 10.0;
+
+/// A gap that needs more names than this has been approximated, not explained.
+const MOST_NAMED: usize = 2;
+
+/// One adopted contract entry with all that belongs to it.
+pub(crate) struct Named {
+    pub part: Part,
+    pub class: Vec<Effect>,
+    pub wider_in: Vec<(usize, Vec<Effect>)>,
+    pub evidence: f64,
+    pub rival: Option<Effect>,
+}
+
+impl Named {
+    /// What stands in for it in all gyros or in one.
+    pub fn anywhere(&self) -> Vec<Effect> {
+        let mut all = self.class.clone();
+        for effect in self.wider_in.iter().flat_map(|(_, class)| class) {
+            if !all.contains(effect) {
+                all.push(*effect);
+            }
+        }
+        all
+    }
+}
+
+/// Contract entries among the choices; one that needs several dwells or shapes at once in a gyro is not that entry.
+pub(crate) fn named(search: &Search, found: &[Choice]) -> (Vec<Named>, Vec<Sign>) {
+    let mut named: Vec<Named> = Vec::new();
+    let mut crowded = Vec::new();
+    let outliers = found.iter().filter(|c| c.kind.entry().is_one_dwell()).count();
+    for (i, choice) in found.iter().enumerate() {
+        let effect = choice.kind;
+        if !effect.is_nameable() {
+            continue;
+        }
+        let members = indistinguishable::members(search, found, i);
+        if effect.entry().is_one_dwell() && outliers > 1 {
+            crowded.push(Sign {
+                kind: "several_bad_dwells",
+                slots: slots(search.frame, &members),
+                p_value: search.p_value(choice.evidence),
+            });
+            continue;
+        }
+        let shape = search.bank.hypotheses[choice.hypothesis].shape;
+        let again = |n: &Named| n.part.effect == effect && (n.part.shape != shape || shared(&n.part.members, &members));
+        if named.iter().any(again) {
+            crowded.push(Sign {
+                kind: "one_shape_is_not_enough",
+                slots: slots(search.frame, &members),
+                p_value: search.p_value(choice.evidence),
+            });
+            continue;
+        }
+        let class = indistinguishable::class(search, found, i);
+        let wider_in = indistinguishable::wider_in_gyros(search, found, i, &members, &class);
+        named.push(Named {
+            part: Part { effect, shape, members },
+            class,
+            wider_in,
+            evidence: choice.evidence,
+            rival: choice.rival,
+        });
+    }
+    crowded.extend(wandering(search, found));
+    if named.len() > MOST_NAMED {
+        let p_value = search.p_value(named.iter().map(|n| n.evidence).fold(f64::INFINITY, f64::min));
+        crowded.push(Sign { kind: "many_causes_at_once", slots: all_slots(search.frame), p_value });
+    }
+    (named, crowded)
+}
+
+/// Two courses in time in one gyro that a single wandering one would replace without much loss: each may be there, or
+/// neither.
+fn wandering(search: &Search, found: &[Choice]) -> Vec<Sign> {
+    let course = |choice: &Choice| choice.kind.entry().course_in_time;
+    let mut signs = Vec::new();
+    for (i, first) in found.iter().enumerate().filter(|(_, choice)| course(choice)) {
+        for (j, second) in found.iter().enumerate().skip(i + 1).filter(|(_, choice)| course(choice)) {
+            let both: Vec<bool> = first.members.iter().zip(&second.members).map(|(a, b)| *a && *b).collect();
+            if both.contains(&true) && search.lead_over_wandering(found, i, j) < LEAD_OVER_WANDERING {
+                let p_value = search.p_value(first.evidence.min(second.evidence));
+                signs.push(Sign { kind: "wandering_in_time", slots: slots(search.frame, &both), p_value });
+            }
+        }
+    }
+    signs
+}
+
+fn shared(a: &[bool], b: &[bool]) -> bool {
+    a.iter().zip(b).any(|(a, b)| *a && *b)
+}
+
+pub(crate) fn slots(frame: &Frame, members: &[bool]) -> Vec<Slot> {
+    (0..members.len()).filter(|&j| members[j]).map(|j| frame.setting.gyros[j].slot).collect()
+}
+
+pub(crate) fn all_slots(frame: &Frame) -> Vec<Slot> {
+    frame.setting.gyros.iter().map(|gyro| gyro.slot).collect()
+}

@@ -1,0 +1,66 @@
+//! The axes of the gyros as the dwells of a campaign show them.
+
+use nalgebra::Vector3;
+
+use super::refusal::Refusal;
+use super::setting::{GyroAxes, Setting};
+use crate::core::campaign::{Campaign, CampaignNote};
+use crate::core::model::{Term, Terms};
+
+/// The columns of a campaign with the axes of its gyros as its own dwells show them, and notes on those axes.
+pub(crate) fn setting(campaign: &Campaign) -> Result<(Setting, Vec<CampaignNote>), Refusal> {
+    let mut notes = Vec::new();
+    let axes = (0..campaign.gyros.len()).map(|j| axes_of(campaign, j, &mut notes)).collect::<Result<Vec<_>, _>>()?;
+    Ok((Setting::of(campaign, axes), notes))
+}
+
+/// Largest angle between the fitted and the nominal input axis that is believed, rad.
+const BELIEVED_MISALIGNMENT: f64 = 0.1;
+
+/// |E|, axes and G of one gyro: from the E that is held, else from a fit of model (6), else nominal.
+fn axes_of(campaign: &Campaign, j: usize, notes: &mut Vec<CampaignNote>) -> Result<GyroAxes, Refusal> {
+    let gyro = &campaign.gyros[j];
+    let slot = gyro.slot;
+    let nominal = campaign.geometry.triad(slot).ok_or(Refusal::NoAxes(slot.name()))?.mat_gyro_body();
+    let first = campaign.dwells.first().map_or(0.0, |d| d.output_pulse_s[j]);
+    if campaign.dwells.iter().all(|d| d.output_pulse_s[j] == first) {
+        return Err(Refusal::NoOutput(slot.name()));
+    }
+    let (g, e) = rough_fit(campaign, j);
+    if let Some(e) = gyro.known_e {
+        return Ok(GyroAxes::carried(slot, nominal, e, g));
+    }
+    let input = nominal.row(0).transpose();
+    if e.iter().all(|x| x.is_finite()) && e.norm() > 0.0 && e.angle(&input) < BELIEVED_MISALIGNMENT {
+        return Ok(GyroAxes::carried(slot, nominal, e, g));
+    }
+    let along = e.dot(&input);
+    let size = if along.is_finite() && along > 1e-6 { along } else { 1.0 };
+    notes.push(CampaignNote::NominalAxis { slot, scale: size });
+    Ok(GyroAxes::carried(slot, nominal, size * input, g))
+}
+
+/// G and E, in pulse, by plain least squares over what rank the campaign has (minimum norm).
+fn rough_fit(campaign: &Campaign, j: usize) -> (Vector3<f64>, Vector3<f64>) {
+    let known = campaign.gyros[j].known_e;
+    let terms = if known.is_some() { Terms::MODEL_6.without(Term::Scale) } else { Terms::MODEL_6 };
+    let (n, m) = (campaign.dwells.len(), terms.columns());
+    let mut rows = Vec::with_capacity(n * m);
+    for d in &campaign.dwells {
+        terms.push_row(&d.specific_force_g0, &d.rate_arcsec_s, &mut rows);
+    }
+    let mut design = nalgebra::DMatrix::from_row_slice(n, m, &rows);
+    let norms: Vec<f64> = (0..m).map(|c| design.column(c).norm().max(f64::MIN_POSITIVE)).collect();
+    for (c, norm) in norms.iter().enumerate() {
+        design.column_mut(c).scale_mut(1.0 / norm);
+    }
+    let output = nalgebra::DVector::from_iterator(
+        n,
+        campaign.dwells.iter().map(|d| d.output_pulse_s[j] - known.map_or(0.0, |e| e.dot(&d.rate_arcsec_s))),
+    );
+    let Ok(fit) = design.svd(true, true).solve(&output, 1e-7) else { return (Vector3::zeros(), Vector3::zeros()) };
+    let value = |c: usize| fit[c] / norms[c];
+    let g = Vector3::new(value(1), value(2), value(3));
+    let e = known.unwrap_or_else(|| Vector3::new(value(7), value(8), value(9)));
+    (g, e)
+}

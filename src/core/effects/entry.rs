@@ -1,0 +1,250 @@
+//! What the catalogue knows of one effect.
+
+use super::setting::Setting;
+
+/// Name of an effect; [`Effect::id`] is the contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Effect {
+    GLinear,
+    GSquared,
+    Scale,
+    TemperatureBias,
+    TemperatureG,
+    TemperatureScale,
+    Warmup,
+    TimeRamp,
+    BiasStep,
+    OutlierDwell,
+    Periodic,
+    Hysteresis,
+    ScaleAsymmetry,
+    ScaleQuadratic,
+    ScaleCubic,
+    Anisoinertia,
+    GRateCoupling,
+    Levelling,
+    Azimuth,
+    Magnetic,
+    CrossCompliance,
+    CubicG,
+    OutputAxisG,
+    MountClocking,
+    // Competing hypotheses: never named.
+    CurveInTime,
+    WanderInTime,
+    CorrelatedInTime,
+    BendInTime,
+    Burst,
+    DriftingMassUnbalance,
+    DriftingScale,
+    BentTemperature,
+    TemperatureRate,
+    TemperatureLag,
+    TemperatureAndTime,
+    TemperatureGSquared,
+    OrientationHarmonics,
+    Friction,
+    Heading,
+    EarthRate,
+    OrientationBefore,
+    RateEven,
+    RateOdd,
+    RateCurve,
+    RateAndForce,
+    StaticToRate,
+    TorquerHeating,
+    RateBefore,
+}
+
+/// The parameter of a regressor that is not linear, at one value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// The regressor has none.
+    Linear,
+    /// Time constant, s.
+    Tau(f64),
+    /// Instant of a change, s from the first dwell's clock.
+    Instant(f64),
+    /// Index of one dwell.
+    Dwell(usize),
+    /// Period, s.
+    Period(f64),
+    /// Direction of a horizontal field, radians from north towards east.
+    Azimuth(f64),
+    /// Rotation of S about I that E cannot show, radians.
+    Clocking(f64),
+    /// Only these of the regressors, by number.
+    Only(&'static [usize]),
+    /// Whether the IMU is tilted on the table, so that the table's rate is seen turned too.
+    Tilt { with_rate: bool },
+    /// From one dwell up to, not including, another.
+    Window(usize, usize),
+    /// Components along the gyro's input and spin axes instead of body axes.
+    InputSpin,
+}
+
+/// Whether each gyro has coefficients of its own or all share one set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    Gyro,
+    Common,
+}
+
+/// One coefficient of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficient {
+    pub name: &'static str,
+    pub unit: &'static str,
+}
+
+/// Magnitudes met in practice, in the unit of the coefficients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Typical {
+    pub low: f64,
+    pub high: f64,
+    pub source: &'static str,
+}
+
+/// Which parameter of an entry's regressors is not linear, if one is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameter {
+    None,
+    Tau,
+    Instant,
+    Dwell,
+    Period,
+    FieldAzimuth,
+    Clocking,
+    Tilt,
+    /// One of the products, or all of them.
+    Product,
+    /// Along the gyro's own axes or those of the body.
+    Axes,
+}
+
+impl Parameter {
+    /// Whether a shape is one of this parameter.
+    pub fn takes(self, shape: Shape) -> bool {
+        match self {
+            Self::None => shape == Shape::Linear,
+            Self::Tau => matches!(shape, Shape::Tau(_)),
+            Self::Instant => matches!(shape, Shape::Instant(_)),
+            Self::Dwell => matches!(shape, Shape::Dwell(_)),
+            Self::Period => matches!(shape, Shape::Period(_)),
+            Self::FieldAzimuth => matches!(shape, Shape::Azimuth(_)),
+            Self::Clocking => matches!(shape, Shape::Clocking(_)),
+            Self::Tilt => matches!(shape, Shape::Tilt { .. }),
+            Self::Product => matches!(shape, Shape::Linear | Shape::Only(_)),
+            Self::Axes => matches!(shape, Shape::Linear | Shape::InputSpin),
+        }
+    }
+}
+
+/// How the coefficients of a competitor's columns are distributed before the data speak.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prior {
+    /// Any direction in the span of the columns alike.
+    Flat,
+    /// In proportion to the columns' own lengths: a smooth curve as a sum of ever smaller waves.
+    Smooth,
+}
+
+/// All that the program knows of one effect: nothing outside the catalogue lists effects.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    pub effect: Effect,
+    pub id: &'static str,
+    /// Whether it may be named as a cause. The others are competing hypotheses: reported as signs, never adopted.
+    pub nameable: bool,
+    pub cause: &'static str,
+    /// What a competing hypothesis looks like, for people.
+    pub looks_like: &'static str,
+    /// Drift added, deg/h, or change of scale, with the letters of the crate page.
+    pub equation: &'static str,
+    /// Of the coefficients.
+    pub unit: &'static str,
+    pub typical: Typical,
+    /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it something else that the
+    /// campaign hardly shows has been blown up.
+    pub plausible: f64,
+    /// What a campaign must hold for the effect to show.
+    pub needs: &'static str,
+    pub confused_with: &'static [Effect],
+    pub scope: Scope,
+    pub prior: Prior,
+    /// Of the shapes that its regressors are made for. Competing hypotheses have shapes of any kind.
+    pub parameter: Parameter,
+    /// A course of the bias in time alone.
+    pub course_in_time: bool,
+    /// Follows any course of the bias in time, from smooth to a random walk.
+    pub wanders: bool,
+    /// Changes slowly from dwell to dwell: it is held out in blocks of time.
+    pub follows_time: bool,
+    pub of_temperature: bool,
+    /// Belongs to the campaign in which it happened and to no other.
+    pub one_occasion: bool,
+    /// Lies inside G: residuals of dwells never show it, the closure of G does.
+    pub closure_only: bool,
+    /// Of the coefficients.
+    pub names: fn(Shape) -> Vec<&'static str>,
+    /// Why this campaign cannot hold the effect's regressors at all, if it cannot.
+    pub missing: fn(&Setting) -> Option<&'static str>,
+    /// Values of the non-linear parameter to try, with prior weights (not normalised). Never empty.
+    pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
+    /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
+    pub columns: fn(&Setting, usize, Shape) -> Vec<Vec<f64>>,
+}
+
+impl Entry {
+    pub fn coefficients(&self, shape: Shape) -> Vec<Coefficient> {
+        (self.names)(shape).into_iter().map(|name| Coefficient { name, unit: self.unit }).collect()
+    }
+
+    /// Whether it sets one dwell aside.
+    pub fn is_one_dwell(&self) -> bool {
+        self.parameter == Parameter::Dwell
+    }
+}
+
+/// What most entries have in common: one coefficient a gyro, no parameter, nothing that a campaign may lack.
+pub(super) const PLAIN: Entry = Entry {
+    effect: Effect::GLinear,
+    id: "",
+    nameable: true,
+    cause: "",
+    looks_like: "",
+    equation: "",
+    unit: "",
+    typical: Typical { low: 0.0, high: 0.0, source: "" },
+    plausible: f64::INFINITY,
+    needs: "",
+    confused_with: &[],
+    scope: Scope::Gyro,
+    prior: Prior::Flat,
+    parameter: Parameter::None,
+    course_in_time: false,
+    wanders: false,
+    follows_time: false,
+    of_temperature: false,
+    one_occasion: false,
+    closure_only: false,
+    names: |_| vec!["k"],
+    missing: |_| None,
+    shapes: |_| vec![(Shape::Linear, 1.0)],
+    columns: |_, _, _| Vec::new(),
+};
+
+/// What competing hypotheses have in common.
+pub(super) const COMPETING: Entry = Entry { nameable: false, ..PLAIN };
+
+pub(super) fn no_temperature(setting: &Setting) -> Option<&'static str> {
+    match &setting.temperature {
+        None => Some("the dwells carry no temperature"),
+        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some("the temperature is constant"),
+        Some(_) => None,
+    }
+}
+
+pub(super) fn no_attitude(setting: &Setting) -> Option<&'static str> {
+    setting.nav_to_body.is_none().then_some("the dwells carry no attitude")
+}

@@ -1,0 +1,41 @@
+//! What acts at one moment of a campaign, and what a cause makes of it.
+
+use nalgebra::Vector3;
+
+use super::station::Moment;
+
+/// When a dwell happens and what was before it; the same for every gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Situation {
+    pub index: usize,
+    /// Middle of the dwell, hours after the start.
+    pub time_h: f64,
+    pub since_power_up_h: f64,
+    /// Hours since the body's vertical last changed, at mid-dwell.
+    pub since_face_change_h: f64,
+    /// True temperature minus its mean over the campaign, K.
+    pub temperature_k: f64,
+    /// Mean specific force of the dwell before, body axes; none in the first.
+    pub a_before: Option<Vector3<f64>>,
+    /// Mean inertial rate of the dwell before, body axes.
+    pub w_before: Option<Vector3<f64>>,
+}
+
+/// One moment in the axes of one gyro (components along I, S, O).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Felt {
+    pub a: Vector3<f64>,
+    pub w: Vector3<f64>,
+    pub field: Vector3<f64>,
+    pub a_before: Option<Vector3<f64>>,
+    pub w_before: Option<Vector3<f64>>,
+    /// The same moment in body axes.
+    pub body: Moment,
+}
+
+/// What a cause adds: drift in deg/h, and a relative change of the scale factor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Action {
+    pub drift: f64,
+    pub scale: f64,
+}

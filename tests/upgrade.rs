@@ -262,6 +262,43 @@ async fn alerts_and_hooks_of_an_earlier_version_go_on_as_they_were_told() {
     assert!(told.iter().all(|told| told.path == "/told"));
 }
 
+/// Earlier versions stored sentences instead of codes with parameters.
+#[tokio::test]
+async fn prose_that_an_earlier_version_stored_is_shown_as_it_is() {
+    const PROSE: &str = "D_I lies +0.05000 from its baseline 1.00000; the limit is 0.01000.";
+    let never_late = [("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000")];
+    let mut server = Server::start_with(&never_late).await;
+    for (at, d_i) in [(0, 1.0), (40, 1.0), (80, 1.0), (120, 1.05)] {
+        let record = lab::record("IMU-1", &lab::day(at), &[("G1", "A", d_i, 2.0)]);
+        assert_eq!(server.post_json("/v1/records", &record).await.status, 201);
+    }
+    assert!(server.terminate().0.success());
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(server.dir().join("gyrowatch.db"));
+    let mut connection = options.connect().await.unwrap();
+    for sql in [
+        "UPDATE alert SET finding = json_set(finding, '$.reason', $1)",
+        "UPDATE alert_step SET body = json_set(body, '$.reason', $1)",
+    ] {
+        assert!(sqlx::query(sql).bind(PROSE).execute(&mut connection).await.unwrap().rows_affected() > 0, "{sql}");
+    }
+    connection.close().await.unwrap();
+    server.restart();
+    for language in ["en", "zh"] {
+        let get = async |path: &str| {
+            let headers = [("accept-language", language)];
+            let answer = server.call("GET", path, &headers, "").await;
+            assert_eq!(answer.status, 200, "{path}: {}", answer.text());
+            answer
+        };
+        let alerts = get("/v1/alerts?rule=baseline").await.json();
+        let alert = &alerts["alerts"][0];
+        assert_eq!((&alert["code"], &alert["reason"]), (&json!("verbatim"), &json!(PROSE)), "{language}");
+        let page = get("/alerts?rule=baseline").await.text();
+        assert_eq!(page.matches(PROSE).count(), 1, "{language}: {page}");
+        get("/gyros/A").await;
+    }
+}
+
 #[tokio::test]
 async fn a_database_of_a_later_version_is_refused_and_left_alone() {
     let (mut server, _) = filled(&[]).await;

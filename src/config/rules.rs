@@ -72,15 +72,9 @@ impl RuleKeys {
 
     fn apply_to_drift(&self, place: Option<u16>, drift: &mut DriftLimits) {
         let limit = |value: f64, key: &'static str| Limit { value, from: LimitKey { place, key } };
-        for (of, own, key, rule) in [
-            (&mut drift.step, self.step, "rules.step", Rule::Step),
-            (&mut drift.range, self.range, "rules.range", Rule::Range),
-            (&mut drift.baseline, self.baseline, "rules.baseline", Rule::Baseline),
-            (&mut drift.rms_successive, self.rms_successive, "rules.rms_successive", Rule::RmsSuccessive),
-            (&mut drift.agreement, self.agreement, "rules.agreement", Rule::Agreement),
-            (&mut drift.before_after, self.before_after, "rules.before_after", Rule::BeforeAfter),
-        ] {
-            *of = if self.is_off(rule) { None } else { own.map(|value| limit(value, key)).or(*of) };
+        for (rule, key, own) in self.single() {
+            let own = own.map(|value| limit(value, key));
+            drift.set(rule, if self.is_off(rule) { None } else { own.or(drift.of(rule)) });
         }
         if let Some(FixedBaseline { value, sd }) = self.fixed_baseline {
             drift.fixed_baseline = Some(Measured { value, sd });
@@ -96,25 +90,32 @@ impl RuleKeys {
         });
     }
 
+    /// Of the rules that have one limit.
+    fn single(&self) -> [(Rule, &'static str, Option<f64>); 6] {
+        [
+            (Rule::Step, "rules.step", self.step),
+            (Rule::Range, "rules.range", self.range),
+            (Rule::Baseline, "rules.baseline", self.baseline),
+            (Rule::RmsSuccessive, "rules.rms_successive", self.rms_successive),
+            (Rule::Agreement, "rules.agreement", self.agreement),
+            (Rule::BeforeAfter, "rules.before_after", self.before_after),
+        ]
+    }
+
     fn is_off(&self, rule: Rule) -> bool {
         self.off.contains(&OffRule(rule))
     }
 
     /// The first key whose value cannot be, and why.
     pub(super) fn fault(&self) -> Option<(&'static str, String)> {
-        let positive = [
-            ("step", self.step),
-            ("range", self.range),
-            ("baseline", self.baseline),
-            ("rms_successive", self.rms_successive),
-            ("agreement", self.agreement),
-            ("before_after", self.before_after),
+        let others = [
             ("shift", self.shift),
             ("closure", self.closure),
             ("trend", self.trend),
             ("trend_horizon_days", self.trend_horizon_days),
         ];
-        for (key, value) in positive {
+        let positive = self.single().map(|(rule, _, value)| (rule.name(), value));
+        for (key, value) in positive.into_iter().chain(others) {
             if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
                 return Some((key, format!("must be positive, is {value}")));
             }

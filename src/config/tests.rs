@@ -1,6 +1,6 @@
 use super::*;
-use crate::core::judge::Noise;
 use crate::core::judge::limits::{Bounds, Limit, LimitKey, Requirement};
+use crate::core::judge::{Noise, Rule};
 use crate::core::mounting::Slot;
 
 fn with(variables: &[(&str, &str)]) -> Result<Config, ConfigError> {
@@ -91,9 +91,9 @@ fn the_last_matching_override_wins() {
     std::fs::write(file.path(), text).unwrap();
     let judging = Config::load(&[file.path().to_path_buf()], []).unwrap().judging;
     let limits = judging.limits("IMU-1", "A");
-    assert_eq!(said(limits.d_i.step), Some((0.03, "judging.overrides[0].budget".to_owned())));
-    assert_eq!(said(limits.d_s.step), Some((0.04, "judging.overrides[1].budget".to_owned())));
-    assert_eq!(said(judging.limits("IMU-2", "B").d_s.step), Some((0.01, "judging.budget".to_owned())));
+    assert_eq!(said(limits.d_i.of(Rule::Step)), Some((0.03, "judging.overrides[0].budget".to_owned())));
+    assert_eq!(said(limits.d_s.of(Rule::Step)), Some((0.04, "judging.overrides[1].budget".to_owned())));
+    assert_eq!(said(judging.limits("IMU-2", "B").d_s.of(Rule::Step)), Some((0.01, "judging.budget".to_owned())));
 }
 
 /// A limit and the key that sets it.
@@ -118,13 +118,16 @@ fn single_rules_can_be_set_and_switched_off_for_the_fleet_and_for_one_coefficien
                 rules = { range = 0.03, fixed_baseline = { value = 2.9, sd = 0.001 }, off = [\"step\"] }\n";
     let judging = judging_of(text).unwrap();
     let fleet = judging.limits("IMU-1", "B");
-    assert_eq!(said(fleet.d_i.step), Some((0.02, "judging.rules.step".to_owned())));
-    assert_eq!((value(fleet.d_i.range), fleet.d_i.trend, fleet.closure), (Some(0.01), None, None));
+    assert_eq!(said(fleet.d_i.of(Rule::Step)), Some((0.02, "judging.rules.step".to_owned())));
+    assert_eq!((value(fleet.d_i.of(Rule::Range)), fleet.d_i.trend, fleet.closure), (Some(0.01), None, None));
     assert_eq!(said(fleet.d_s.shift.map(|of| of.least)), Some((0.004, "judging.rules.shift".to_owned())));
     let gyro = judging.limits("IMU-1", "A");
-    assert_eq!((gyro.d_i.step, gyro.d_i.fixed_baseline.unwrap().value), (None, 2.9));
-    assert_eq!(said(gyro.d_i.range), Some((0.03, "judging.overrides[0].rules.range".to_owned())));
-    assert_eq!((value(gyro.d_s.step), value(gyro.d_s.range), gyro.d_s.fixed_baseline), (Some(0.02), Some(0.01), None));
+    assert_eq!((gyro.d_i.of(Rule::Step), gyro.d_i.fixed_baseline.unwrap().value), (None, 2.9));
+    assert_eq!(said(gyro.d_i.of(Rule::Range)), Some((0.03, "judging.overrides[0].rules.range".to_owned())));
+    assert_eq!(
+        (value(gyro.d_s.of(Rule::Step)), value(gyro.d_s.of(Rule::Range)), gyro.d_s.fixed_baseline),
+        (Some(0.02), Some(0.01), None)
+    );
 }
 
 #[test]

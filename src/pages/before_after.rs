@@ -7,7 +7,7 @@ use super::layout::{DRIFTS, instant, symbol};
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::judge::history::Measured;
-use crate::core::judge::{Event, Limit, Status};
+use crate::core::judge::{Event, Limit, Rule, Status};
 use crate::pages::history::event_name;
 use crate::pages::status;
 use crate::pipeline::{Course, Figures, Tested, sample_of};
@@ -41,7 +41,7 @@ fn line(viewer: &Viewer, course: &Course, test: &Tested, (method, column): (Judg
         sd: before.sd.zip(after.sd).map(|(before, after)| before.hypot(after)),
     });
     let verdict = &test.verdicts[column];
-    let asked = [course.limits.d_i.before_after, course.limits.d_s.before_after][column];
+    let asked = [course.limits.d_i, course.limits.d_s][column].of(Rule::BeforeAfter);
     // The key of today's limit names that of the verdict only where the two are the same.
     let key =
         |limit: f64| asked.filter(|asked: &Limit| asked.value.to_bits() == limit.to_bits()).map(|asked| asked.from);

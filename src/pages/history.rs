@@ -13,7 +13,7 @@ use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::DEFAULT_BUDGET;
-use crate::core::judge::{Limits, Status};
+use crate::core::judge::{Limits, Rule, Status};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Baseline, BenchRow, Course, EventRow, Figures, Statuses, Tables, sample_of};
 
@@ -123,7 +123,8 @@ pub(super) fn plot(
 
 /// How far D_I, D_S and D_O may lie from their baselines.
 fn budgets(limits: &Limits) -> [Option<f64>; 3] {
-    [limits.d_i.baseline, limits.d_s.baseline, limits.closure].map(|limit| limit.map(|limit| limit.value))
+    [limits.d_i.of(Rule::Baseline), limits.d_s.of(Rule::Baseline), limits.closure]
+        .map(|limit| limit.map(|limit| limit.value))
 }
 
 /// The levels of D_I, D_S and D_O, with what they are held against.

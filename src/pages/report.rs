@@ -9,6 +9,7 @@ use super::gyro::{Facts, agreement, calibration_table, known};
 use super::layout::{Page, Section, instant, symbol};
 use super::viewer::Viewer;
 use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
+use crate::core::judge::Rule;
 use crate::pages::history;
 use crate::pages::history::Shown;
 use crate::pipeline::Kind;
@@ -103,7 +104,8 @@ fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
 fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &crate::pipeline::Tables) -> Markup {
     let t = viewer.text();
     let limits = &facts.course.limits;
-    let budgets = [("D_I", limits.d_i.baseline), ("D_S", limits.d_s.baseline), ("D_O", limits.closure)];
+    let budgets =
+        [("D_I", limits.d_i.of(Rule::Baseline)), ("D_S", limits.d_s.of(Rule::Baseline)), ("D_O", limits.closure)];
     html! {
         dl.facts {
             dt { (t.serial) } dd { (serial) }

@@ -92,18 +92,19 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
     }
 }
 
-/// What the reason does not say: the stored figures, where it was made with other limits; else the limit, where there is nothing yet to
-/// compare with it.
+/// What the reason does not say: the figures of what has passed, and of what was judged by other limits; else the limit, where there is
+/// nothing yet to compare with it.
 fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
     let VerdictBody { value, limit, sd, limit_from, .. } = &said.body;
     let (p, unit) = (digits(*limit), t.word(&unit.word()));
+    let unsaid = said.seen.as_ref().is_none_or(|seen| seen.phrase().is_some());
     html! {
-        @match (value, &said.seen, limit_from) {
-            (Some(value), None, _) => span.note {
+        @match (value, limit_from) {
+            (Some(value), _) if unsaid => span.note {
                 " " (format!("{value:.p$}")) @if let Some(sd) = sd { " ± " (format!("{:.*}", sd_digits(*sd, *limit), sd)) }
                 " " (unit) ", " (t.limit_within) " " (format!("{limit:.p$}")) (t.stop)
             },
-            (None, _, Some(key)) => span.note { " " (t.limit) " " (format!("{limit:.p$}")) " " (unit) " (" code { (key) } ")" (t.stop) },
+            (None, Some(key)) => span.note { " " (t.limit) " " (format!("{limit:.p$}")) " " (unit) " (" code { (key) } ")" (t.stop) },
             _ => {}
         }
     }
@@ -112,6 +113,7 @@ fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::judge::{Finding, LimitKey, State};
     use crate::message;
     use crate::wire::reason::Reason;
 
@@ -137,7 +139,28 @@ mod tests {
         assert!(shown(Language::English).contains("40.30 standard deviations, limit 5.14."));
         assert!(shown(Language::Chinese).contains("40.30 倍标准差, 限值 5.14。"));
         assert!(!said.reason(Language::Chinese).is_ascii());
-        // What judging again finds says its figures in its reason.
+        // What has passed says no figures in its reason.
+        let finding = Finding::Step { level: 3.0, now: 3.0012 };
+        let passed = Verdict {
+            coefficient: Coefficient::DI,
+            rule: Rule::Step,
+            state: State::Within,
+            value: Some(0.0012),
+            limit: 0.01,
+            limit_from: LimitKey::BUDGET,
+            sd: Some(0.0003),
+            probability: Some(0.0),
+            confirmed: false,
+            finding,
+        };
+        let passed = |finding, state| {
+            let verdict = Verdict { finding, state, ..passed };
+            let said = Said { body: VerdictBody::of("A", &verdict), seen: Some(verdict) };
+            figures(Language::English.text(), &said, Unit::Drift).into_string()
+        };
+        let shown = passed(finding, State::Within);
+        assert!(shown.contains("0.0012 ± 0.0003 deg/(h g0), limit 0.0100."), "{shown}");
+        assert_eq!(passed(finding, State::Exceeded), "", "its reason has them");
         let waiting = Said {
             body: VerdictBody { value: None, limit_from: Some("judging.budget".into()), ..said.body.clone() },
             seen: None,

@@ -8,7 +8,7 @@ use super::inject::is_visible;
 use super::run::Simulated;
 use crate::core::augmented::{AugmentedModel, KnownEffect};
 use crate::core::campaign::TestKind;
-use crate::core::effects::{Refusal, axes};
+use crate::core::effects::{Lack, Refusal, axes};
 use crate::core::effects::{Scope, Setting};
 
 /// Why a model's effects cannot be put into a campaign.
@@ -19,7 +19,7 @@ pub enum NotPossible {
     #[error(transparent)]
     Refused(#[from] Refusal),
     #[error("{effect} cannot act in this scenario: {missing}")]
-    Missing { effect: &'static str, missing: &'static str },
+    Missing { effect: &'static str, missing: Lack },
     #[error("{effect} has no estimate of {coefficient} for {slot}")]
     NoEstimate { effect: &'static str, coefficient: &'static str, slot: &'static str },
 }

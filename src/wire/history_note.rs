@@ -336,7 +336,7 @@ mod tests {
         let said: Vec<String> = every_kind().iter().map(|note| NoteBody::of(note).detail).collect();
         for (place, words) in [
             (0, "near 2000-01-01"),
-            (1, "is of 2026-01-01"),
+            (1, "(nearest: 2026-01-01)"),
             (2, "r1 (2026-01-01), r2"),
             (4, "B is new in G2, which had 8 before; the nearest known serial is 8"),
             (9, "A has the figures of B, B has the figures of A"),

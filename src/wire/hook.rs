@@ -20,7 +20,7 @@ pub struct NewHookBody {
     /// For people, and the `receiver` of Alertmanager's body. The kind, where it is left out.
     #[serde(default)]
     pub name: Option<String>,
-    /// `standard-webhooks`, `alertmanager-webhook`, `alertmanager` or `cloudevents`.
+    /// What the target understands, as `standard-webhooks`. The fault of an unknown kind lists all.
     pub kind: String,
     /// `http://` or `https://`. For `alertmanager` its base address: `/api/v2/alerts` is added.
     pub url: String,

@@ -15,7 +15,7 @@ use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::wire::alert::AlertBody;
 use crate::wire::time;
-use crate::words::Language;
+use crate::words::asked;
 
 /// A pushed alert expires by itself when so many pushes have failed to come: then nobody watches the gyro any more.
 pub const EXPIRES_AFTER_RESENDS: i64 = 4;
@@ -144,7 +144,7 @@ fn of_alert(alert: &AlertBody, severity: &str, ends_at: &str, context: &Context<
     let finding = &alert.finding;
     let mut annotations = Labels::from([
         ("summary", summary(alert, alert.state == "resolved")),
-        ("description", finding.reason.words(Language::English)),
+        ("description", finding.reason.words(asked())),
         ("limit", format!("{} {}", finding.limit, finding.unit)),
     ]);
     let mut annotate = |name, text: Option<String>| {

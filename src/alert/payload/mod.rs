@@ -8,8 +8,12 @@ mod standard;
 use serde::Serialize;
 
 use super::message::{HookKind, Message};
+use crate::core::judge::Severity;
+use crate::core::message::text;
 use crate::core::time::UtcMicros;
+use crate::message;
 use crate::wire::alert::AlertBody;
+use crate::words::asked;
 
 pub use alertmanager::{EXPIRES_AFTER_RESENDS, push_firing};
 
@@ -59,11 +63,13 @@ fn page(context: &Context<'_>, serial: &str) -> String {
 /// One line for people: `LFG-0101: D_I step fires (warning)`.
 fn summary(alert: &AlertBody, resolved: bool) -> String {
     let AlertBody { serial, coefficient, rule, severity, .. } = alert;
-    if resolved {
-        format!("{serial}: {coefficient} {rule} is resolved")
-    } else {
-        format!("{serial}: {coefficient} {rule} fires ({severity})")
-    }
+    let [serial, coefficient, rule] = [&**serial, coefficient, rule].map(text);
+    asked().words(&match Severity::from_name(severity) {
+        Some(severity) if !resolved => {
+            message!("alert_fires", serial = serial, coefficient = coefficient, rule = rule, severity = severity.word())
+        }
+        _ => message!("alert_is_resolved", serial = serial, coefficient = coefficient, rule = rule),
+    })
 }
 
 fn to_json(body: &impl Serialize) -> Vec<u8> {

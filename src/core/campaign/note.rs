@@ -1,8 +1,7 @@
 //! What is worth knowing about a campaign's dwells and their fit.
 
 use super::commanded::Finding;
-use crate::core::effects::Effect;
-use crate::core::effects::Refusal;
+use crate::core::effects::{Effect, Lack, Refusal};
 use crate::core::mounting::Slot;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -69,8 +68,7 @@ pub enum Column {
 /// Why an effect of the model was not fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeftOut {
-    /// What the campaign lacks, as the catalogue says it.
-    Lacks(&'static str),
+    Lacks(Lack),
     /// It and the other terms are one to these dwells.
     NotTold,
 }

@@ -1,5 +1,6 @@
 //! What the catalogue knows of one effect.
 
+use super::refusal::Lack;
 use super::setting::Setting;
 
 /// Name of an effect; [`Effect::id`] is the contract.
@@ -188,7 +189,7 @@ pub struct Entry {
     /// Of the coefficients.
     pub names: fn(Shape) -> Vec<&'static str>,
     /// Why this campaign cannot hold the effect's regressors at all, if it cannot.
-    pub missing: fn(&Setting) -> Option<&'static str>,
+    pub missing: fn(&Setting) -> Option<Lack>,
     /// Values of the non-linear parameter to try, with prior weights (not normalised). Never empty.
     pub shapes: fn(&Setting) -> Vec<(Shape, f64)>,
     /// Regressors of gyro `j`, deg/h per unit coefficient, one vector over the dwells each.
@@ -237,14 +238,14 @@ pub(super) const PLAIN: Entry = Entry {
 /// What competing hypotheses have in common.
 pub(super) const COMPETING: Entry = Entry { nameable: false, ..PLAIN };
 
-pub(super) fn no_temperature(setting: &Setting) -> Option<&'static str> {
+pub(super) fn no_temperature(setting: &Setting) -> Option<Lack> {
     match &setting.temperature {
-        None => Some("the dwells carry no temperature"),
-        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some("the temperature is constant"),
+        None => Some(Lack::Temperature),
+        Some(t) if t.iter().all(|x| x.abs() < 1e-9) => Some(Lack::TemperatureChange),
         Some(_) => None,
     }
 }
 
-pub(super) fn no_attitude(setting: &Setting) -> Option<&'static str> {
-    setting.nav_to_body.is_none().then_some("the dwells carry no attitude")
+pub(super) fn no_attitude(setting: &Setting) -> Option<Lack> {
+    setting.nav_to_body.is_none().then_some(Lack::Attitude)
 }

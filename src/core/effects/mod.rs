@@ -26,7 +26,7 @@ mod time;
 
 pub use entry::{Coefficient, Effect, Entry, Parameter, Prior, Scope, Shape, Typical};
 pub use estimate::Estimate;
-pub use refusal::Refusal;
+pub use refusal::{Lack, Refusal};
 pub use setting::{GyroAxes, Setting};
 
 use super::model::Term;

@@ -1,6 +1,7 @@
 //! Model (6)'s own terms as effects: candidates whenever the model in use leaves them out.
 
 use super::entry::{Effect, Entry, PLAIN, Typical};
+use super::refusal::Lack;
 use super::setting::Setting;
 
 pub(super) const ENTRIES: &[&Entry] = &[&G_LINEAR, &G_SQUARED, &SCALE];
@@ -51,6 +52,6 @@ pub const SCALE: Entry = Entry {
     ..PLAIN
 };
 
-fn no_rates(s: &Setting) -> Option<&'static str> {
-    s.rate.iter().all(|w| w.norm() == 0.0).then_some("every commanded rate is zero")
+fn no_rates(s: &Setting) -> Option<Lack> {
+    s.rate.iter().all(|w| w.norm() == 0.0).then_some(Lack::Rate)
 }

@@ -1,4 +1,7 @@
-//! Why a campaign cannot be held against the model.
+//! Why a campaign cannot be held against the model, or shows nothing of an effect.
+
+use crate::core::message::Message;
+use crate::message;
 
 /// Why a campaign cannot be diagnosed at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -13,4 +16,41 @@ pub enum Refusal {
     NoAxes(&'static str),
     #[error("the model holds no terms")]
     NoTerms,
+}
+
+impl Refusal {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::TooFewDwells { dwells, parameters } => {
+                message!("no_degrees_of_freedom", dwells = *dwells, parameters = *parameters)
+            }
+            Self::NoOutput(slot) => message!("output_is_constant", slot = *slot),
+            Self::NoAxes(slot) => message!("no_axes_for", slot = *slot),
+            Self::NoTerms => message!("model_without_terms"),
+        }
+    }
+}
+
+/// What a campaign lacks to hold the regressors of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Lack {
+    #[error("the dwells carry no temperature")]
+    Temperature,
+    #[error("the temperature is constant")]
+    TemperatureChange,
+    #[error("the dwells carry no attitude")]
+    Attitude,
+    #[error("every commanded rate is zero")]
+    Rate,
+}
+
+impl Lack {
+    pub fn message(self) -> Message {
+        match self {
+            Self::Temperature => message!("dwells_without_temperature"),
+            Self::TemperatureChange => message!("temperature_is_constant"),
+            Self::Attitude => message!("dwells_without_attitude"),
+            Self::Rate => message!("every_rate_is_zero"),
+        }
+    }
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::Coefficient;
 use super::history::Measured;
 use super::noise::Noise;
 use super::rules::{BEFORE_AFTER_RECORDS, RMS_RECORDS};
+use super::{Coefficient, Rule};
 
 /// The paper's short-term stability of D_I and D_S, deg/(h g0): a typical value there, a limit here.
 pub const DEFAULT_BUDGET: f64 = 1e-2;
@@ -64,14 +64,10 @@ pub struct Limits {
 /// Limits of one of D_I and D_S, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftLimits {
-    pub step: Option<Limit>,
-    pub range: Option<Limit>,
-    pub baseline: Option<Limit>,
+    /// Of the rules that have one limit, by [`Rule`].
+    single: [Option<Limit>; Rule::ALL.len()],
     /// A baseline that the acceptance file fixes, instead of the first records.
     pub fixed_baseline: Option<Measured>,
-    pub rms_successive: Option<Limit>,
-    pub agreement: Option<Limit>,
-    pub before_after: Option<Limit>,
     pub trend: Option<TrendLimits>,
     pub shift: Option<ShiftLimits>,
 }
@@ -98,32 +94,25 @@ pub struct ShiftLimits {
 impl DriftLimits {
     /// No rule judges.
     pub fn none() -> Self {
-        Self {
-            step: None,
-            range: None,
-            baseline: None,
-            fixed_baseline: None,
-            rms_successive: None,
-            agreement: None,
-            before_after: None,
-            trend: None,
-            shift: None,
-        }
+        Self { single: [None; Rule::ALL.len()], fixed_baseline: None, trend: None, shift: None }
     }
 
-    /// Every rule measured by the same budget, deg/(h g0): as it stands for `step`, `range`, `baseline`, `agreement`, `before_after` and
-    /// the level that a `trend` must not reach; half of it for the root mean square of successive differences, which a gyro that
-    /// keeps its budget in 19 of 20 steps stays below; a quarter for a `shift`, which nothing has violated yet.
+    /// The limit of a rule that has one; none where it does not judge.
+    pub fn of(&self, rule: Rule) -> Option<Limit> {
+        self.single[rule as usize]
+    }
+
+    pub fn set(&mut self, rule: Rule, limit: Option<Limit>) {
+        self.single[rule as usize] = limit;
+    }
+
+    /// Every rule measured by the same budget, deg/(h g0): each by its [share](Rule::share_of_budget); as it stands for the level that a
+    /// `trend` must not reach; a quarter of it for a `shift`, which nothing has violated yet.
     pub fn from_budget(budget: Limit) -> Self {
         let part = |share: f64| Limit { value: share * budget.value, ..budget };
         Self {
-            step: Some(budget),
-            range: Some(budget),
-            baseline: Some(budget),
+            single: Rule::ALL.map(|rule| rule.share_of_budget().map(part)),
             fixed_baseline: None,
-            rms_successive: Some(part(0.5)),
-            agreement: Some(budget),
-            before_after: Some(budget),
             trend: Some(TrendLimits { budget, confidence: 0.999, horizon_days: 90.0 }),
             shift: Some(ShiftLimits { least: part(0.25), budget: budget.value }),
         }
@@ -149,8 +138,8 @@ impl Limits {
     /// How far the methods may be apart on `coefficient`, deg/(h g0); none where nobody asks.
     pub fn agreement(&self, coefficient: Coefficient) -> Option<Limit> {
         match coefficient {
-            Coefficient::DI => self.d_i.agreement,
-            Coefficient::DS => self.d_s.agreement,
+            Coefficient::DI => self.d_i.of(Rule::Agreement),
+            Coefficient::DS => self.d_s.of(Rule::Agreement),
             _ => None,
         }
     }

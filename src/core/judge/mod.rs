@@ -217,16 +217,8 @@ impl Verdict {
 pub fn judge(history: &History<'_>, k: usize, limits: &Limits, verdicts: &mut Vec<Verdict>) {
     let window = &Window::at(history.samples, k);
     let case = |coefficient, column| Case { history, k, coefficient, column, limits, window };
-    let drifts = [(case(Coefficient::DI, 0), &limits.d_i), (case(Coefficient::DS, 1), &limits.d_s)];
-    for (case, drift) in drifts {
-        verdicts.extend(drift.step.map(|limit| rules::step(&case, limit)));
-        verdicts.extend(drift.range.map(|limit| rules::range(&case, limit)));
-        verdicts.extend(drift.baseline.map(|limit| rules::baseline(&case, limit, drift.fixed_baseline)));
-        verdicts.extend(drift.trend.map(|limits| rules::trend(&case, &limits, drift.fixed_baseline)));
-        verdicts.extend(drift.shift.map(|limits| rules::shift(&case, &limits)));
-        verdicts.extend(drift.rms_successive.map(|limit| rules::rms_successive(&case, limit)));
-        verdicts.extend(drift.before_after.and_then(|limit| rules::before_after(&case, limit)));
-    }
+    rules::of_drift(&case(Coefficient::DI, 0), &limits.d_i, verdicts);
+    rules::of_drift(&case(Coefficient::DS, 1), &limits.d_s, verdicts);
     verdicts.extend(limits.closure.map(|limit| rules::closure(&case(Coefficient::DO, 2), limit)));
 }
 

@@ -121,3 +121,68 @@ fn percent(probability: f64) -> String {
         p => format!("= {:.1}", 100.0 * p),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Coefficient, LimitKey};
+    use super::*;
+    use crate::core::message::Parameter;
+    use crate::core::time::UtcMicros;
+
+    fn exceeded(rule: Rule, value: f64, finding: Finding) -> Verdict {
+        Verdict {
+            coefficient: Coefficient::DI,
+            rule,
+            state: State::Exceeded,
+            value: Some(value),
+            limit: 0.01,
+            limit_from: LimitKey::BUDGET,
+            sd: None,
+            probability: None,
+            confirmed: false,
+            finding,
+        }
+    }
+
+    fn parameter(messages: &[Message], code: &str, name: &str) -> Parameter {
+        let message = messages.iter().find(|message| message.code == code);
+        message.and_then(|message| message.parameter(name)).cloned().unwrap_or_else(|| panic!("{code}: {messages:?}"))
+    }
+
+    #[test]
+    fn the_side_is_the_sign_of_the_difference_from_the_level() {
+        let at = UtcMicros(0);
+        // Both figures are positive, or both negative: their quotient says nothing of the side.
+        for (level, now, side) in
+            [(3.0, 2.98, "below"), (3.0, 3.02, "above"), (-3.0, -3.02, "below"), (-3.0, -2.98, "above")]
+        {
+            let shift = Finding::Shift { level, before: 9, since: at, now, scatter: 1e-3, least: 0.0025 };
+            let test = Finding::BeforeAfter { before: (at, level), from: at, until: at, now };
+            let closure = Finding::Closure { level, since: None, moved: false, now, d_s: None };
+            for (code, rule, finding) in [
+                ("step", Rule::Step, Finding::Step { level, now }),
+                ("baseline", Rule::Baseline, Finding::Baseline { level, since: None, now }),
+                ("closure", Rule::Closure, closure),
+                ("shift", Rule::Shift, shift),
+                ("before_after", Rule::BeforeAfter, test),
+            ] {
+                let messages = exceeded(rule, 0.02, finding).messages();
+                assert_eq!(parameter(&messages, code, "side"), side.into(), "{code}: {now} against {level}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_turn_is_that_of_the_difference() {
+        // D_S of 5 deg/(h g0): 0.02 below is a turn of -0.004 rad, -13.75 arcmin.
+        let finding = Finding::Closure { level: 3.0, since: None, moved: false, now: 2.98, d_s: Some(5.0) };
+        let messages = exceeded(Rule::Closure, 0.02, finding).messages();
+        assert_eq!(parameter(&messages, "closure_turn", "turn"), "-13.8".into());
+    }
+
+    #[test]
+    fn the_percentage_is_of_the_limit() {
+        let messages = exceeded(Rule::Step, 0.025, Finding::Step { level: 3.0, now: 3.025 }).messages();
+        assert_eq!(parameter(&messages, "limit_exceeded", "percent"), "250".into());
+    }
+}

@@ -16,6 +16,7 @@ pub(super) use show::webhook_id;
 
 use super::access::Actor;
 use super::{Job, Pipeline, Refused};
+use crate::alert::HookKind;
 use crate::alert::sign::Secret;
 use crate::core::fault::Faults;
 use crate::store;
@@ -32,6 +33,11 @@ pub struct DeliveryPage {
 }
 
 impl Pipeline {
+    /// Kinds of hooks, as the API names them.
+    pub fn hook_kinds() -> impl Iterator<Item = &'static str> {
+        HookKind::ALL.into_iter().map(HookKind::name)
+    }
+
     /// Reads a hook to be set up; a secret is drawn where its kind needs one.
     ///
     /// # Errors

@@ -140,7 +140,7 @@ fn compare(
     let verdicts = drifts.into_iter().enumerate().filter_map(|(column, (coefficient, drift))| {
         let of = |r: &Compared| SourcedResult { source: r.source, at: r.at, measured: r.d[column] };
         let sourced: Vec<SourcedResult> = results.iter().filter(|r| r.counts).map(of).collect();
-        drift.agreement.map(|limit| agreement(coefficient, &sourced, within_days, limit, limits.confidence))
+        drift.of(Rule::Agreement).map(|limit| agreement(coefficient, &sourced, within_days, limit, limits.confidence))
     });
     Comparison { range, verdicts: verdicts.collect(), results }
 }

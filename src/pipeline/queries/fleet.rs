@@ -245,7 +245,7 @@ impl Pipeline {
                 let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
                 level(&baseline, column, fixed)
             }),
-            budget: drifts.map(|drift| drift.baseline.map(|limit| limit.value)),
+            budget: drifts.map(|drift| drift.of(Rule::Baseline).map(|limit| limit.value)),
         }
     }
 }

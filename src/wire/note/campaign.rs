@@ -50,8 +50,8 @@ pub(super) fn message(note: &CampaignNote) -> Message {
         }
         CampaignNote::EffectLeftOut { slot, effect, why } => {
             let why = match why {
-                LeftOut::Lacks(what) => Parameter::from(*what),
-                LeftOut::NotTold => message!("not_told_apart").into(),
+                LeftOut::Lacks(what) => what.message(),
+                LeftOut::NotTold => message!("not_told_apart"),
             };
             match slot {
                 None => message!("effect_left_out", effect = effect.id(), why = why),
@@ -60,7 +60,7 @@ pub(super) fn message(note: &CampaignNote) -> Message {
                 }
             }
         }
-        CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = text(why)),
+        CampaignNote::EffectsLeftOut { why } => message!("effects_left_out", why = why.message()),
         CampaignNote::NominalAxis { slot, scale } => {
             message!("nominal_axis", slot = slot.name(), scale = figure(*scale, 4))
         }

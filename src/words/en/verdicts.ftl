@@ -91,3 +91,7 @@ rule_requirement = requirement
 rule_overdue = overdue
 rule_shift = shift of level
 rule_before_after = before and after a test
+
+# A line of a hook.
+alert_fires = { $serial }: { $coefficient } { $rule } fires ({ $severity })
+alert_is_resolved = { $serial }: { $coefficient } { $rule } is resolved

@@ -84,3 +84,7 @@ rule_requirement = 指标要求
 rule_overdue = 超期
 rule_shift = 持续偏移
 rule_before_after = 试验前后
+
+# 推送的一行。
+alert_fires = { $serial }：{ $coefficient } { $rule } 告警（{ $severity }）
+alert_is_resolved = { $serial }：{ $coefficient } { $rule } 已恢复

@@ -5,7 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use super::*;
 use crate::core::calibrate::{EffectParameter, calibrate_augmented};
 use crate::core::campaign::{CampaignGyro, Dwell, Phase, TestKind};
-use crate::core::effects::{Refusal, Shape};
+use crate::core::effects::{Lack, Refusal, Shape};
 use crate::core::frames::Rotation;
 use crate::core::model::Terms;
 use crate::core::mounting::{Geometry, Slot};
@@ -106,7 +106,7 @@ fn adopted_effects_come_back_for_the_gyros_that_have_them() {
     // Without a temperature that effect alone is left out, and says why.
     campaign.dwells.iter_mut().for_each(|dwell| dwell.temperature_c = None);
     let found = calibrate_augmented(&campaign, Terms::MODEL_6, &model[1..3]);
-    let why = LeftOut::Lacks("the dwells carry no temperature");
+    let why = LeftOut::Lacks(Lack::Temperature);
     assert_eq!(found.notes, [CampaignNote::EffectLeftOut { slot: None, effect: Effect::TemperatureBias, why }]);
     assert_eq!(found.gyros[0].effects.len(), 1);
 

@@ -144,7 +144,7 @@ fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> 
         return listed(0.0, "D_O a_O lies inside G; it shows in the closure of G only".to_owned());
     }
     if let Some(missing) = (entry.missing)(&frame.setting) {
-        return listed(0.0, missing.to_owned());
+        return listed(0.0, missing.to_string());
     }
     let visible = visible(bank, entry.effect);
     if visible >= LITTLE {

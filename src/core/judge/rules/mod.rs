@@ -16,20 +16,23 @@ pub use agreement::{Source, SourcedResult, agreement};
 pub use overdue::overdue;
 pub use requirement::{MOST_FIGURES, requirement};
 
-pub(crate) use baseline::baseline;
-pub(crate) use before_after::{BEFORE_AFTER_RECORDS, before_after};
+pub(crate) use before_after::BEFORE_AFTER_RECORDS;
 pub(crate) use closure::closure;
-pub(crate) use range::range;
-pub(crate) use rms_successive::{RMS_RECORDS, rms_successive};
-pub(crate) use shift::shift;
-pub(crate) use step::step;
-pub(crate) use trend::trend;
+pub(crate) use rms_successive::RMS_RECORDS;
+
+use baseline::baseline;
+use before_after::before_after;
+use range::range;
+use rms_successive::rms_successive;
+use shift::shift;
+use step::step;
+use trend::trend;
 
 use super::cells::{Points, Window};
 use super::decide::{Outcome, beyond};
 use super::history::{History, Measured, Sample};
 use super::limits::Limit;
-use super::{Coefficient, Finding, Limits, State, Verdict};
+use super::{Coefficient, DriftLimits, Finding, Limits, State, Verdict};
 use crate::core::message::Message;
 use crate::core::named::named;
 use crate::message;
@@ -116,6 +119,16 @@ impl Rule {
         }
     }
 
+    /// The part of the budget that is its limit, where it has one limit. A gyro that keeps its budget in 19 of 20 steps stays below half of
+    /// it in the root mean square of successive differences.
+    pub fn share_of_budget(self) -> Option<f64> {
+        match self {
+            Rule::Step | Rule::Range | Rule::Baseline | Rule::Agreement | Rule::BeforeAfter => Some(1.0),
+            Rule::RmsSuccessive => Some(0.5),
+            _ => None,
+        }
+    }
+
     /// Unit of what it compares with its limit.
     pub fn unit(self, coefficient: Coefficient) -> Unit {
         match (self, coefficient) {
@@ -131,6 +144,17 @@ impl Rule {
     pub fn can_be_confirmed(self) -> bool {
         !matches!(self, Rule::Trend | Rule::Cusum | Rule::Shift | Rule::RmsSuccessive | Rule::Overdue)
     }
+}
+
+/// By every rule of D_I or D_S that has a limit.
+pub(super) fn of_drift(case: &Case<'_>, drift: &DriftLimits, verdicts: &mut Vec<Verdict>) {
+    verdicts.extend(drift.of(Rule::Step).map(|limit| step(case, limit)));
+    verdicts.extend(drift.of(Rule::Range).map(|limit| range(case, limit)));
+    verdicts.extend(drift.of(Rule::Baseline).map(|limit| baseline(case, limit, drift.fixed_baseline)));
+    verdicts.extend(drift.trend.map(|limits| trend(case, &limits, drift.fixed_baseline)));
+    verdicts.extend(drift.shift.map(|limits| shift(case, &limits)));
+    verdicts.extend(drift.of(Rule::RmsSuccessive).map(|limit| rms_successive(case, limit)));
+    verdicts.extend(drift.of(Rule::BeforeAfter).and_then(|limit| before_after(case, limit)));
 }
 
 /// One coefficient of the record to be judged, and the history before it.

@@ -95,3 +95,35 @@ fn judged(
         ..Verdict::undecided(coefficient, Rule::Requirement, limit, finding)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::LimitKey;
+
+    fn figure(value: f64, low: f64, high: f64) -> Figure {
+        let measured = Measured::exact(value);
+        let bounds = Bounds { low, high, from: LimitKey::BUDGET };
+        Figure { name: "E_x", measured, bounds, outcome: outside(measured, low, high, 0.95) }
+    }
+
+    #[test]
+    fn the_excess_is_how_far_a_figure_is_beyond_its_nearest_bound_in_widths() {
+        assert_eq!(figure(2.5, 2.0, 3.0).excess(), -0.5);
+        assert_eq!(figure(4.0, 2.0, 3.0).excess(), 1.0);
+        assert_eq!(figure(1.5, 2.0, 3.0).excess(), 0.5);
+        assert_eq!(figure(4.0, -1.0, 3.0).excess(), 0.25);
+        assert_eq!(figure(-2.0, -1.0, 3.0).excess(), 0.25);
+    }
+
+    #[test]
+    fn the_verdict_is_about_the_figure_that_is_farthest_out_in_widths() {
+        let narrow = Bounds { low: 1.0, high: 1.1, from: LimitKey::BUDGET };
+        let wide = Bounds { low: 1.0, high: 3.0, from: LimitKey::BUDGET };
+        let g = [("G_x", Measured::exact(3.5), Some(wide)), ("G_y", Measured::exact(1.2), Some(narrow))];
+        let inside = ("G_z", Measured::exact(2.0), Some(wide));
+        let verdict = judged(Coefficient::G, g.into_iter().chain([inside]), 0.95).unwrap();
+        let Finding::Requirement { figure, others, .. } = verdict.finding else { panic!("{verdict}") };
+        assert_eq!((figure, others), ("G_y", [Some("G_x"), None, None]));
+    }
+}

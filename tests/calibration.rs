@@ -12,6 +12,7 @@ use gyrowatch::core::separate::Separation;
 use gyrowatch::wire::answer::MethodBody;
 use gyrowatch::wire::calibration::CampaignAnswer;
 use gyrowatch::wire::campaign::parse;
+use gyrowatch::wire::diagnosis::DiagnosisBody;
 
 fn read(name: &str) -> Campaign {
     let path = format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
@@ -179,8 +180,8 @@ fn standard_errors_that_are_far_too_large_are_told() {
             CampaignAnswer::of(&campaign, &evaluate(&campaign, &Plausibility::default()).unwrap(), MethodBody::Rigid);
         let diagnosis = diagnose(&campaign, &Options::default()).unwrap();
         let of_fit = answer.notes.into_iter().map(|note| note.detail).collect::<Vec<_>>();
-        [of_fit, diagnosis.notes].map(|notes| {
-            notes.into_iter().filter(|note| note.contains("larger than the dwells scatter")).collect::<Vec<_>>()
+        [of_fit, DiagnosisBody::from(&diagnosis).notes].map(|notes| {
+            notes.into_iter().filter(|note| note.contains("larger than the scatter of the dwells")).collect::<Vec<_>>()
         })
     };
     assert_eq!(told(1.0), [vec![], vec![]] as [Vec<String>; 2]);

@@ -294,7 +294,7 @@ fn a_diagnosis_for_people_says_how_sure_a_name_is_and_what_it_does_to_each_gyro(
     }
     // What explains the same and is not named has its reason, and is told from what is chance.
     let rival = table.lines().find(|line| line.starts_with("│ bias_step")).unwrap();
-    assert!(rival.contains("it explains the same dwells as warmup less well"), "{rival}");
+    assert!(rival.contains("it explains the same dwells as warm-up after power-up less well"), "{rival}");
 }
 
 #[test]

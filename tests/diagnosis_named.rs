@@ -142,7 +142,12 @@ fn standard_errors_that_repeats_show_to_be_too_small_are_told_and_get_no_name() 
     let mut scenario = Scenario { seed: 9, ..Scenario::default() };
     scenario.programme.repeats = 40;
     let mut campaign = simulate(&scenario).unwrap().campaign;
-    let told = |answer: &Diagnosis| answer.notes.iter().any(|note| note.starts_with("repeated dwells scatter 1."));
+    let told = |answer: &Diagnosis| {
+        answer.notes.iter().any(|note| {
+            let times = note.parameter("times").map(ToString::to_string);
+            note.code == "standard_errors_understated" && times.is_some_and(|times| times.starts_with("1."))
+        })
+    };
     let answer = diagnose(&campaign, &Options::default()).unwrap();
     assert!(answer.verdict == Verdict::NoGap && !told(&answer), "{:?}", answer.notes);
     for sem in campaign.dwells.iter_mut().flat_map(|dwell| dwell.output_sem_pulse_s.iter_mut().flatten()) {

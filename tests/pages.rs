@@ -203,6 +203,20 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
     }
     let chinese = page(&server, &format!("/campaigns/{id}/diagnosis"), &[("accept-language", "zh")]).await;
     assert!(chinese.contains("零偏随温度变化"));
+    // What is said of it has the same codes in either language, and words in the language asked for.
+    let in_chinese =
+        server.call("GET", &format!("/v1/campaigns/{id}/diagnosis"), &[("accept-language", "zh")], "").await.json();
+    let pairs =
+        ["candidates", "not_identifiable"].map(|list| [&body, &in_chinese].map(|d| d[list].as_array().unwrap()));
+    for ([english, chinese], words) in pairs.into_iter().zip(["why_not", "reason"]) {
+        assert!(!english.is_empty() && english.len() == chinese.len());
+        for (english, chinese) in english.iter().zip(chinese) {
+            assert_eq!(english["finding"]["code"], chinese["finding"]["code"]);
+            assert!(english[words].as_str().unwrap().is_ascii() && !chinese[words].as_str().unwrap().is_ascii());
+            assert!(chinese["needs"].as_str().is_none_or(|needs| !needs.is_ascii()), "{chinese}");
+        }
+    }
+    assert_eq!(body["note_codes"].as_array().unwrap().len(), body["notes"].as_array().unwrap().len());
     assert_eq!(server.get("/campaigns/0000000000000/diagnosis").await.status, 404);
 }
 

@@ -274,7 +274,7 @@ fn within_noise(d: &DiagnosisBody) -> Option<String> {
     let tried: Vec<String> = tried.map(|c| format!("{} {:.2}", c.effect, c.p_value_adjusted)).collect();
     (!tried.is_empty()).then(|| {
         format!(
-            "Tried and within the noise: no finding (beside each its adjusted p; a name asks for less than {FALSE_ALARM})\n{}",
+            "Tried and within the noise: no finding (beside each its adjusted p; a name needs < {FALSE_ALARM})\n{}",
             lines(&tried)
         )
     })

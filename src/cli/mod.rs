@@ -36,6 +36,8 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::{Parser, Subcommand};
 
+use crate::core::diagnose::NoReference;
+use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Refused;
@@ -120,10 +122,11 @@ fn in_words(error: &anyhow::Error) -> String {
         if let Some(faults) = cause.downcast_ref::<Faults>() {
             return summary(&faults.0, language);
         }
-        match cause.downcast_ref::<Refused>() {
-            Some(refused) => language.words(&refused.message()),
-            None => cause.to_string(),
-        }
+        let message = None
+            .or_else(|| cause.downcast_ref::<Refused>().map(Refused::message))
+            .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
+            .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message));
+        message.map_or_else(|| cause.to_string(), |message| language.words(&message))
     };
     error.chain().map(said).collect::<Vec<_>>().join(": ")
 }

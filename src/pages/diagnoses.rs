@@ -240,7 +240,7 @@ fn doubts(t: &Text, all: &[DoubtBody]) -> Markup {
                     th scope="row" { (imu_link(&one.imu)) }
                     td { (if one.verdict == "unexplained" { t.coverage_unexplained } else { t.coverage_partly_explained }) }
                     td.words translate="no" { (names(&one.gyros)) }
-                    td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.spoken(t.sign(sign))) } }
+                    td.words { @for (i, sign) in one.signs.iter().enumerate() { @if i > 0 { "; " } (t.sign(sign)) } }
                     td.words translate="no" { (names(&one.stations)) }
                     td.n { (one.campaigns) " / " (one.of) }
                     td { (sighting(&one.first)) } td { (sighting(&one.last)) }

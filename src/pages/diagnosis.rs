@@ -17,13 +17,13 @@ use super::residuals;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::effects::Effect;
-use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
 use crate::pipeline::{Asked, StoredCampaign};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
 use crate::wire::problem::Problem;
+use crate::words;
 
 pub(super) async fn page(
     Held(pages): Held<Pages>,
@@ -59,8 +59,8 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         Asked::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
         Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {
-            Ok(diagnosis) => diagnosis.clone(),
-            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
+            Ok(diagnosis) => diagnosis.clone().said_in(words::asked()),
+            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
         },
     };
     let slots: Vec<(String, String)> = stored
@@ -82,7 +82,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         (blind_spots(t, &diagnosis))
         (next(t, &diagnosis))
         @if !diagnosis.notes.is_empty() {
-            section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (t.spoken(note)) } } } }
+            section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (note) } } } }
         }
     };
     let title = format!("{} · {}", t.diagnosis, stored.answer.imu);
@@ -129,7 +129,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
             }
         } }
         @for sign in &d.remaining.signs {
-            p { (t.sign_of_more) ": " (t.spoken(t.sign(&sign.kind))) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
+            p { (t.sign_of_more) ": " (t.sign(&sign.kind)) " (" (sign.gyros.join(", ")) "), p = " (short(sign.p_value)) }
         }
     }
 }
@@ -158,7 +158,7 @@ fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
         article.effect {
             h3 { (named(t, &effect.effect)) " · " (effect.gyros.join(", ")) }
             @if let Some(entry) = Effect::from_id(&effect.effect).map(Effect::entry) {
-                p.note { code { (t.spoken(entry.equation)) } }
+                p.note { code { (entry.equation) } }
             }
             (closure(t, &effect.held_out))
             p.note {
@@ -242,7 +242,7 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
                                     @if let Some([low, high]) = candidate.interval { " (" (percent(low)) " – " (percent(high)) ")" }
                                 } @else { "–" }
                             }
-                            td.n { (short(candidate.p_value_adjusted)) } td.words { (t.spoken(&candidate.why_not)) }
+                            td.n { (short(candidate.p_value_adjusted)) } td.words { (candidate.why_not) }
                         }
                     } }
                 } }
@@ -301,7 +301,7 @@ fn blind_spots(t: &Text, d: &DiagnosisBody) -> Markup {
                     tbody { @for one in &d.not_identifiable {
                         tr {
                             td.words { (named(t, &one.effect)) } td.n { (percent(one.visible_fraction)) }
-                            td.words { (t.spoken(&one.reason)) } td.words { (t.spoken(&one.needs)) }
+                            td.words { (one.reason) } td.words { (one.needs) }
                         }
                     } }
                 } }

@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::located::WhereBody;
+use super::message::MessageBody;
 use super::note;
 use super::split::SplitBody;
 use crate::core::augmented::Adopted;
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
-use crate::words::Language;
+use crate::words::{Language, asked};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DiagnosisBody {
@@ -37,12 +38,32 @@ pub struct DiagnosisBody {
     pub next_dwells: Vec<NextDwellBody>,
     pub residuals: Vec<ResidualBody>,
     pub notes: Vec<String>,
+    /// The notes for programs.
+    #[serde(default)]
+    pub note_codes: Vec<MessageBody>,
     /// The gap against a reference, where one was given.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reference: Option<SplitBody>,
 }
 
 impl DiagnosisBody {
+    /// Says in `language` why candidates were not taken, what cannot be told, and what is noted.
+    #[must_use]
+    pub fn said_in(mut self, language: Language) -> Self {
+        for candidate in &mut self.candidates {
+            candidate.why_not = candidate.finding.say(language);
+        }
+        for one in &mut self.not_identifiable {
+            one.reason = one.finding.say(language);
+            one.needs = Effect::from_id(&one.effect).map_or_else(String::new, |effect| language.words(&effect.needs()));
+        }
+        self.notes = self.note_codes.iter_mut().map(|note| note.say(language)).collect();
+        if let Some(reference) = &mut self.reference {
+            reference.say(language);
+        }
+        self
+    }
+
     /// Whether there is a gap although the residuals are no larger than what noise alone would leave.
     pub fn stands_out_by_pattern(&self) -> bool {
         self.verdict != "no_gap" && self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h
@@ -158,7 +179,11 @@ pub struct CandidateBody {
     #[serde(default)]
     pub within_noise: bool,
     pub gyros: Vec<String>,
+    /// In the language that the request asks for.
     pub why_not: String,
+    /// The same for programs.
+    #[serde(default)]
+    pub finding: MessageBody,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -168,8 +193,13 @@ pub struct NotIdentifiableBody {
     /// What it is hard to tell from in this campaign.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub confounded_with: Vec<String>,
+    /// In the language that the request asks for.
     pub reason: String,
+    /// What a campaign must hold for the effect to show.
     pub needs: String,
+    /// The reason for programs.
+    #[serde(default)]
+    pub finding: MessageBody,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -231,7 +261,8 @@ impl InUseBody {
 
 impl From<&core::Diagnosis> for DiagnosisBody {
     fn from(d: &core::Diagnosis) -> Self {
-        Self {
+        let notes = d.of_campaign.iter().map(note::message).chain(d.notes.iter().cloned());
+        let unsaid = Self {
             model: InUseBody::of(d),
             verdict: d.verdict.name().to_owned(),
             noise_floor: NoiseFloorBody {
@@ -256,14 +287,11 @@ impl From<&core::Diagnosis> for DiagnosisBody {
             impact_within_noise: d.impact.iter().filter(|i| !i.is_material()).map(ImpactBody::from).collect(),
             next_dwells: d.next_dwells.iter().map(NextDwellBody::from).collect(),
             residuals: d.residuals.iter().map(ResidualBody::from).collect(),
-            notes: d
-                .of_campaign
-                .iter()
-                .map(|it| note::words(it, Language::English))
-                .chain(d.notes.iter().cloned())
-                .collect(),
+            notes: Vec::new(),
+            note_codes: notes.map(|note| MessageBody::of(&note, asked())).collect(),
             reference: None,
-        }
+        };
+        unsaid.said_in(asked())
     }
 }
 
@@ -323,7 +351,8 @@ impl From<&core::Candidate> for CandidateBody {
             p_value_adjusted: c.p_value_adjusted,
             within_noise: c.within_noise,
             gyros: names(&c.gyros),
-            why_not: c.why_not.clone(),
+            why_not: String::new(),
+            finding: MessageBody::of(&c.why_not, asked()),
         }
     }
 }
@@ -334,8 +363,9 @@ impl From<&core::NotIdentifiable> for NotIdentifiableBody {
             effect: n.effect.id().to_owned(),
             visible_fraction: n.visible_fraction,
             confounded_with: ids(&n.confounded_with),
-            reason: n.reason.clone(),
-            needs: n.needs.clone(),
+            reason: String::new(),
+            needs: String::new(),
+            finding: MessageBody::of(&n.reason, asked()),
         }
     }
 }

@@ -32,6 +32,16 @@ impl MessageBody {
     }
 }
 
+impl MessageBody {
+    /// Its words in `language`, in which the words of what is nested are from now on, too.
+    pub fn say(&mut self, language: Language) -> String {
+        let nested = json!({ "code": self.code, "parameters": self.parameters });
+        let Some(message) = read(&nested) else { return String::new() };
+        *self = Self::of(&message, language);
+        language.words(&message)
+    }
+}
+
 fn object(message: &Message, language: Option<Language>) -> Map<String, Value> {
     message.parameters.iter().map(|(name, parameter)| (name.to_string(), value(parameter, language))).collect()
 }

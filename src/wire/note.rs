@@ -42,7 +42,7 @@ pub fn words(note: &Note, language: Language) -> String {
 }
 
 /// What a reader is told.
-fn message(note: &Note) -> Message {
+pub(super) fn message(note: &Note) -> Message {
     match note {
         Note::NoAttitudes => message!("no_attitudes"),
         Note::NoSite => message!("no_site"),

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::diagnosis::ResidualBody;
+use super::message::MessageBody;
 use super::time;
 use crate::core::diagnose::{Moved, Parts, Residual, Split};
 use crate::core::mounting::Slot;
+use crate::words::{Language, asked};
 
 /// What parts a campaign from a reference of the same IMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -20,6 +22,15 @@ pub struct SplitBody {
     /// Coefficients then and now.
     pub moved: Vec<MovedBody>,
     pub notes: Vec<String>,
+    /// The notes for programs.
+    #[serde(default)]
+    pub note_codes: Vec<MessageBody>,
+}
+
+impl SplitBody {
+    pub(super) fn say(&mut self, language: Language) {
+        self.notes = self.note_codes.iter_mut().map(|note| note.say(language)).collect();
+    }
 }
 
 /// Root mean squares over dwells, weighted by 1/sd^2; the squares of the three parts add up to that of the whole.
@@ -92,7 +103,8 @@ impl From<&Split> for SplitBody {
             all: PartsBody::from(&s.all),
             gyros: s.gyros.iter().map(gyro).collect(),
             moved: s.moved.iter().map(MovedBody::from).collect(),
-            notes: s.notes.clone(),
+            notes: s.notes.iter().map(|note| asked().words(note)).collect(),
+            note_codes: s.notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
         }
     }
 }

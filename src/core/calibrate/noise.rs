@@ -227,20 +227,6 @@ pub fn overstated(chi2: f64, dof: usize) -> Option<f64> {
     less.then(|| (dof as f64 / chi2).sqrt())
 }
 
-/// Gyros whose standard errors are too large, and how much, in words.
-pub fn overstated_note(gyros: impl Iterator<Item = (&'static str, f64)>) -> Option<String> {
-    let each: Vec<String> = gyros
-        .map(|(slot, times)| if times < 1e3 { format!("{slot} {times:.1} times") } else { format!("{slot} by far") })
-        .collect();
-    (!each.is_empty()).then(|| {
-        let each = each.join(", ");
-        format!(
-            "the stated standard errors are larger than the dwells scatter ({each}): where they are wrong, sigmas that rest on \
-             them are too large, and a small gap may not be seen"
-        )
-    })
-}
-
 /// P(F > the ratio of the two mean squares), each given as (sum of squares, dof); none where either has no dof, or
 /// the denominator is zero.
 pub fn mean_squares_tail(numerator: (f64, f64), denominator: (f64, f64)) -> Option<f64> {

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::core::augmented::Adopted;
 use crate::core::campaign::Phase;
 use crate::core::effects::{Effect, Estimate, Shape};
+use crate::core::message::Message;
 use crate::core::model::Terms;
 use crate::core::mounting::Slot;
 use crate::core::note::Note;
@@ -60,7 +61,7 @@ pub struct Diagnosis {
     /// What is to be known of the campaign itself.
     pub of_campaign: Vec<Note>,
     /// What could not be done with this campaign, and why.
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -169,7 +170,7 @@ pub struct Candidate {
     /// of a chance pattern that an entry takes when its gyros and shape are chosen to take most, and no finding.
     pub within_noise: bool,
     pub gyros: Vec<Slot>,
-    pub why_not: String,
+    pub why_not: Message,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -179,8 +180,7 @@ pub struct NotIdentifiable {
     pub visible_fraction: f64,
     /// What it is hard to tell from; empty where the campaign shows nothing of it at all.
     pub confounded_with: Vec<Effect>,
-    pub reason: String,
-    pub needs: String,
+    pub reason: Message,
 }
 
 /// Shift of a coefficient when the adopted effects enter the model: augmented minus plain.

@@ -31,10 +31,11 @@ use crate::core::diagnose::search::stepwise::Search;
 use super::augmented::Options;
 use super::campaign::Campaign;
 use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal};
+use super::note::Note;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the catalogue raises it by itself:
 /// there were 48 when it was 7.
-pub const METHOD: u32 = 7 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one before returned.
 ///
@@ -131,7 +132,7 @@ fn answer(closed: Closed) -> Diagnosis {
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let mimics = identifiability::mimics(frame, bank, &parts);
-    let of_stated = stated_errors::too_large(frame).into_iter().chain(stated_errors::too_small(frame, &fit));
+    let overstated = stated_errors::too_large(frame).map(Note::Campaign);
     Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
@@ -147,7 +148,7 @@ fn answer(closed: Closed) -> Diagnosis {
         impact: impact::impact(frame, &parts, &fit),
         next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
-        of_campaign: frame.of_campaign.clone(),
-        notes: frame.notes.iter().cloned().chain(of_stated).collect(),
+        of_campaign: frame.of_campaign.iter().cloned().chain(overstated).collect(),
+        notes: frame.notes.iter().cloned().chain(stated_errors::too_small(frame, &fit)).collect(),
     }
 }

@@ -12,7 +12,6 @@ pub const CROSS_COMPLIANCE: Entry = Entry {
     unit: "deg/(h g0^2)",
     typical: Typical { low: 1e-3, high: 0.1, source: "D_IS, D_IO, D_OS of eq. (5); IEEE 517 compliance terms" },
     plausible: 1e3,
-    needs: "dwells with specific force off the body axes (edges at 45 deg, tilts of 30 and 60 deg)",
     confused_with: &[Effect::CubicG],
     names: |shape| picked(shape).map(|i| PRODUCTS[i]).collect(),
     shapes: |_| {
@@ -35,7 +34,6 @@ pub const CUBIC_G: Entry = Entry {
     unit: "deg/(h g0^3)",
     typical: Typical { low: 1e-3, high: 0.1, source: "IEEE 517, higher-order acceleration terms" },
     plausible: 1e3,
-    needs: "dwells with specific force off the body axes",
     confused_with: &[Effect::CrossCompliance],
     columns: |s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].input).powi(3))],
     ..PLAIN
@@ -49,7 +47,6 @@ pub const OUTPUT_AXIS_G: Entry = Entry {
     unit: "deg/(h g0)",
     typical: Typical { low: 1e-3, high: 0.3, source: "closure of Tables 3-4: 0.02 to 0.23 deg/(h g0)" },
     plausible: 5e3,
-    needs: "the closure of G over a history in which D_S changes; dwell residuals never show it",
     confused_with: &[Effect::MountClocking],
     names: |_| vec!["D_O"],
     columns: |s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].output))],
@@ -69,7 +66,6 @@ pub const MOUNT_CLOCKING: Entry = Entry {
         source: "mounting tolerances of arc-minutes; atan2(D_O, D_S) of Tables 3-4",
     },
     plausible: 5e3,
-    needs: "the closure of G over a history in which D_S changes; dwell residuals never show it",
     confused_with: &[Effect::OutputAxisG],
     names: |_| vec!["D_O"],
     columns: |s, j, _| vec![s.column(|k| s.force[k].dot(&s.gyros[j].output))],

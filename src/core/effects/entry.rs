@@ -158,8 +158,6 @@ pub struct Entry {
     /// Whether it may be named as a cause. The others are competing hypotheses: reported as signs, never adopted.
     pub nameable: bool,
     pub cause: &'static str,
-    /// What a competing hypothesis looks like, for people.
-    pub looks_like: &'static str,
     /// Drift added, deg/h, or change of scale, with the letters of the crate page.
     pub equation: &'static str,
     /// Of the coefficients.
@@ -168,8 +166,6 @@ pub struct Entry {
     /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it something else that the
     /// campaign hardly shows has been blown up.
     pub plausible: f64,
-    /// What a campaign must hold for the effect to show.
-    pub needs: &'static str,
     pub confused_with: &'static [Effect],
     pub scope: Scope,
     pub prior: Prior,
@@ -213,12 +209,10 @@ pub(super) const PLAIN: Entry = Entry {
     id: "",
     nameable: true,
     cause: "",
-    looks_like: "",
     equation: "",
     unit: "",
     typical: Typical { low: 0.0, high: 0.0, source: "" },
     plausible: f64::INFINITY,
-    needs: "",
     confused_with: &[],
     scope: Scope::Gyro,
     prior: Prior::Flat,

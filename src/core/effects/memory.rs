@@ -8,7 +8,7 @@ pub const HYSTERESIS: Entry = Entry {
     effect: Effect::Hysteresis,
     id: "hysteresis",
     cause: "the float's pivots and flex leads keep a set from the load along the output axis in the dwell before",
-    equation: "k a_O of the dwell before; nothing in the first dwell",
+    equation: "k a_O(i - 1), a_O(0) = 0",
     unit: "deg/(h g0)",
     typical: Typical {
         low: 1e-3,
@@ -16,7 +16,6 @@ pub const HYSTERESIS: Entry = Entry {
         source: "IEEE 517, elastic restraint and hysteresis after re-orientation",
     },
     plausible: 1e3,
-    needs: "an order of dwells in which the orientation before differs for one and the same orientation",
     confused_with: &[Effect::OutlierDwell],
     columns: |s, j, _| vec![s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1].dot(&s.gyros[j].output) })],
     ..PLAIN

@@ -29,6 +29,7 @@ pub use estimate::Estimate;
 pub use refusal::{Lack, Refusal};
 pub use setting::{GyroAxes, Setting};
 
+use super::message::Message;
 use super::model::Term;
 
 /// Families by the order of [`Effect`]: those of the contract, then competing hypotheses.
@@ -82,6 +83,16 @@ impl Effect {
         self.entry().id
     }
 
+    /// What people read.
+    pub fn word(self) -> Message {
+        Message { code: format!("effect_{}", self.id()).into(), parameters: Vec::new() }
+    }
+
+    /// What a campaign must hold for the effect to show; said of those that may be named.
+    pub fn needs(self) -> Message {
+        Message { code: format!("needed_for_{}", self.id()).into(), parameters: Vec::new() }
+    }
+
     pub fn is_nameable(self) -> bool {
         self.entry().nameable
     }
@@ -110,13 +121,14 @@ pub fn known() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::Language;
 
     #[test]
     fn an_effect_finds_its_own_entry_and_its_own_id() {
         for (i, entry) in CATALOGUE.iter().enumerate() {
             assert_eq!(entry.effect as usize, i, "{}", entry.id);
             assert_eq!(Effect::from_id(entry.id), Some(entry.effect));
-            assert!(!entry.cause.is_empty() && !entry.equation.is_empty() && !entry.needs.is_empty());
+            assert!(!entry.cause.is_empty() && !entry.equation.is_empty());
             assert!(!entry.typical.source.is_empty() && entry.typical.low <= entry.typical.high);
             assert!(entry.plausible >= 10.0 * entry.typical.high, "{}", entry.id);
             assert!(!entry.confused_with.contains(&entry.effect));
@@ -129,8 +141,7 @@ mod tests {
         for (i, competitor) in COMPETITORS.iter().enumerate() {
             assert_eq!(competitor.effect as usize, CATALOGUE.len() + i, "{}", competitor.id);
             assert_eq!(competitor.effect.entry().id, competitor.id);
-            let words =
-                [competitor.looks_like, competitor.cause, competitor.equation, competitor.unit, competitor.needs];
+            let words = [competitor.cause, competitor.equation, competitor.unit];
             assert!(words.iter().all(|text| !text.is_empty()) && !competitor.typical.source.is_empty());
             assert!(competitor.typical.low < competitor.typical.high && !competitor.confused_with.is_empty());
             assert!(!competitor.nameable && competitor.scope == Scope::Gyro, "{}", competitor.id);
@@ -148,7 +159,8 @@ mod tests {
             let of = if entry.scope == Scope::Common { "all gyros alike" } else { "each gyro" };
             let others: Vec<String> = entry.confused_with.iter().map(|other| format!("`{}`", other.id())).collect();
             let equation = entry.equation.replace('|', "\\|");
-            let (id, cause, needs) = (entry.id, entry.cause, entry.needs);
+            let (id, cause) = (entry.id, entry.cause);
+            let needs = Language::English.words(&entry.effect.needs());
             format!("| `{id}` | {cause} | {equation} | {unit} | {of} | {needs} | {} |", others.join(", "))
         };
         let expected: Vec<String> = CATALOGUE.iter().map(row).collect();

@@ -10,11 +10,10 @@ pub const SCALE_ASYMMETRY: Entry = Entry {
     effect: Effect::ScaleAsymmetry,
     id: "scale_asymmetry",
     cause: "positive and negative torquing currents are switched or weighted differently",
-    equation: "k |w_I|: scale factor x (1 + k sign w_I)",
+    equation: "k sign(w_I) w_I",
     unit: "1",
     typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, scale-factor asymmetry" },
     plausible: 0.05,
-    needs: "rotation in both senses",
     confused_with: &[Effect::ScaleQuadratic, Effect::Anisoinertia],
     columns: |s, j, _| vec![input_rate(s, j, f64::abs)],
     ..PLAIN
@@ -32,7 +31,6 @@ pub const SCALE_QUADRATIC: Entry = Entry {
         source: "IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate",
     },
     plausible: 1e-5,
-    needs: "four or more rates in both senses",
     confused_with: &[Effect::ScaleAsymmetry, Effect::Anisoinertia],
     columns: |s, j, _| vec![input_rate(s, j, |w| w * w)],
     ..PLAIN
@@ -50,7 +48,6 @@ pub const SCALE_CUBIC: Entry = Entry {
         source: "IEEE 517, scale-factor non-linearity of 1e-6 to 1e-4 at full rate",
     },
     plausible: 1e-9,
-    needs: "four or more rates in both senses",
     confused_with: &[Effect::TemperatureScale],
     columns: |s, j, _| vec![input_rate(s, j, |w| w.powi(3))],
     ..PLAIN
@@ -66,7 +63,6 @@ pub const ANISOINERTIA: Entry = Entry {
     unit: "deg/h/(deg/h)^2",
     typical: Typical { low: 1e-10, high: 1e-7, source: "IEEE 517, anisoinertia of floated gyros" },
     plausible: 1e-5,
-    needs: "rates about axes that have components along both I and S",
     confused_with: &[Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
     shapes: |_| CLOCKINGS.iter().map(|&(phi, weight)| (Shape::Clocking(phi), weight)).collect(),
     columns: |s, j, shape| {
@@ -83,11 +79,10 @@ pub const G_RATE_COUPLING: Entry = Entry {
     effect: Effect::GRateCoupling,
     id: "g_rate_coupling",
     cause: "specific force along the input axis loads the torquer's gap: scale factor depends on it",
-    equation: "k a_I w_I: scale factor x (1 + k a_I)",
+    equation: "k a_I w_I",
     unit: "1/g0",
     typical: Typical { low: 1e-6, high: 1e-4, source: "IEEE 517, acceleration sensitivity of scale factor" },
     plausible: 0.05,
-    needs: "each rate axis with its up-direction both ways",
     confused_with: &[Effect::ScaleAsymmetry],
     columns: |s, j, _| {
         let input = &s.gyros[j].input;

@@ -1,13 +1,12 @@
 //! Every word of the pages, in both languages side by side: what is missing in one does not compile.
 
-mod effects;
-mod sentences;
 mod words;
 
 pub(super) use words::Text;
 
 use crate::core::access::Role;
 use crate::core::bench::BenchMethod;
+use crate::core::effects::Effect;
 use crate::core::judge::{Coefficient, Event, Rule, Severity, Status};
 use crate::core::message::Message;
 use crate::message;
@@ -89,36 +88,24 @@ impl Text {
         }
     }
 
-    /// What shows that more remains, by its name on the wire.
+    pub fn words(&self, message: &Message) -> String {
+        self.language().words(message)
+    }
+
+    /// A short name of an effect.
+    pub fn effect(&self, effect: Effect) -> &'static str {
+        self.word(&effect.word())
+    }
+
+    /// What shows that more remains, by its name on the wire: of a test, or of a competing hypothesis.
     pub fn sign<'n>(&self, kind: &'n str) -> &'n str {
-        match kind {
-            "lack_of_fit" => self.sign_lack_of_fit,
-            "spread" => self.sign_spread,
-            "neighbours_in_time" => self.sign_neighbours_in_time,
-            "runs_in_time" => self.sign_runs_in_time,
-            "same_specific_force" => self.sign_same_force,
-            "neighbouring_orientations" => self.sign_orientations,
-            "similar_rates" => self.sign_similar_rates,
-            "same_orientation_before" => self.sign_orientation_before,
-            "similar_temperatures" => self.sign_temperatures,
-            "harmonics" => self.sign_harmonics,
-            "several_bad_dwells" => self.sign_bad_dwells,
-            "one_shape_is_not_enough" => self.sign_one_shape,
-            "wandering_in_time" => self.sign_wandering,
-            "many_causes_at_once" => self.sign_many_causes,
-            "tests_together" => self.sign_together,
-            other => other,
-        }
+        let words = ["sign_", "effect_"].map(|prefix| self.language().word(&format!("{prefix}{kind}")));
+        words.into_iter().find(|word| !word.is_empty()).unwrap_or(kind)
     }
 
     /// What noise is known from, by its name on the wire.
-    pub fn noise_source(&self, name: &str) -> String {
-        let spoken = self.spoken(name);
-        if spoken != name {
-            return spoken;
-        }
-        let words = name.split('+').map(|part| if part == "sem" { "standard errors" } else { part });
-        words.collect::<Vec<_>>().join(" and ")
+    pub fn noise_source(&self, name: &str) -> &'static str {
+        self.language().word(&format!("noise_{}", name.replace('+', "_")))
     }
 
     /// The phase of a dwell by its name on the wire.

@@ -12,3 +12,154 @@ dwells_without_temperature = the dwells carry no temperature
 temperature_is_constant = the temperature is constant
 dwells_without_attitude = the dwells carry no attitude
 every_rate_is_zero = every commanded rate is zero
+
+## Effects and competing hypotheses
+
+effect_cross_compliance = cross-axis compliance
+effect_cubic_g = drift with the cube of specific force
+effect_output_axis_g = drift with specific force along O
+effect_mount_clocking = the gyro is turned about its input axis
+effect_hysteresis = hysteresis (previous attitude)
+effect_g_linear = drift linear in specific force
+effect_g_squared = drift with the square of specific force
+effect_scale = scale factor and misalignment
+effect_levelling = the table is not level
+effect_azimuth = azimuth error of the table
+effect_magnetic = sensitivity to the magnetic field
+effect_warmup = warm-up after power-up
+effect_time_ramp = bias drifts with time
+effect_bias_step = bias jumps once
+effect_outlier_dwell = outlier dwell
+effect_periodic = a periodic disturbance
+effect_scale_asymmetry = scale factor differs with the sign of rate
+effect_scale_quadratic = scale factor changes with rate
+effect_scale_cubic = scale factor changes with the square of rate
+effect_anisoinertia = unequal moments of inertia
+effect_g_rate_coupling = product of specific force and rate
+effect_temperature_bias = bias changes with temperature
+effect_temperature_g = g-sensitivity changes with temperature
+effect_temperature_scale = scale factor changes with temperature
+effect_curve_in_time = a smooth course in time
+effect_wander_in_time = a random walk in time
+effect_correlated_in_time = noise that neighbouring dwells share
+effect_bend_in_time = a bend in time
+effect_burst = a passing disturbance of several dwells
+effect_drifting_mass_unbalance = g-sensitivity that changes with time
+effect_drifting_scale = a scale factor that changes with time
+effect_rate_even = an even function of rate
+effect_rate_odd = an odd function of rate
+effect_rate_curve = a smooth function of the rate along the input axis
+effect_rate_and_force = a scale factor that depends on orientation
+effect_static_to_rate = a difference between standing and turning
+effect_torquer_heating = a memory of the rates before
+effect_rate_before = a memory of the rate before
+effect_bent_temperature = a bend in temperature
+effect_temperature_rate = a response to the rate of change of temperature
+effect_temperature_lag = a late response to temperature
+effect_temperature_and_time = a response to temperature that changes with time
+effect_temperature_g_squared = compliance that follows temperature
+effect_orientation_harmonics = a function of orientation beyond second degree
+effect_friction = a dependence on the sense of specific force
+effect_heading = a dependence on the table's heading
+effect_earth_rate = an error of the Earth's rate along north
+effect_orientation_before = a memory of the orientation before
+
+## What a campaign must hold for an effect to show
+
+needed_for_cross_compliance = dwells with specific force off the body axes (edges at 45 deg, tilts of 30 and 60 deg)
+needed_for_cubic_g = dwells with specific force off the body axes
+needed_for_output_axis_g = the closure of G over a history in which D_S changes; dwell residuals never show it
+needed_for_mount_clocking = the closure of G over a history in which D_S changes; dwell residuals never show it
+needed_for_hysteresis = an order of dwells in which the orientation before differs for one and the same orientation
+needed_for_g_linear = at least three independent directions of specific force
+needed_for_g_squared = specific force along at least three axes; at 1 g one combination is the bias
+needed_for_scale = rates about three axes
+needed_for_levelling = attitudes, with several azimuths a face
+needed_for_azimuth = attitudes, with several azimuths a face
+needed_for_magnetic = attitudes and rate dwells: without them it is Earth rate
+needed_for_warmup = dwells early after power-up, several within tau
+needed_for_time_ramp = an order of dwells that specific force, rate and temperature do not follow
+needed_for_bias_step = several dwells on either side
+needed_for_outlier_dwell = enough dwells that one is not needed for the fit
+needed_for_periodic = periods longer than two intervals between dwells and shorter than the campaign
+needed_for_scale_asymmetry = rotation in both senses
+needed_for_scale_quadratic = four or more rates in both senses
+needed_for_scale_cubic = four or more rates in both senses
+needed_for_anisoinertia = rates about axes that have components along both I and S
+needed_for_g_rate_coupling = each rate axis with its up-direction both ways
+needed_for_temperature_bias = a temperature column whose course differs from time's
+needed_for_temperature_g = a temperature column that varies within each orientation family
+needed_for_temperature_scale = a temperature column and rate dwells
+
+## Signs that more remains
+
+sign_lack_of_fit = the fit leaves more than repeats scatter
+sign_spread = residuals spread wider than the noise
+sign_neighbours_in_time = successive dwells err alike
+sign_runs_in_time = dwells of one stretch of time err alike
+sign_same_specific_force = dwells of one specific force err alike
+sign_neighbouring_orientations = dwells of neighbouring orientations err alike
+sign_similar_rates = dwells of similar rates err alike
+sign_same_orientation_before = dwells after one and the same orientation err alike
+sign_similar_temperatures = dwells of similar temperatures err alike
+sign_harmonics = a named sinusoid has harmonics
+sign_several_bad_dwells = more than one dwell stands out
+sign_one_shape_is_not_enough = one entry would be needed twice, with two instants or periods
+sign_wandering_in_time = two courses in time that one wandering replaces nearly as well
+sign_many_causes_at_once = more names than a gap that is explained would need
+sign_tests_together = no test alone, but all of them together
+
+## Why a candidate was not taken
+
+design_does_not_show_it = the design does not show it
+one_class_with = this campaign cannot tell it from { $effect }, which stands for both
+beyond_plausible_size = its size would be beyond what is plausible
+not_significant = not significant (adjusted p { $p }; needs < { $level })
+closes_nothing_held_out = it closes nothing of dwells that were held out
+several_outlier_dwells = several dwells stand out, each by itself: that is not one outlier dwell
+not_with_noise_growth_open = it did not hold with the growth of the noise with rate left open
+not_in_joint_fit = it did not hold with everything fitted together
+not_in_joint_fit_beside = beside { $effect } it did not hold with everything fitted together
+too_many_causes = { $count } causes are in the model already: what needs more has not been understood
+explains_less_than = it explains the same dwells as { $effect } less well, and nothing more
+explained_outside_catalogue = outside the catalogue, { $effect } explains the same dwells better
+
+## Why an effect cannot be identified
+
+hard_to_tell_from_g_linear = g_linear takes { $share } % of its power in these dwells (principal angle { $angle } deg). What is just too small to be seen of it shifts D_I and D_S by up to { $sds } of their standard deviations
+seen_in_closure_of_g_only = D_O a_O lies inside G; it shows in the closure of G only
+absorbed_by_model = the model in use absorbs it in every dwell of this campaign
+mostly_absorbed_by_model = the model in use absorbs all but { $share } of its power in every dwell of this campaign
+
+## Notes of a diagnosis
+
+noise_from_repeats_and_residuals = no standard errors are stated: the noise is taken from repeats and residuals
+no_pure_error = no dwell repeats another: there is no pure error to check the noise against
+standard_errors_understated = repeated dwells scatter { $times } times as much as the stated standard errors say. Those are too small, or what changes from one time to the next is no noise
+
+## Against a reference
+
+reference_of_other_imu = the reference is of IMU { $reference }, the campaign of { $campaign }
+reference_of_other_geometry = the reference has another geometry than the campaign
+reference_without_gyro = the reference holds no gyro in { $slot }, where the campaign has { $serial }
+reference_with_other_gyro = the reference has gyro { $reference } in { $slot }, the campaign { $campaign }
+bench_test_has_no_reference = a bench test of one gyro is compared with no reference
+nothing_in_common = the reference determines no parameter of the model in use
+e_is_held = { $slot }: E is held in this campaign and not compared
+not_determined_by_reference = { $slot }: the reference does not determine { $parameters }; fitted anew
+effects_fitted_anew = the effects of the model in use are fitted anew in each campaign and not compared
+reference_without_noise_of_d0 = the reference is a record: it states no noise of D0 and P
+reference_taken_as_exact = the reference states no standard deviations: it is taken to be exact
+
+## What noise is known from
+
+noise_sem = standard errors
+noise_repeats_sem = repeats and standard errors
+noise_repeats_residuals_sem = repeats, residuals and standard errors
+noise_residuals_sem = residuals and standard errors
+noise_repeats = repeats
+noise_residuals = residuals
+noise_repeats_residual = repeats and residuals
+noise_residual = residuals
+noise_stated = stated
+noise_none = none

@@ -12,3 +12,154 @@ dwells_without_temperature = 测点没有温度数据
 temperature_is_constant = 温度没有变化
 dwells_without_attitude = 测点没有姿态数据
 every_rate_is_zero = 所有指令角速度均为零
+
+## Effects and competing hypotheses
+
+effect_cross_compliance = 支承交叉柔性
+effect_cubic_g = 与比力三次方有关的漂移
+effect_output_axis_g = 沿输出轴比力引起的漂移
+effect_mount_clocking = 陀螺绕输入轴转动安装
+effect_hysteresis = 滞后（前一姿态）
+effect_g_linear = 与比力成正比的漂移
+effect_g_squared = 与比力平方有关的漂移
+effect_scale = 标度因数与安装误差
+effect_levelling = 转台未调平
+effect_azimuth = 转台方位误差
+effect_magnetic = 磁场敏感
+effect_warmup = 上电预热
+effect_time_ramp = 零偏随时间漂移
+effect_bias_step = 零偏跳变
+effect_outlier_dwell = 个别测点异常
+effect_periodic = 周期性扰动
+effect_scale_asymmetry = 标度因数正反不对称
+effect_scale_quadratic = 标度因数随角速度变化
+effect_scale_cubic = 标度因数随角速度平方变化
+effect_anisoinertia = 转动惯量不等
+effect_g_rate_coupling = 比力与角速度的交叉耦合
+effect_temperature_bias = 零偏随温度变化
+effect_temperature_g = 与g有关的漂移随温度变化
+effect_temperature_scale = 标度因数随温度变化
+effect_curve_in_time = 随时间的平滑变化
+effect_wander_in_time = 随时间的随机游走
+effect_correlated_in_time = 相邻测点共有的噪声
+effect_bend_in_time = 随时间的转折
+effect_burst = 持续数个测点的短暂扰动
+effect_drifting_mass_unbalance = 随时间变化的g敏感性
+effect_drifting_scale = 随时间变化的标度因数
+effect_rate_even = 角速度的偶函数
+effect_rate_odd = 角速度的奇函数
+effect_rate_curve = 沿输入轴角速度的平滑函数
+effect_rate_and_force = 与姿态有关的标度因数
+effect_static_to_rate = 静止与转动之间的差别
+effect_torquer_heating = 对先前各角速度的记忆
+effect_rate_before = 对前一角速度的记忆
+effect_bent_temperature = 随温度的转折
+effect_temperature_rate = 对温度变化率的响应
+effect_temperature_lag = 对温度的滞后响应
+effect_temperature_and_time = 随时间变化的温度响应
+effect_temperature_g_squared = 随温度变化的柔性
+effect_orientation_harmonics = 高于二次的姿态函数
+effect_friction = 与比力正反有关
+effect_heading = 与转台方位有关
+effect_earth_rate = 地球自转角速度北向分量的误差
+effect_orientation_before = 对前一姿态的记忆
+
+## What a campaign must hold for an effect to show
+
+needed_for_cross_compliance = 比力偏离本体轴的测点（45°棱边，30°与60°倾斜）
+needed_for_cubic_g = 比力偏离本体轴的测点
+needed_for_output_axis_g = D_S发生变化的历史中G的闭合差；测点残差永远看不到它
+needed_for_mount_clocking = D_S发生变化的历史中G的闭合差；测点残差永远看不到它
+needed_for_hysteresis = 同一姿态之前的姿态各不相同的测点次序
+needed_for_g_linear = 至少三个独立的比力方向
+needed_for_g_squared = 沿至少三个轴的比力；在1 g下有一个组合即为零偏
+needed_for_scale = 绕三个轴的角速度
+needed_for_levelling = 姿态数据，且每个面有多个方位
+needed_for_azimuth = 姿态数据，且每个面有多个方位
+needed_for_magnetic = 姿态数据与速率测点：否则它与地球自转无法区分
+needed_for_warmup = 上电后不久的测点，时间常数之内应有数个
+needed_for_time_ramp = 与比力、角速度、温度都不同步的测点次序
+needed_for_bias_step = 跳变前后各有数个测点
+needed_for_outlier_dwell = 足够多的测点，使拟合不依赖其中任何一个
+needed_for_periodic = 周期大于测点间隔的两倍且短于整个试验
+needed_for_scale_asymmetry = 正反两个方向的转动
+needed_for_scale_quadratic = 正反两个方向各四个以上的角速度
+needed_for_scale_cubic = 正反两个方向各四个以上的角速度
+needed_for_anisoinertia = 转轴在I、S两轴上均有分量的角速度
+needed_for_g_rate_coupling = 每个转轴正、反朝上各一次
+needed_for_temperature_bias = 变化过程不同于时间的温度数据
+needed_for_temperature_g = 在每组同类姿态之内都有变化的温度数据
+needed_for_temperature_scale = 温度数据与速率测点
+
+## Signs that more remains
+
+sign_lack_of_fit = 拟合残差大于重复测量的离散
+sign_spread = 残差的离散大于噪声
+sign_neighbours_in_time = 相继的测点误差相似
+sign_runs_in_time = 同一时段的测点误差相似
+sign_same_specific_force = 比力相同的测点误差相似
+sign_neighbouring_orientations = 姿态相邻的测点误差相似
+sign_similar_rates = 角速度相近的测点误差相似
+sign_same_orientation_before = 前一姿态相同的测点误差相似
+sign_similar_temperatures = 温度相近的测点误差相似
+sign_harmonics = 已命名的正弦含有谐波
+sign_several_bad_dwells = 不止一个测点异常
+sign_one_shape_is_not_enough = 同一效应需以两个时刻或周期出现两次
+sign_wandering_in_time = 两种随时间的变化几乎可由一种漂移代替
+sign_many_causes_at_once = 命名的效应多于解释差异所需
+sign_tests_together = 单项检验均不显著，但合起来显著
+
+## Why a candidate was not taken
+
+design_does_not_show_it = 本次试验设计看不到该效应
+one_class_with = 本次试验无法将其与“{ $effect }”区分，以后者代表两者
+beyond_plausible_size = 其大小超出合理范围
+not_significant = 不显著（校正后p = { $p }；要求 < { $level }）
+closes_nothing_held_out = 对留出的测点没有任何改善
+several_outlier_dwells = 有数个测点各自异常：这不是个别测点异常
+not_with_noise_growth_open = 若不限定噪声随角速度的增长，它便不成立
+not_in_joint_fit = 全部一起拟合后它不成立
+not_in_joint_fit_beside = 在“{ $effect }”之外，全部一起拟合后它不成立
+too_many_causes = 模型中已有{ $count }个原因：需要更多原因的差异尚未弄清
+explains_less_than = 它与“{ $effect }”解释的是同样的测点，但解释得较差，此外没有其他贡献
+explained_outside_catalogue = 目录之外的“{ $effect }”能更好地解释同样的测点
+
+## Why an effect cannot be identified
+
+hard_to_tell_from_g_linear = 在这些测点中，与比力成正比的漂移占去其{ $share } %的能量（主角{ $angle }°）。其中恰好看不到的部分最多可使D_I、D_S偏移{ $sds }倍标准差
+seen_in_closure_of_g_only = D_O·a_O包含在G之内，只在G的闭合差中显现
+absorbed_by_model = 现用模型在本次试验的每个测点中都将其吸收
+mostly_absorbed_by_model = 现用模型在本次试验的每个测点中吸收其能量，只剩{ $share }
+
+## Notes of a diagnosis
+
+noise_from_repeats_and_residuals = 未给出标准误差：噪声取自重复测量与残差
+no_pure_error = 没有重复的测点：无法用纯误差检验噪声
+standard_errors_understated = 重复测点的散布是给定标准误差的{ $times }倍。标准误差偏小，或随时间变化的并非噪声
+
+## Against a reference
+
+reference_of_other_imu = 参照标定属于惯性组合{ $reference }，而本次试验属于{ $campaign }
+reference_of_other_geometry = 参照标定与本次试验的构型不同
+reference_without_gyro = 参照标定在{ $slot }处没有陀螺，而本次试验中为{ $serial }
+reference_with_other_gyro = 参照标定在{ $slot }处为陀螺{ $reference }，而本次试验中为{ $campaign }
+bench_test_has_no_reference = 单表测试不与参照标定比较
+nothing_in_common = 参照标定不能确定现用模型的任何参数
+e_is_held = { $slot }：本次试验中E保持不变，不作比较
+not_determined_by_reference = { $slot }：参照标定不能确定{ $parameters }，已重新拟合
+effects_fitted_anew = 现用模型中的效应在每次试验中重新拟合，不作比较
+reference_without_noise_of_d0 = 参照为标定记录：没有给出D0与P的噪声
+reference_taken_as_exact = 参照标定没有给出标准差：视为准确值
+
+## What noise is known from
+
+noise_sem = 标准误差
+noise_repeats_sem = 标准误差与重复测量
+noise_repeats_residuals_sem = 标准误差、重复测量与残差
+noise_residuals_sem = 标准误差与残差
+noise_repeats = 重复测量
+noise_residuals = 残差
+noise_repeats_residual = 重复测量与残差
+noise_residual = 残差
+noise_stated = 给定值
+noise_none = 无

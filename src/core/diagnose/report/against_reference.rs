@@ -18,12 +18,14 @@ use crate::core::campaign::{Campaign, TestKind};
 use crate::core::diagnose::diagnosis::Residual;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Refusal;
+use crate::core::message::{Message, list, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::tails::f_tail;
 use crate::core::record::{GyroParameters, Name, Record};
 use crate::core::time::UtcMicros;
+use crate::message;
 
 /// What a campaign is held against.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +54,29 @@ pub enum NoReference {
     Refused(#[from] Refusal),
 }
 
+impl NoReference {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::OtherImu { reference, campaign } => {
+                message!("reference_of_other_imu", reference = text(reference), campaign = text(campaign))
+            }
+            Self::OtherGeometry => message!("reference_of_other_geometry"),
+            Self::NoGyro { slot, serial } => {
+                message!("reference_without_gyro", slot = slot.name(), serial = text(serial))
+            }
+            Self::OtherGyro { slot, reference, campaign } => message!(
+                "reference_with_other_gyro",
+                slot = slot.name(),
+                reference = text(reference),
+                campaign = text(campaign)
+            ),
+            Self::BenchTest => message!("bench_test_has_no_reference"),
+            Self::NothingInCommon => message!("nothing_in_common"),
+            Self::Refused(why) => why.message(),
+        }
+    }
+}
+
 /// The gap in its three parts; mean squares add up to that of the whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Split {
@@ -61,7 +86,7 @@ pub struct Split {
     pub all: Parts,
     pub gyros: Vec<(Slot, Parts)>,
     pub moved: Vec<Moved>,
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
 }
 
 /// Root mean squares over dwells, each dwell weighted by 1/sd^2, deg/h.
@@ -128,19 +153,18 @@ pub fn split(
         sums.add(&own);
         moved.extend(moves(&frame, j, then, &now[j].1));
         if gyro.known_e.is_some() {
-            notes.push(format!("{}: E is held in this campaign and not compared", gyro.slot.name()));
+            notes.push(message!("e_is_held", slot = gyro.slot.name()));
         }
         let lost = lost(&frame, j, then);
         if !lost.is_empty() {
-            let (slot, lost) = (gyro.slot.name(), lost.join(", "));
-            notes.push(format!("{slot}: the reference does not determine {lost}; fitted anew"));
+            notes.push(message!("not_determined_by_reference", slot = gyro.slot.name(), parameters = list(lost)));
         }
     }
     if sums.parameters == 0 {
         return Err(NoReference::NothingInCommon);
     }
     if !frame.adopted.is_empty() {
-        notes.push("the effects of the model in use are fitted anew in each campaign and not compared".to_owned());
+        notes.push(message!("effects_fitted_anew"));
     }
     let (imu, station, measured_at) = match reference {
         Reference::Campaign(c) => (c.imu.clone(), c.station.clone(), c.measured_at),
@@ -174,13 +198,13 @@ fn same(a: &Geometry, b: &Geometry, campaign: &Campaign) -> bool {
     })
 }
 
-fn known(reference: &Reference, frame: &Frame, options: &Options) -> (Vec<(Slot, Known)>, Vec<String>) {
+fn known(reference: &Reference, frame: &Frame, options: &Options) -> (Vec<(Slot, Known)>, Vec<Message>) {
     match reference {
         Reference::Campaign(campaign) => (of_campaign(campaign, frame, options), Vec::new()),
         Reference::Record(record) => {
-            let mut notes = vec!["the reference is a record: it states no noise of D0 and P".to_owned()];
+            let mut notes = vec![message!("reference_without_noise_of_d0")];
             if record.gyros.iter().any(|gyro| gyro.e_sd.is_none() || gyro.g_sd.is_none()) {
-                notes.push("the reference states no standard deviations: it is taken to be exact".to_owned());
+                notes.push(message!("reference_taken_as_exact"));
             }
             (record.gyros.iter().map(|gyro| (gyro.slot, of_record(gyro))).collect(), notes)
         }

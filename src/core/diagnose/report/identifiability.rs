@@ -5,8 +5,10 @@ use crate::core::diagnose::residuals::augmented_fit::Part;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::effects::{CATALOGUE, Effect, Entry, Shape};
+use crate::core::message::{Message, figure};
 use crate::core::model::Term;
 use crate::core::numerics::basis::{Basis, dot};
+use crate::message;
 
 /// Visible share of power below which an entry is listed: less than three per cent of its amplitude shows.
 const LITTLE: f64 = 1e-3;
@@ -117,14 +119,12 @@ impl Mimic {
             effect: self.effect,
             visible_fraction: self.visible,
             confounded_with: Effect::of_term(Term::GLinear).into_iter().collect(),
-            reason: format!(
-                "g_linear takes {:.0} % of its power in these dwells (principal angle {angle:.0} deg): the two are hard to \
-                 tell apart, and what is just too small to be seen of it shifts D_I and D_S by up to {:.0} of their \
-                 standard deviations",
-                100.0 * self.shared,
-                self.hidden_shift()
+            reason: message!(
+                "hard_to_tell_from_g_linear",
+                share = figure(100.0 * self.shared, 0),
+                angle = figure(angle, 0),
+                sds = figure(self.hidden_shift(), 0)
             ),
-            needs: self.effect.entry().needs.to_owned(),
         }
     }
 }
@@ -136,22 +136,24 @@ fn held(frame: &Frame, entry: &Entry) -> bool {
 }
 
 fn judged(frame: &Frame, bank: &Bank, entry: &Entry) -> Option<NotIdentifiable> {
-    let listed = |visible_fraction: f64, reason: String| {
-        let (effect, needs) = (entry.effect, entry.needs.to_owned());
-        Some(NotIdentifiable { effect, visible_fraction, confounded_with: Vec::new(), reason, needs })
+    let listed = |visible_fraction: f64, reason: Message| {
+        Some(NotIdentifiable { effect: entry.effect, visible_fraction, confounded_with: Vec::new(), reason })
     };
     if entry.closure_only {
-        return listed(0.0, "D_O a_O lies inside G; it shows in the closure of G only".to_owned());
+        return listed(0.0, message!("seen_in_closure_of_g_only"));
     }
-    if let Some(missing) = (entry.missing)(&frame.setting) {
-        return listed(0.0, missing.to_string());
+    if let Some(lack) = (entry.missing)(&frame.setting) {
+        return listed(0.0, lack.message());
     }
     let visible = visible(bank, entry.effect);
     if visible >= LITTLE {
         return None;
     }
-    let share = if visible > 1e-12 { format!("all but {visible:.1e} of its power") } else { "it".to_owned() };
-    listed(visible, format!("the model in use absorbs {share} in every dwell of this campaign"))
+    let reason = match visible > 1e-12 {
+        true => message!("mostly_absorbed_by_model", share = format!("{visible:.1e}")),
+        false => message!("absorbed_by_model"),
+    };
+    listed(visible, reason)
 }
 
 /// Largest visible share over shapes and gyros.

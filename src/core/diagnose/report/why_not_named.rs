@@ -9,6 +9,8 @@ use crate::core::diagnose::search::hypotheses::INVISIBLE;
 use crate::core::diagnose::search::noise_rounds::{FALSE_ALARM, Settled};
 use crate::core::diagnose::search::stepwise::{Choice, MOST, Search};
 use crate::core::effects::Effect;
+use crate::core::message::{Message, text};
+use crate::message;
 
 pub(crate) struct WhyNot<'a> {
     pub settled: &'a Settled,
@@ -18,50 +20,42 @@ pub(crate) struct WhyNot<'a> {
 
 impl WhyNot<'_> {
     /// `alone` is what the entry is held against the threshold with where nothing else is in the model.
-    pub fn of(&self, effect: Effect, alone: f64, visible: bool) -> String {
+    pub fn of(&self, effect: Effect, alone: f64, visible: bool) -> Message {
         if !visible {
-            return "the design does not show it".to_owned();
+            return message!("design_does_not_show_it");
         }
         if let Some(twin) = self.named.iter().find(|n| n.class.contains(&effect)) {
-            return format!("this campaign cannot tell it from {}, which stands for both", twin.part.effect.id());
+            return message!("one_class_with", effect = twin.part.effect.word());
         }
         if self.search.is_ruled_out(&[], effect) {
-            return "its size would be beyond what is plausible".to_owned();
+            return message!("beyond_plausible_size");
         }
         if alone <= self.search.needed(0) {
-            let p = digits(self.search.p_value(alone));
-            return format!(
-                "noise alone shows as much somewhere in {p} of campaigns; a name asks for less than {FALSE_ALARM}"
-            );
+            return message!("not_significant", p = digits(self.search.p_value(alone)), level = text(FALSE_ALARM));
         }
         let found = &self.settled.found;
-        if found.iter().any(|choice| choice.kind == effect) && !effect.entry().is_one_dwell() {
-            return "it closes nothing of dwells that were held out".to_owned();
-        }
         if found.iter().any(|choice| choice.kind == effect) {
-            return "several dwells stand out, each by itself: that is not one bad dwell".to_owned();
+            return match effect.entry().is_one_dwell() {
+                true => message!("several_outlier_dwells"),
+                false => message!("closes_nothing_held_out"),
+            };
         }
         let Some(first) = self.takes_most_from(effect) else {
-            return if self.settled.frame.noise.law.is_some() {
-                "it did not hold with the growth of the noise with rate left open".to_owned()
-            } else {
-                "it did not hold with everything fitted together".to_owned()
+            return match self.settled.frame.noise.law {
+                Some(_) => message!("not_with_noise_growth_open"),
+                None => message!("not_in_joint_fit"),
             };
         };
-        let left = self.search.evidence(found, effect);
-        match first.kind {
-            _ if left > self.search.needed(found.len()) && found.len() >= MOST => {
-                format!("{MOST} causes are in the model already: what needs more has not been understood")
-            }
-            _ if left > self.search.needed(found.len()) => {
-                format!("beside {} it did not hold with everything fitted together", told(first.kind))
-            }
-            first if first.is_nameable() => {
-                format!("it explains the same dwells as {} less well, and nothing beside it", told(first))
-            }
-            _ => {
-                format!("{}, outside the catalogue, explains the same dwells better", told(first.kind))
-            }
+        let first = first.kind;
+        if self.search.evidence(found, effect) > self.search.needed(found.len()) {
+            return match found.len() >= MOST {
+                true => message!("too_many_causes", count = MOST),
+                false => message!("not_in_joint_fit_beside", effect = first.word()),
+            };
+        }
+        match first.is_nameable() {
+            true => message!("explains_less_than", effect = first.word()),
+            false => message!("explained_outside_catalogue", effect = first.word()),
         }
     }
 
@@ -104,10 +98,6 @@ pub(crate) fn candidates(settled: &Settled, search: &Search, named: &[Named], va
         })
     });
     judged.collect()
-}
-
-fn told(kind: Effect) -> &'static str {
-    if kind.is_nameable() { kind.id() } else { kind.entry().looks_like }
 }
 
 /// A probability with two digits that count.

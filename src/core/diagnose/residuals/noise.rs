@@ -7,7 +7,9 @@ use crate::core::campaign::Campaign;
 use crate::core::campaign::repeats::repeats;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, shape};
 use crate::core::effects::Setting;
+use crate::core::message::Message;
 use crate::core::numerics::basis::{Basis, dot};
+use crate::message;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
@@ -23,7 +25,7 @@ pub(crate) struct Noise {
     pub rounding: Vec<f64>,
     /// Groups of two or more dwells with the same commanded phase, attitude, specific force and rate.
     pub repeats: Vec<Vec<usize>>,
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
 }
 
 /// Smallest noise against the largest output that is believed: f64 and ten-digit files end there.
@@ -49,10 +51,10 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
         }
     };
     if stated.is_none() {
-        notes.push("no standard errors are stated: the noise is taken from repeats and residuals".to_owned());
+        notes.push(message!("noise_from_repeats_and_residuals"));
     }
     if repeats.is_empty() {
-        notes.push("no dwell repeats another: there is no pure error to check the noise against".to_owned());
+        notes.push(message!("no_pure_error"));
     }
     let (sd, rounding) = above_rounding(sd, outputs);
     Noise { sd, stated: stated.is_some(), law, log_scatter, rounding, repeats, notes }

@@ -5,6 +5,7 @@ use crate::core::augmented::{Adopted, Options};
 use crate::core::campaign::{Campaign, CampaignGyro, TestKind, temperature_outliers};
 use crate::core::effects::Refusal;
 use crate::core::effects::{Scope, Setting, axes};
+use crate::core::message::Message;
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
 use crate::core::numerics::basis::{Basis, dot};
@@ -32,7 +33,7 @@ pub(crate) struct Frame {
     pub designs: Vec<Vec<Vec<f64>>>,
     /// Whether E of each gyro is among the fitted columns.
     pub scale_fitted: Vec<bool>,
-    pub notes: Vec<String>,
+    pub notes: Vec<Message>,
     /// What was noted of the campaign itself.
     pub of_campaign: Vec<Note>,
 }

@@ -12,12 +12,10 @@ pub(super) const ENTRIES: &[&Entry] = &[&ORIENTATION_HARMONICS, &FRICTION, &HEAD
 pub const ORIENTATION_HARMONICS: Entry = Entry {
     effect: Effect::OrientationHarmonics,
     id: "orientation_harmonics",
-    looks_like: "a function of orientation beyond second degree",
     cause: "flexure of case and mount under their own weight beyond second degree",
     equation: "sum of c a_x^l a_y^m a_z^n, l + m + n = 3 and 4",
     unit: "deg/(h g0^n)",
     typical: Typical { low: 0.0001, high: 0.01, source: "residuals of multi-position tests" },
-    needs: "positions off the axes",
     confused_with: &[Effect::CrossCompliance, Effect::CubicG],
     shapes: |_| vec![(Shape::Only(&[3]), 1.0), (Shape::Only(&[3, 4]), 1.0)],
     columns: |s, _, shape| picked(shape).iter().flat_map(|&degree| monomials(s, degree)).collect(),
@@ -27,12 +25,10 @@ pub const ORIENTATION_HARMONICS: Entry = Entry {
 pub const FRICTION: Entry = Entry {
     effect: Effect::Friction,
     id: "friction",
-    looks_like: "a dependence on the sense of specific force",
     cause: "pivots and flex leads hold by friction: the sense of the load counts",
     equation: "k_I |a_I| + k_S |a_S| + k_O |a_O|",
     unit: "deg/(h g0)",
     typical: Typical { low: 0.0001, high: 0.01, source: "pivot friction of floats without full flotation" },
-    needs: "positions off the axes",
     confused_with: &[Effect::Hysteresis, Effect::GSquared],
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[0, 1, 2]), 1.0)],
     columns: |s, j, shape| {
@@ -46,12 +42,10 @@ pub const FRICTION: Entry = Entry {
 pub const HEADING: Entry = Entry {
     effect: Effect::Heading,
     id: "heading",
-    looks_like: "a dependence on the table's heading",
     cause: "cables, air flow and gradients in the room follow the table's heading",
     equation: "k . C e_E + k . C e_N, and products of them",
     unit: "deg/h",
     typical: Typical { low: 0.0001, high: 0.01, source: "repeatability between headings of one face" },
-    needs: "several headings a face, attitudes",
     confused_with: &[Effect::Azimuth, Effect::Magnetic, Effect::Levelling],
     shapes: |_| vec![(Shape::Only(&[0, 1]), 1.0), (Shape::Only(&[2]), 1.0), (Shape::Only(&[0, 1, 2]), 0.5)],
     columns: |s, _, shape| picked(shape).iter().flat_map(|&part| heading(s, part)).collect(),
@@ -62,7 +56,6 @@ pub const HEADING: Entry = Entry {
 pub const EARTH_RATE: Entry = Entry {
     effect: Effect::EarthRate,
     id: "earth_rate",
-    looks_like: "an error of the Earth's rate along north",
     cause: "the latitude, or the Earth's rate, that the dwells' rates were made with is wrong",
     equation: "k . I C e_N in static dwells, k the error of the rate along north",
     unit: "deg/h",
@@ -71,7 +64,6 @@ pub const EARTH_RATE: Entry = Entry {
         high: 1.0,
         source: "a latitude wrong by arc minutes to degrees: 15.04 deg/h sin(latitude)",
     },
-    needs: "several headings a face, attitudes",
     confused_with: &[Effect::Magnetic, Effect::Azimuth, Effect::Levelling],
     columns: |s, j, _| {
         let Some(c) = &s.nav_to_body else { return Vec::new() };
@@ -84,12 +76,10 @@ pub const EARTH_RATE: Entry = Entry {
 pub const ORIENTATION_BEFORE: Entry = Entry {
     effect: Effect::OrientationBefore,
     id: "orientation_before",
-    looks_like: "a memory of the orientation before",
     cause: "the float and the fluid remember how they stood before",
     equation: "k . a of the dwell before",
     unit: "deg/(h g0)",
     typical: Typical { low: 0.0001, high: 0.05, source: "settling after a change of position" },
-    needs: "an order in which the dwell before varies",
     confused_with: &[Effect::Hysteresis],
     columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.force[k - 1][i] })).collect(),
     ..COMPETING

@@ -11,12 +11,10 @@ pub(super) const ENTRIES: &[&Entry] =
 pub const RATE_EVEN: Entry = Entry {
     effect: Effect::RateEven,
     id: "rate_even",
-    looks_like: "an even function of rate",
     cause: "torquer and electronics rectify: drift that both senses share, about any axis",
     equation: "k_x w_x^2 + k_y w_y^2 + k_z w_z^2, or with |w|",
     unit: "deg/h per (arcsec/s)^n",
     typical: Typical { low: 1e-12, high: 1e-9, source: "rectification of rebalance loops" },
-    needs: "rates about each axis in both senses",
     confused_with: &[Effect::ScaleAsymmetry, Effect::ScaleQuadratic, Effect::Anisoinertia],
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: |s, _, shape| match picked(shape) {
@@ -30,12 +28,10 @@ pub const RATE_EVEN: Entry = Entry {
 pub const RATE_ODD: Entry = Entry {
     effect: Effect::RateOdd,
     id: "rate_odd",
-    looks_like: "an odd function of rate",
     cause: "saturation of the torquer's magnet, about any axis",
     equation: "k_x w_x^3 + k_y w_y^3 + k_z w_z^3, or with w |w|",
     unit: "deg/h per (arcsec/s)^n",
     typical: Typical { low: 1e-16, high: 1e-9, source: "linearity of torquers, 10 to 100 ppm of full rate" },
-    needs: "three rates or more about each axis",
     confused_with: &[Effect::ScaleCubic],
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0), (Shape::Only(&[2]), 0.5)],
     columns: |s, _, shape| match picked(shape) {
@@ -49,12 +45,10 @@ pub const RATE_ODD: Entry = Entry {
 pub const RATE_CURVE: Entry = Entry {
     effect: Effect::RateCurve,
     id: "rate_curve",
-    looks_like: "a smooth function of the rate along the input axis",
     cause: "linearity of the rebalance loop by no single power",
     equation: "sum_n c_n (w_I/top)^n/n, n = 2 .. 7",
     unit: "deg/h",
     typical: Typical { low: 0.001, high: 1.0, source: "linearity of rebalance loops, 1 to 100 ppm of full rate" },
-    needs: "many rates in both senses",
     confused_with: &[Effect::ScaleCubic, Effect::ScaleQuadratic, Effect::ScaleAsymmetry],
     prior: Prior::Smooth,
     columns: rate_curve,
@@ -64,12 +58,10 @@ pub const RATE_CURVE: Entry = Entry {
 pub const RATE_AND_FORCE: Entry = Entry {
     effect: Effect::RateAndForce,
     id: "rate_and_force",
-    looks_like: "a scale factor that depends on orientation",
     cause: "the torquer's gap changes under load: scale factor depends on orientation",
     equation: "w_I (k_S a_S + k_O a_O), or k . a times w",
     unit: "1/g0",
     typical: Typical { low: 1e-7, high: 0.0001, source: "scale factor against orientation, 0.1 to 100 ppm" },
-    needs: "each rate axis up and down",
     confused_with: &[Effect::GRateCoupling, Effect::Anisoinertia],
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: |s, j, shape| match picked(shape) {
@@ -88,12 +80,10 @@ pub const RATE_AND_FORCE: Entry = Entry {
 pub const STATIC_TO_RATE: Entry = Entry {
     effect: Effect::StaticToRate,
     id: "static_to_rate",
-    looks_like: "a difference between standing and turning",
     cause: "the unit was mounted anew, or slip rings and fans run, for the rate dwells",
     equation: "k, or k . a, in rate dwells alone",
     unit: "deg/h, deg/(h g0)",
     typical: Typical { low: 0.0001, high: 0.05, source: "repeatability of remounting" },
-    needs: "rate dwells as many as static ones",
     confused_with: &[Effect::BiasStep, Effect::ScaleAsymmetry],
     shapes: |_| vec![(Shape::Only(&[0]), 1.0), (Shape::Only(&[1]), 1.0)],
     columns: |s, _, shape| match picked(shape) {
@@ -106,12 +96,10 @@ pub const STATIC_TO_RATE: Entry = Entry {
 pub const TORQUER_HEATING: Entry = Entry {
     effect: Effect::TorquerHeating,
     id: "torquer_heating",
-    looks_like: "a memory of the rates before",
     cause: "the torquer's own heat after a fast dwell",
     equation: "k sum of earlier w_I^2, forgotten with tau",
     unit: "deg/h per (arcsec/s)^2",
     typical: Typical { low: 1e-12, high: 1e-9, source: "a watt in the torquer warms it by a kelvin" },
-    needs: "slow dwells after fast ones",
     confused_with: &[Effect::ScaleQuadratic, Effect::Warmup],
     shapes: |s| [0.4, 1.5, 4.0, 12.0].into_iter().map(|x| (Shape::Tau(x * s.interval()), 1.0)).collect(),
     columns: |s, j, shape| match shape {
@@ -124,12 +112,10 @@ pub const TORQUER_HEATING: Entry = Entry {
 pub const RATE_BEFORE: Entry = Entry {
     effect: Effect::RateBefore,
     id: "rate_before",
-    looks_like: "a memory of the rate before",
     cause: "fluid and suspension remember the rate before",
     equation: "k . w of the dwell before",
     unit: "1",
     typical: Typical { low: 1e-9, high: 1e-6, source: "settling after a change of rate" },
-    needs: "an order in which the rate before varies",
     confused_with: &[Effect::Hysteresis, Effect::ScaleAsymmetry],
     columns: |s, _, _| (0..3).map(|i| s.column(|k| if k == 0 { 0.0 } else { s.rate[k - 1][i] })).collect(),
     ..COMPETING

@@ -21,7 +21,6 @@ use super::document::{Document, check_media_type, idempotency_key};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
-use crate::core::message::Message;
 use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use crate::message;
 use crate::pipeline::{
@@ -207,7 +206,7 @@ async fn get_diagnosis(
                 diagnosis.reference = Some(against(&app, number, &diagnosis, &reference).await?);
                 Ok(Json(diagnosis).into_response())
             }
-            (Err(why), _) => Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
+            (Err(why), _) => Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
         },
     }
 }
@@ -231,7 +230,7 @@ async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) 
     let number: Id = reference.parse().map_err(|_| unknown())?;
     app.pipeline.split(id, diagnosis, number).await.map_err(|why| match why {
         NotSplit::NoSuchReference(_) => unknown(),
-        NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", Message::verbatim(why)),
+        NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", why.message()),
         NotSplit::Store(error) => error.into(),
     })
 }

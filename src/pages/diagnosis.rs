@@ -17,7 +17,6 @@ use super::residuals;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::effects::Effect;
-use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
@@ -60,7 +59,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
         Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {
             Ok(diagnosis) => diagnosis.clone(),
-            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
+            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
         },
     };
     let slots: Vec<(String, String)> = stored

@@ -9,6 +9,7 @@ use super::alerts::written;
 use super::figure::{self, short};
 use super::layout::{instant, symbol};
 use super::text::Text;
+use crate::core::message::Message;
 use crate::pipeline::store;
 use crate::pipeline::{Id, Kind, NotSplit, RecordHead, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -29,7 +30,7 @@ pub(super) struct Against {
     /// Newest first.
     offered: Vec<RecordHead>,
     chosen: Option<Id>,
-    split: Option<Result<SplitBody, String>>,
+    split: Option<Result<SplitBody, Message>>,
 }
 
 impl Against {
@@ -52,7 +53,7 @@ impl Against {
             Some(id) => Some(match pages.pipeline.split(stored.row.id, diagnosis, id).await {
                 Ok(split) => Ok(split),
                 Err(NotSplit::NoSuchReference(id)) => return Err(unknown(&id.to_string())),
-                Err(NotSplit::NoReference(why)) => Err(why.to_string()),
+                Err(NotSplit::NoReference(why)) => Err(why.message()),
                 Err(NotSplit::Store(error)) => return Err(error.into()),
             }),
             None => None,
@@ -68,7 +69,7 @@ impl Against {
                     (self.choice(t))
                     @match &self.split {
                         Some(Ok(split)) => (parts(t, split)),
-                        Some(Err(why)) => p { (t.spoken(why)) },
+                        Some(Err(why)) => p { (t.words(why)) },
                         None => p { (t.none_before) },
                     }
                 }

@@ -169,7 +169,7 @@ fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
                 tr {
                     td translate="no" { (failure.imu) }
                     td { a href={ "/campaigns/" (failure.campaign) } { (at(&failure.measured_at)) } }
-                    td.words { (t.spoken(&failure.reason)) }
+                    td.words { (failure.reason) }
                 }
             } }
         } }

@@ -1,6 +1,6 @@
-//! What the service says in English, said in Chinese: verdicts, notes, reasons of a diagnosis.
+//! What a diagnosis says in English, said in Chinese.
 //!
-//! Those words are made where they are known (`core`, `wire`, `pipeline`), for programs as well as for people, and in one
+//! Those words are made where they are known (`core/diagnose`), for programs as well as for people, and in one
 //! language. Here each form of sentence stands beside its Chinese. `{}` stands for whatever was filled in; in Chinese `{0}`,
 //! `{1}` … (`{a}` after `{9}`) for what the first, the second … held. What was filled in may be a sentence or the name of an effect itself.
 //! What is not known is left as it is.
@@ -9,7 +9,6 @@ mod diagnosis;
 
 use super::Text;
 use crate::core::effects::Effect;
-use crate::core::message::{Message, Parameter};
 use crate::words::Language;
 
 type Sentence = (&'static str, &'static str);
@@ -17,16 +16,7 @@ type Sentence = (&'static str, &'static str);
 const ALL: [&[Sentence]; 1] = [diagnosis::SENTENCES];
 
 impl Text {
-    /// A message in this language. A text that is not ours may have a form that is known.
-    pub fn words(&self, message: &Message) -> String {
-        let language = if self.tag == "zh" { Language::Chinese } else { Language::English };
-        match message.parameter("text") {
-            Some(Parameter::Text(text)) if message.code == "verbatim" => self.spoken(text),
-            _ => language.words(message),
-        }
-    }
-
-    /// Words of the service in this language.
+    /// What a diagnosis says, in this language.
     pub fn spoken(&self, english: &str) -> String {
         if self.tag == "zh" { in_chinese(english) } else { english.to_owned() }
     }

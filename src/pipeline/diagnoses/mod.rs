@@ -23,6 +23,7 @@ use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 use super::{Job, Pipeline, Refused};
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
@@ -38,7 +39,7 @@ use crate::system::Clock;
 use crate::telemetry;
 use crate::wire::campaign;
 use crate::wire::diagnosis::DiagnosisBody;
-use crate::wire::message::to_stored;
+use crate::wire::message::{from_stored, to_stored};
 use crate::wire::record::parse_record;
 use crate::wire::split::{SplitBody, residuals};
 
@@ -51,7 +52,7 @@ const AT_ONCE: usize = 2;
 /// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
 const IN_MEMORY: usize = 32;
 /// The answer, or why there is none.
-pub type Diagnosed = Arc<Result<DiagnosisBody, String>>;
+pub type Diagnosed = Arc<Result<DiagnosisBody, Message>>;
 
 /// What has become of the question.
 #[derive(Debug, Clone)]
@@ -118,7 +119,7 @@ impl Known {
     fn row(&self) -> DiagnosisRow {
         let (refused, body) = match &*self.diagnosed {
             Ok(body) => (false, text(body)),
-            Err(why) => (true, why.clone()),
+            Err(why) => (true, to_stored(why)),
         };
         DiagnosisRow { record: self.campaign, model: self.model, program: program(), refused, body }
     }
@@ -139,7 +140,7 @@ impl Made {
             Outcome::Known { known, gyros } => {
                 let gist = text(&Gist::of(gyros.clone(), &known.diagnosed));
                 changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
-                known.diagnosed.as_ref().as_ref().err().cloned()
+                known.diagnosed.as_ref().as_ref().err().map(to_stored)
             }
             Outcome::Failed(why) => Some(why.clone()),
         };
@@ -187,7 +188,7 @@ impl Diagnoser {
                 StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id))
             })
         };
-        let diagnosed = Arc::new(if kept.refused { Err(kept.body) } else { Ok(read(&kept.body)?) });
+        let diagnosed = Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) });
         self.remember(Known { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
         Ok(Some(diagnosed))
     }
@@ -242,7 +243,7 @@ impl Diagnoser {
         let options = in_force.model.options_as_asked(&campaign);
         let work = move || match diagnose(&campaign, &options) {
             Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
-            Err(why) => Err(why.to_string()),
+            Err(why) => Err(why.message()),
         };
         let made = beside_others("diagnosis", awaited, work).await;
         let outcome = match &made {

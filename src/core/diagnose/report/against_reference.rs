@@ -18,12 +18,14 @@ use crate::core::campaign::{Campaign, TestKind};
 use crate::core::diagnose::diagnosis::Residual;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::Refusal;
+use crate::core::message::{Message, text};
 use crate::core::model::{Term, Terms};
 use crate::core::mounting::{Geometry, Slot};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::tails::f_tail;
 use crate::core::record::{GyroParameters, Name, Record};
 use crate::core::time::UtcMicros;
+use crate::message;
 
 /// What a campaign is held against.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +52,29 @@ pub enum NoReference {
     NothingInCommon,
     #[error(transparent)]
     Refused(#[from] Refusal),
+}
+
+impl NoReference {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::OtherImu { reference, campaign } => {
+                message!("reference_of_other_imu", reference = text(reference), campaign = text(campaign))
+            }
+            Self::OtherGeometry => message!("reference_of_other_geometry"),
+            Self::NoGyro { slot, serial } => {
+                message!("reference_without_gyro", slot = slot.name(), serial = text(serial))
+            }
+            Self::OtherGyro { slot, reference, campaign } => message!(
+                "reference_of_other_gyro",
+                slot = slot.name(),
+                reference = text(reference),
+                campaign = text(campaign),
+            ),
+            Self::BenchTest => message!("no_reference_for_bench_test"),
+            Self::NothingInCommon => message!("reference_determines_nothing"),
+            Self::Refused(why) => why.message(),
+        }
+    }
 }
 
 /// The gap in its three parts; mean squares add up to that of the whole.

@@ -4,12 +4,6 @@ use super::Sentence;
 
 pub(super) const SENTENCES: &[Sentence] = &[
     // Against an earlier calibration.
-    ("the reference is of IMU {}, the campaign of {}", "参照标定属于惯性组合{0}，而本次试验属于{1}"),
-    ("the reference has another geometry than the campaign", "参照标定与本次试验的构型不同"),
-    ("the reference holds no gyro in {}, where the campaign has {}", "参照标定在{0}处没有陀螺，而本次试验中为{1}"),
-    ("the reference has gyro {} in {}, the campaign {}", "参照标定在{1}处为陀螺{0}，而本次试验中为{2}"),
-    ("a bench test of one gyro is compared with no reference", "单表测试不与参照标定比较"),
-    ("the reference determines no parameter of the model in use", "参照标定不能确定现用模型的任何参数"),
     ("{}: E is held in this campaign and not compared", "{0}：本次试验中E保持不变，不作比较"),
     ("{}: the reference does not determine {}; fitted anew", "{0}：参照标定不能确定{1}，已重新拟合"),
     (
@@ -177,10 +171,6 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "{1}个测点中有{0}个没有姿态（{2}）：这些测点未与姿态核对，且看不到测试站的效应",
     ),
     (
-        "no temperature in {} of {} dwells ({}): it is taken from the dwells beside them",
-        "{1}个测点中有{0}个没有温度（{2}）：取自相邻测点",
-    ),
-    (
         "no temperature in {} of {} dwells ({}): with so few, effects of temperature cannot be seen",
         "{1}个测点中有{0}个没有温度（{2}）：有温度的测点过少，看不到温度效应",
     ),
@@ -189,11 +179,6 @@ pub(super) const SENTENCES: &[Sentence] = &[
         "{1}个测点中有{0}个没有标准误差（{2}）：取其余测点的中位数，并按时长换算",
     ),
     ("{} and {} more", "{0}，另有{1}个"),
-    (
-        "the temperature of {} is {} deg C where the campaign's median is {} deg C: taken for a fault value of the sensor and left \
-         out of temperature effects",
-        "{0}的温度为{1} °C，而本次试验的中位数为{2} °C：视为传感器的故障值，不计入温度效应",
-    ),
     (
         "no temperature in {} of {} dwells ({}): it is taken from the neighbouring dwells",
         "{1}个测点中有{0}个没有温度（{2}）：取自相邻测点",
@@ -238,40 +223,6 @@ pub(super) const SENTENCES: &[Sentence] = &[
     ("stated", "给定值"),
     ("stated standard errors", "给定的标准误差"),
     ("none", "无"),
-    // Why nothing could be separated or diagnosed.
-    (
-        "{} dwells leave nothing over the {} parameters of the model: nothing can be held against it",
-        "{0}个位置段对模型的{1}个参数没有多余观测：无法检验模型",
-    ),
+    // Why effects of the model were left out.
     ("the output of {} is the same in every dwell", "{0}的输出在所有位置段中相同"),
-    ("the model holds no terms", "模型没有任何项"),
-    (
-        "the model has no g_linear term: no acceleration-sensitive drift was fitted",
-        "模型没有与比力成正比的项：未拟合与加速度有关的漂移",
-    ),
-    (
-        "E is neither fitted (no scale term) nor held (known_e_pulse_per_arcsec): G stays in pulse/(s g0) and D_I, D_S \
-         cannot be had in deg/(h g0)",
-        "E既未拟合（无标度项）也未给定（known_e_pulse_per_arcsec）：G只能以pulse/(s·g0)表示，得不到以(°)/(h·g0)表示的D_I、D_S",
-    ),
-    ("the dwells do not determine {}; {}", "这些位置段不能确定{0}；{1}"),
-    ("dwells with other directions of the specific force are needed", "需要其他比力方向的位置段"),
-    ("dwells with other rates are needed", "需要其他角速度的位置段"),
-    (
-        "dwells with other directions of the specific force and other rates are needed",
-        "需要其他比力方向与其他角速度的位置段",
-    ),
-    ("E is not resolved from the noise: |E| is {} of its standard deviations", "E淹没在噪声中：|E|只有其标准差的{0}倍"),
-    ("the fitted E is impossible: {}", "拟合得到的E不可能：{0}"),
-    ("E is zero: it has no direction and cannot divide G", "E为零：没有方向，不能作除数"),
-    ("E, G or their quotient is not a finite number", "E、G或其商不是有限数"),
-    (
-        "E points {} deg away from its nominal input axis: reversed polarity or another slot",
-        "E偏离标称输入轴{0}°：极性接反或位置有误",
-    ),
-    ("equations (8) to (13) hold for the skewed geometry only", "公式(8)-(13)只适用于斜置构型"),
-    (
-        "the input and spin directions of equations (8) to (13) coincide for this E",
-        "对此E，公式(8)-(13)的输入轴与电机轴方向重合",
-    ),
 ];

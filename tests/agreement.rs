@@ -90,7 +90,12 @@ async fn methods_that_disagree_are_named() {
     let agreement = lab.get("/v1/gyros/A/agreement").await.ok();
     let d_i = verdict(&agreement, "A", "D_I", "agreement");
     assert_eq!(d_i["state"], "exceeded");
-    assert!(d_i["reason"].as_str().unwrap().contains("turntable_servo"), "{d_i}");
+    let of = |which: &str| &d_i["parameters"][which]["parameters"];
+    assert_eq!(
+        (&d_i["code"], &of("highest")["method"]["code"]),
+        (&json!("agreement"), &json!("method_turntable_servo"))
+    );
+    assert_eq!(of("lowest")["method"]["code"], "method_separation");
     assert_eq!(verdict(&agreement, "A", "D_S", "agreement")["state"], "within");
 }
 
@@ -167,7 +172,10 @@ async fn what_is_too_old_beside_the_newest_result_does_not_count() {
     assert_eq!((counted(&apart), &apart["range"]), (vec![false, true], &json!({"D_I": null, "D_S": null})));
     let d_i = verdict(&apart, "A", "D_I", "agreement");
     assert_eq!((&d_i["state"], &d_i["value"]), (&json!("indeterminate"), &Value::Null));
-    assert_eq!(d_i["reason"], "D_I: not enough data for agreement. It needs 2 results within 180 days and has 1.");
+    assert_eq!(
+        d_i["reason"],
+        "D_I: not enough data for agreement of methods. It needs 2 results within 180 days and has 1."
+    );
     assert_eq!(d_i["status"], "not_enough_data");
     // Whoever names a span compares what is in it.
     let named = lab.get("/v1/gyros/A/agreement?from=2025-01-01T00:00:00Z").await.ok();

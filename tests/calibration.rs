@@ -13,6 +13,7 @@ use gyrowatch::wire::answer::MethodBody;
 use gyrowatch::wire::calibration::CampaignAnswer;
 use gyrowatch::wire::campaign::parse;
 use gyrowatch::wire::diagnosis::DiagnosisBody;
+use gyrowatch::wire::document::parse;
 
 fn read(name: &str) -> Campaign {
     let path = format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));

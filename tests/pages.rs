@@ -1022,10 +1022,10 @@ async fn notes_are_shown_before_and_after_storing_and_a_doubtful_time_is_confirm
         let text = format!("text={early}\r\n");
         server.call("POST", "/import/preview", &headers, text).await.text()
     };
-    let words = "clocks that were never set begin: set aside until somebody confirms the time";
+    let words = "clocks that were never set begin: set aside until the time is confirmed";
     assert!(sends("en").await.contains(words));
     let chinese = sends("zh").await;
-    assert!(chinese.contains("暂不计入，待人工确认时间") && !chinese.contains(words), "{chinese}");
+    assert!(chinese.contains("暂不计入，待确认时间") && !chinese.contains(words), "{chinese}");
     let id = server.post_json("/v1/records", &early).await.json()["id"].as_str().unwrap().to_owned();
     let shown = page(&server, &format!("/records/{id}"), &[]).await;
     assert!(shown.contains(words) && shown.contains("Set aside: its time is in doubt"), "{shown}");

@@ -244,7 +244,7 @@ fn no_words_are_left_that_nothing_says() {
 const MOST_WORDS: usize = 40;
 
 /// Wordings that are replaced by plainer ones.
-const REPLACED: [&str; 33] = [
+const REPLACED: [&str; 36] = [
     " lies ",
     "has lain",
     "what parts",
@@ -278,6 +278,9 @@ const REPLACED: [&str; 33] = [
     "one dwell is wrong",
     "no more repeats",
     "why it changed",
+    "what happened to it",
+    "nothing is noted",
+    "read what this does",
 ];
 
 /// Wordings of Chinese that are replaced by the paper's.

@@ -16,6 +16,7 @@ use crate::wire::answer::{MethodBody, RecordAnswer, SeparationBody, VerdictBody}
 use crate::wire::document::DocumentKind;
 use crate::wire::record::parse_record;
 use crate::wire::time;
+use crate::words::asked;
 
 /// What whoever would compute something from a bench result is told.
 pub(super) const BENCH_RESULT: &str =
@@ -120,7 +121,7 @@ fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Re
         let [e, g] = verdicts.map(|verdict| verdict.map_or("-", |verdict| verdict.state.name()));
         states.add_row([slot, serial, e, g]);
         for verdict in verdicts.iter().flatten().filter(|verdict| verdict.state != State::Within) {
-            reasons.push_str(&format!("\n{slot} {serial}: {verdict}"));
+            reasons.push_str(&format!("\n{slot} {serial}: {}", asked().reason(verdict)));
         }
     }
     if states.is_empty() {

@@ -81,6 +81,5 @@ fn problem_of(status: StatusCode, text: String, longest_body: usize) -> Problem 
         (true, StatusCode::SERVICE_UNAVAILABLE) => message!("answer_took_too_long"),
         (true, _) => Message::verbatim(title),
     };
-    // A title that is no code is said as it is.
     Problem::new(status.as_u16(), title, message)
 }

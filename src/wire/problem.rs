@@ -118,7 +118,9 @@ impl Problem {
             language.words(&self.message)
         };
         let message = MessageBody::of(&self.message, language);
-        let (title, existing) = (language.word(self.title).to_owned(), self.existing.clone());
+        // A title that is no code is said as it is.
+        let title = Some(language.word(self.title)).filter(|words| !words.is_empty()).unwrap_or(self.title).to_owned();
+        let existing = self.existing.clone();
         ProblemBody { title, status: self.status, message, detail, errors, existing }
     }
 }

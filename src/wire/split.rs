@@ -3,10 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::diagnosis::ResidualBody;
 use super::message::MessageBody;
 use super::time;
-use crate::core::diagnose::{Moved, Parts, Residual, Split};
+use crate::core::diagnose::{Moved, Parts, Split};
 use crate::core::mounting::Slot;
 use crate::words::{Language, asked};
 
@@ -107,18 +106,4 @@ impl From<&Split> for SplitBody {
             note_codes: s.notes.iter().map(|note| MessageBody::of(note, asked())).collect(),
         }
     }
-}
-
-/// Residuals of a diagnosis as they were answered; those of unknown slots are left out.
-pub fn residuals(bodies: &[ResidualBody]) -> Vec<Residual> {
-    let residual = |body: &ResidualBody| {
-        Some(Residual {
-            index: body.index,
-            slot: Slot::from_name(&body.slot)?,
-            before_deg_per_h: body.before_deg_per_h,
-            after_deg_per_h: body.after_deg_per_h,
-            sd_deg_per_h: body.sd_deg_per_h,
-        })
-    };
-    bodies.iter().filter_map(residual).collect()
 }

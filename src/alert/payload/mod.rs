@@ -2,39 +2,14 @@
 //! link to its page.
 
 mod alertmanager;
+mod body;
 mod cloudevents;
 mod standard;
 
-use serde::Serialize;
-
 use super::message::{HookKind, Message};
-use crate::core::judge::Severity;
-use crate::core::message::text;
-use crate::core::time::UtcMicros;
-use crate::message;
-use crate::wire::alert::AlertBody;
-use crate::words::asked;
 
 pub use alertmanager::{EXPIRES_AFTER_RESENDS, push_firing};
-
-/// What a hook is told, ready to be sent.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Payload {
-    pub content_type: &'static str,
-    pub body: Vec<u8>,
-}
-
-/// What bodies say about the service and the hook itself.
-#[derive(Debug, Clone, Copy)]
-pub struct Context<'a> {
-    /// The hook's name: the `receiver` of Alertmanager's body.
-    pub hook: &'a str,
-    /// Where people reach the service's pages, without a slash at its end; none where nobody has said.
-    pub external_url: Option<&'a str>,
-    /// How often what fires is pushed to an Alertmanager again, in microseconds.
-    pub resend_every: i64,
-    pub now: UtcMicros,
-}
+pub use body::{Context, Payload};
 
 pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Payload {
     match kind {
@@ -43,37 +18,6 @@ pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Paylo
         HookKind::Alertmanager => alertmanager::render_push(message, context),
         HookKind::CloudEvents => cloudevents::render(message, context),
     }
-}
-
-/// Alerts that a digest lists; the rest are counted.
-const MOST_LISTED: usize = 100;
-
-/// The page of a gyro: its path alone where nobody has said where the service is reached.
-fn page(context: &Context<'_>, serial: &str) -> String {
-    let mut url = format!("{}/gyros/", context.external_url.unwrap_or_default());
-    for byte in serial.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
-            _ => url.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    url
-}
-
-/// One line for people: `LFG-0101: D_I step fires (warning)`.
-fn summary(alert: &AlertBody, resolved: bool) -> String {
-    let AlertBody { serial, coefficient, rule, severity, .. } = alert;
-    let [serial, coefficient, rule] = [&**serial, coefficient, rule].map(text);
-    asked().words(&match Severity::from_name(severity) {
-        Some(severity) if !resolved => {
-            message!("alert_fires", serial = serial, coefficient = coefficient, rule = rule, severity = severity.word())
-        }
-        _ => message!("alert_is_resolved", serial = serial, coefficient = coefficient, rule = rule),
-    })
-}
-
-fn to_json(body: &impl Serialize) -> Vec<u8> {
-    serde_json::to_vec(body).expect("bodies have string keys, and every figure in them is finite or written as null")
 }
 
 #[cfg(test)]

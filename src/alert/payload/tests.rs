@@ -4,7 +4,9 @@ use serde_json::Value;
 use super::*;
 use crate::alert::message::{Change, Event};
 use crate::core::alert_decision::Action;
+use crate::core::time::UtcMicros;
 use crate::message;
+use crate::wire::alert::AlertBody;
 use crate::wire::alert::FindingBody;
 use crate::wire::reason::Reason;
 

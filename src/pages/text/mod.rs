@@ -28,6 +28,10 @@ impl Text {
         Language::from_tag(self.tag).unwrap_or_default()
     }
 
+    pub fn words(&self, message: &Message) -> String {
+        self.language().words(message)
+    }
+
     /// A rule, an event, a status, a severity, a method: words without parameters.
     pub fn word(&self, message: &Message) -> &'static str {
         self.language().word(&message.code)
@@ -86,10 +90,6 @@ impl Text {
             ("published", _) => self.word(&message!("method_published")),
             _ => self.word(&message!("method_rigid")),
         }
-    }
-
-    pub fn words(&self, message: &Message) -> String {
-        self.language().words(message)
     }
 
     /// A short name of an effect.

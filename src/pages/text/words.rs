@@ -37,7 +37,7 @@ catalogue! {
     meaning_d_i: "mass unbalance along the spin axis, drift per g along I", "沿电机轴的质量不平衡，对应沿I轴的比力";
     meaning_d_s: "mass unbalance along the input axis, drift per g along S", "沿输入轴的质量不平衡，对应沿S轴的比力";
     meaning_d_o: "closure: the mounting, or a true output-axis term", "闭合差：安装偏差或真实的输出轴项";
-    meaning_e: "scale factor and direction of the input axis", "标度因数与输入轴方向";
+    meaning_e: "scale factor and direction of the input axis", "标度因子与输入轴方向";
     meaning_g: "g-sensitive terms", "与g有关的项";
     meaning_all: "the gyro as a whole", "整个陀螺";
 
@@ -116,8 +116,8 @@ catalogue! {
     sent_by: "sent by", "发送者";
     identifier: "id", "编号";
     operator: "operator", "操作员";
-    dwells: "dwells", "个位置段";
-    dwell: "dwell", "位置段";
+    dwells: "dwells", "个测点";
+    dwell: "dwell", "测点";
     diagnose: "Diagnose: where it parts from the error model, and why", "诊断：与误差模型的差异及原因";
     verdicts_of_record: "Verdicts", "判定";
     uncounted_note: "As it was judged while it counted. None of this counts any more.", "以下为该记录有效时的判定，现均不再计入。";
@@ -135,7 +135,7 @@ catalogue! {
     clocking: "clocking of S about I", "S绕I的转角";
     parameters: "Parameters of model (6)", "模型(6)参数";
     requirement_note: "Ranges: what is required of E and G. Set by:", "范围：对E与G的要求，由以下配置规定：";
-    not_determined: "not determined by these dwells", "这些位置段不能确定";
+    not_determined: "not determined by these dwells", "这些测点不能确定";
     pass: "pass", "合格";
     fail: "fail", "不合格";
     fit_quality: "Quality of the fit", "拟合质量";
@@ -145,9 +145,9 @@ catalogue! {
     noise: "noise", "噪声";
     sem_factor: "real / stated noise", "实际/标称噪声";
     noise_from: "noise known from", "噪声来源";
-    not_seen: "no dwell sees the direction", "任何位置段都看不到的方向";
+    not_seen: "no dwell sees the direction", "任何测点都看不到的方向";
     fixed_by: "fixed by", "约束条件";
-    residuals_by_dwell: "Residuals by dwell", "各位置段残差";
+    residuals_by_dwell: "Residuals by dwell", "各测点残差";
     residuals_note: "Each over its own standard deviation; the band is two of them.", "以各自标准差为单位；灰带为两倍标准差。";
     no_noise: "Nothing gives the noise, so residuals have no scale.", "噪声未知，残差无法归一化。";
     every_residual: "Every residual as a table", "全部残差列表";
@@ -171,7 +171,7 @@ catalogue! {
     last_seen_in: "Last with it", "最近出现";
     last_clear: "Last without it before", "此前最后一次未出现";
     gyro_by_gyro: "Gyro by gyro", "逐个陀螺";
-    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap that effects named before it in the campaign have left, on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。测试站：出现／该陀螺在此的试验。解释比例：留出位置段上，该次试验中先命名的效应所余可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
+    findings_note: "Campaigns: with the effect / since the first one with it / of the gyro. At a station: with the effect / of the gyro there. Closed: of the reducible gap that effects named before it in the campaign have left, on held-out dwells, the median with the least and the greatest. Shift: the largest by all effects named in a campaign, with its part of the budget; dwells cannot show a smaller one than their noise.", "试验数：出现该效应／首次出现以来／该陀螺全部。测试站：出现／该陀螺在此的试验。解释比例：留出测点上，该次试验中先命名的效应所余可消除差异的解释比例，中位数及最小、最大值。变化：试验中所有效应造成的最大变化及占允许范围的比例；小于噪声的变化无法显示。";
     or_as_well: "or just as well:", "或同样可能：";
     closed: "Closed", "解释比例";
     not_explained: "Not explained by the catalogue, or not wholly", "目录不能解释或不能完全解释的差异";
@@ -206,7 +206,7 @@ catalogue! {
     verdict_partly_explained: "There is a gap; what is named below explains part of it, and something significant remains.", "存在差异；下列效应解释了一部分，仍有显著剩余。";
     verdict_unexplained: "There is a gap, and nothing in the catalogue earns the blame.", "存在差异，但目录中没有可以归因的效应。";
     gap_before: "Gap before", "解释前";
-    by_pattern: "As a whole the residuals are no larger than noise alone would leave them: the gap stands out by its pattern over the dwells, not by its size.", "残差总体并不大于噪声所应留下的残差：差异是凭其在各位置段上的形态显现的，而不是凭大小。";
+    by_pattern: "As a whole the residuals are no larger than noise alone would leave them: the gap stands out by its pattern over the dwells, not by its size.", "残差总体并不大于噪声所应留下的残差：差异是凭其在各测点上的形态显现的，而不是凭大小。";
     noise_alone: "Noise alone would leave", "仅有噪声时应余";
     gap_after: "Left after", "解释后";
     noise_floor: "Noise floor", "噪声底";
@@ -222,15 +222,15 @@ catalogue! {
     value: "Value", "数值";
     unit_word: "Unit", "单位";
     all_gyros: "all", "全部";
-    held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的位置段上得到解释：";
+    held_out: "of the reducible gap closed on dwells that were held out:", "的可消除差异在留出的测点上得到解释：";
     in_order: "Each closes of what those above it have left: their closures do not compare, their detectabilities do.", "每项的解释比例以前面各项所余差异为基准：解释比例不可相互比较，可检测度则可以。";
     located: "Where", "位置";
-    heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×位置段；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
-    heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各位置段残差与不确定度之比";
+    heat_note: "Gyro by dwell. Shade: residual before over its standard uncertainty; full at six.", "陀螺×测点；颜色深浅为解释前残差与其标准不确定度之比，6倍时最深。";
+    heat_map: "residual over uncertainty, gyro by dwell", "各陀螺各测点残差与不确定度之比";
     place: "Place", "位置";
     share: "Share of the gap", "所占差异";
     against: "Against an earlier calibration", "与以往标定比较";
-    against_note: "Root mean square over the dwells, deg/h; the squares of the three parts add up to that of the whole.", "各位置段的均方根，°/h；三部分的平方和等于总差异的平方。";
+    against_note: "Root mean square over the dwells, deg/h; the squares of the three parts add up to that of the whole.", "各测点的均方根，°/h；三部分的平方和等于总差异的平方。";
     none_before: "No calibration of this IMU is earlier; a later one can be chosen.", "该惯性组合没有更早的标定，可以选择较晚的标定。";
     hold_against: "Compare", "比较";
     reference: "Reference", "参照标定";

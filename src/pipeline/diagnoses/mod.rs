@@ -38,10 +38,10 @@ use crate::store::{
 use crate::system::Clock;
 use crate::telemetry;
 use crate::wire::campaign;
-use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::diagnosis::{DiagnosisBody, residuals};
 use crate::wire::message::{from_stored, to_stored};
 use crate::wire::record::parse_record;
-use crate::wire::split::{SplitBody, residuals};
+use crate::wire::split::SplitBody;
 
 pub(super) use jobs::JobDesk;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};

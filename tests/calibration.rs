@@ -11,7 +11,6 @@ use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::separate::Separation;
 use gyrowatch::wire::answer::MethodBody;
 use gyrowatch::wire::calibration::CampaignAnswer;
-use gyrowatch::wire::campaign::parse;
 use gyrowatch::wire::diagnosis::DiagnosisBody;
 use gyrowatch::wire::document::parse;
 

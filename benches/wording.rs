@@ -27,7 +27,7 @@ fn main() {
     runtime.block_on(async {
         measure("in tolerance", |k| client::record(0, k)).await;
         // Every other record is 0.05 pulse/(s g0) off: step, range and baseline are out of tolerance.
-        let restless = |k: usize| client::record(0, k).replace(G_X, if k % 2 == 0 { G_X } else { "2.4710" });
+        let restless = |k: usize| client::record(0, k).replace(G_X, if k.is_multiple_of(2) { G_X } else { "2.4710" });
         measure("out of tolerance", restless).await;
     });
 }

@@ -32,6 +32,7 @@ pub mod http;
 pub mod pages;
 pub mod pipeline;
 pub mod report;
+pub mod routes;
 pub mod simulate;
 pub mod store;
 pub mod system;

@@ -7,8 +7,6 @@ use axum::http::{HeaderMap, HeaderValue, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
@@ -24,22 +22,13 @@ use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::{alert_csv, cursor, json, text, time};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_alerts))
-        .routes(routes!(get_alert))
-        .routes(routes!(post_acknowledge))
-        .routes(routes!(post_unacknowledge))
-        .routes(routes!(post_silence))
-}
-
 const DEFAULT_ALERTS: usize = 100;
 const MOST_ALERTS: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct AlertsQuery {
+pub struct AlertsQuery {
     /// `firing`, `acknowledged`, `silenced` or `resolved`.
     state: Option<String>,
     /// Of one gyro.
@@ -83,7 +72,7 @@ struct ListedAlert {
         headers(("Link" = String, description = "the next page"))),
     (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
     (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_alerts(
+pub async fn get_alerts(
     State(app): State<App>,
     Parameters(asked): Parameters<AlertsQuery>,
     uri: Uri,
@@ -154,7 +143,7 @@ fn one_of<T, const N: usize>(
 
 /// One alert and what became of it.
 #[derive(Serialize, ToSchema)]
-struct AlertDetail {
+pub struct AlertDetail {
     #[serde(flatten)]
     alert: AlertBody,
     /// Its newest thousand steps, oldest first.
@@ -190,7 +179,7 @@ impl From<AlertStep> for StepBody {
     responses(
         (status = 200, description = "the alert", body = AlertDetail),
         (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json")))]
-async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
+pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
     let found = app.pipeline.alert(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
     Ok(Json(AlertDetail { alert: found.alert, history: found.steps.into_iter().map(StepBody::from).collect() }))
 }
@@ -236,7 +225,7 @@ struct SilenceOrder {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_acknowledge(
+pub async fn post_acknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -254,7 +243,7 @@ async fn post_acknowledge(
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_unacknowledge(
+pub async fn post_unacknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -281,7 +270,7 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_silence(
+pub async fn post_silence(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,

@@ -5,8 +5,6 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
@@ -19,10 +17,6 @@ use crate::message;
 use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_baseline))
-}
 
 /// Why and from when on a new baseline counts.
 #[derive(Deserialize, ToSchema)]
@@ -88,7 +82,7 @@ impl FixedBody {
 
 /// A baseline mark as it is stored.
 #[derive(Serialize, ToSchema)]
-struct BaselineAnswer {
+pub struct BaselineAnswer {
     id: String,
     serial: String,
     at: String,
@@ -110,7 +104,7 @@ struct BaselineAnswer {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_baseline(
+pub async fn post_baseline(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,

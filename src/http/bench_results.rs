@@ -8,8 +8,6 @@ use axum::{Extension, Json};
 use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::corrections::{StandingBody, standing};
@@ -25,10 +23,6 @@ use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::time;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_bench_result)).routes(routes!(get_bench_result))
-}
 
 /// The answer to a bench result.
 #[derive(Serialize, ToSchema)]
@@ -53,7 +47,7 @@ struct BenchAnswer {
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_bench_result(
+pub async fn post_bench_result(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
@@ -81,7 +75,7 @@ async fn post_bench_result(
 
 /// A stored bench result.
 #[derive(Serialize, ToSchema)]
-struct StoredBench {
+pub struct StoredBench {
     id: String,
     #[serde(flatten)]
     standing: StandingBody,
@@ -103,7 +97,7 @@ struct StoredBench {
     responses(
         (status = 200, description = "the bench result", body = StoredBench),
         (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json")))]
-async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
+pub async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
     let no_such = || Problem::no_such_bench_result(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let row = store::bench::get(app.pipeline.store(), number).await?.ok_or_else(no_such)?;

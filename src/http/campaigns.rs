@@ -11,8 +11,6 @@ use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::answer::{Answer, JustJudged};
@@ -39,12 +37,8 @@ use crate::wire::split::SplitBody;
 use crate::wire::time;
 use crate::words;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_campaign)).routes(routes!(get_campaign)).routes(routes!(get_diagnosis))
-}
-
 /// A campaign as JSON or CSV.
-struct Dwells(Bytes, Form);
+pub struct Dwells(Bytes, Form);
 
 impl<S: Send + Sync> FromRequest<S> for Dwells {
     type Rejection = Response;
@@ -79,7 +73,7 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
         (status = 422, description = "what cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_campaign(
+pub async fn post_campaign(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
@@ -141,7 +135,7 @@ async fn post_campaign(
 
 /// A stored campaign.
 #[derive(Serialize, ToSchema)]
-struct StoredCampaignBody {
+pub struct StoredCampaignBody {
     #[serde(flatten)]
     answer: CampaignAnswer,
     #[serde(flatten)]
@@ -160,7 +154,7 @@ struct StoredCampaignBody {
     responses(
         (status = 200, description = "the campaign", body = StoredCampaignBody),
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
-async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
+pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
@@ -179,7 +173,7 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
         (status = 400, description = "a bad query", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such campaign, or no such reference", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "the campaign leaves nothing to hold against the model, or the reference is none for it", body = Problem, content_type = "application/problem+json")))]
-async fn get_diagnosis(
+pub async fn get_diagnosis(
     State(app): State<App>,
     Path(id): Path<String>,
     Parameters(query): Parameters<DiagnosisQuery>,
@@ -219,7 +213,7 @@ const PATIENCE_S: u64 = 10;
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
-struct DiagnosisQuery {
+pub struct DiagnosisQuery {
     /// Identifier of an earlier campaign or record of the IMU: the gap is then also split into parameters, structure and noise.
     reference: Option<String>,
     /// Seconds to wait for one that is being made, 0 to 10; 10 where left out.

@@ -8,8 +8,6 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::answer::Answer;
@@ -27,15 +25,6 @@ use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::{json, text, time};
 use crate::words;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(void_record))
-        .routes(routes!(revise_record))
-        .routes(routes!(void_campaign))
-        .routes(routes!(revise_campaign))
-        .routes(routes!(void_bench_result))
-}
 
 /// How a record, campaign or bench result stands.
 #[derive(Debug, Serialize, ToSchema)]
@@ -86,7 +75,7 @@ impl StandingBody {
 
 /// A record or bench result that counts no more.
 #[derive(Serialize, ToSchema)]
-struct CorrectedBody {
+pub struct CorrectedBody {
     id: String,
     #[serde(flatten)]
     standing: StandingBody,
@@ -152,7 +141,7 @@ impl VoidOrder {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn void_record(
+pub async fn void_record(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -171,7 +160,7 @@ async fn void_record(
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn void_campaign(
+pub async fn void_campaign(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -190,7 +179,7 @@ async fn void_campaign(
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn void_bench_result(
+pub async fn void_bench_result(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -231,7 +220,11 @@ struct RecordRevision {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
+pub async fn revise_record(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Response, Problem> {
     let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
@@ -269,7 +262,11 @@ struct CampaignRevision {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
+pub async fn revise_campaign(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Response, Problem> {
     let item = campaign(&id)?;
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;

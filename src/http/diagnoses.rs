@@ -7,8 +7,6 @@ use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::IntoParams;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::answer::Answer;
@@ -22,13 +20,6 @@ use crate::pipeline::{Accepted, DiagnosisOrder, Id};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, diagnoses_csv};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_diagnoses, post_diagnoses))
-        .routes(routes!(get_summary))
-        .routes(routes!(get_one, delete_one))
-}
 
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;
@@ -44,7 +35,7 @@ const MOST_FAILURES: usize = 1000;
     (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
     (status = 422, description = "an unknown IMU or station, no time …; the places are named", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let wanted = app.pipeline.read_wanted_diagnoses(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let (status, id) = match app.pipeline.order_diagnoses(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
@@ -57,7 +48,7 @@ async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Respon
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct PageQuery {
+pub struct PageQuery {
     /// At most so many; 20 orders or 100 failures unless it is given.
     limit: Option<usize>,
     /// `next` of the page before.
@@ -74,7 +65,7 @@ impl PageQuery {
 #[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses", params(PageQuery), responses(
     (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on"))),
     (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_diagnoses(
+pub async fn get_diagnoses(
     State(app): State<App>,
     uri: Uri,
     Parameters(asked): Parameters<PageQuery>,
@@ -96,7 +87,7 @@ async fn get_diagnoses(
         (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on"))),
         (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json")))]
-async fn get_one(
+pub async fn get_one(
     State(app): State<App>,
     uri: Uri,
     Path(id): Path<String>,
@@ -116,7 +107,7 @@ async fn get_one(
         (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "it has ended", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -124,7 +115,7 @@ async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<St
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct SummaryQuery {
+pub struct SummaryQuery {
     /// Of this IMU alone.
     imu: Option<String>,
     /// Of campaigns at this station alone.
@@ -146,7 +137,7 @@ struct SummaryQuery {
 #[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses", params(SummaryQuery), responses(
     (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv"))),
     (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_summary(
+pub async fn get_summary(
     State(app): State<App>,
     headers: HeaderMap,
     Parameters(asked): Parameters<SummaryQuery>,

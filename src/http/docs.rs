@@ -6,11 +6,11 @@ use axum::response::Response;
 use axum::{Router, middleware};
 use utoipa::OpenApi as _;
 use utoipa::openapi::link::Link;
-use utoipa::openapi::path::{Operation, PathItem};
 use utoipa::openapi::{OpenApi, RefOr, Server};
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
 use super::App;
+use crate::routes::{Routes, operations};
 
 #[derive(utoipa::OpenApi)]
 #[openapi(info(
@@ -20,11 +20,6 @@ use super::App;
     license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
 ))]
 struct Head;
-
-/// The document without its paths.
-pub fn head() -> OpenApi {
-    Head::openapi()
-}
 
 /// Answers that name what other operations are about.
 const NAMED: [Named; 10] = [
@@ -57,7 +52,7 @@ fn link(openapi: &mut OpenApi) {
             path.strip_prefix(named.of).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
         });
         let about: Vec<String> =
-            below.flat_map(|(_, item)| operations(item)).filter_map(|o| o.operation_id.clone()).collect();
+            below.flat_map(|(_, item)| operations(item)).filter_map(|(_, of)| of.operation_id.clone()).collect();
         let by = openapi.paths.paths.get_mut(named.by);
         let answer = by
             .and_then(|item| item.post.as_mut().or(item.get.as_mut()))
@@ -71,20 +66,25 @@ fn link(openapi: &mut OpenApi) {
     }
 }
 
-fn operations(item: &PathItem) -> impl Iterator<Item = &Operation> {
-    [&item.get, &item.post, &item.put, &item.patch, &item.delete].into_iter().flatten()
-}
-
 /// Nothing is loaded from elsewhere. The reader puts style into its page, and has its pictures in its style sheet.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
                       connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";
 
-/// `/openapi.json` and `/docs`, of a service whose paths begin with `base_path`.
-pub fn router(mut openapi: OpenApi, base_path: &str) -> Router<App> {
+/// The whole document, of a service whose paths begin with `base_path`.
+pub fn description(api: &Routes<App>, base_path: &str) -> OpenApi {
+    let mut openapi = Head::openapi();
+    openapi.merge(api.description().clone());
     link(&mut openapi);
     if !base_path.is_empty() {
         openapi.servers = Some(vec![Server::new(base_path)]);
     }
+    openapi
+}
+
+/// What [`router`] serves.
+pub const PATHS: [&str; 4] = ["/openapi.json", "/docs", "/docs/", "/docs/{*rest}"];
+
+pub fn router(openapi: OpenApi, base_path: &str) -> Router<App> {
     // No other service is asked whether the description is right.
     let reader = Config::new([format!("{base_path}/openapi.json")]).validator_url("none");
     Router::from(SwaggerUi::new("/docs").url("/openapi.json", openapi).config(reader)).layer(middleware::map_response(

@@ -5,8 +5,6 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::baseline::FixedBody;
@@ -23,10 +21,6 @@ use crate::pipeline::{Actor, EventRow, GyroEvent};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::{json, time};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_events, post_event))
-}
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]
@@ -74,7 +68,7 @@ fn judges(rule: Rule) -> bool {
 
 /// Events, oldest first.
 #[derive(Serialize, ToSchema)]
-struct Events {
+pub struct Events {
     serial: String,
     events: Vec<EventBody>,
 }
@@ -85,7 +79,7 @@ struct Events {
     responses(
         (status = 200, description = "the events", body = Events),
         (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
+pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
     let events = store::event::of_gyro(app.pipeline.store(), query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
@@ -124,7 +118,7 @@ struct NewEvent {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_event(
+pub async fn post_event(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,

@@ -7,8 +7,6 @@ use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
@@ -20,27 +18,17 @@ use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_hooks, post_hook))
-        .routes(routes!(get_hook, patch_hook, delete_hook))
-        .routes(routes!(test_hook))
-        .routes(routes!(get_deliveries))
-        .routes(routes!(get_delivery))
-        .routes(routes!(redeliver))
-}
-
 const MOST_DELIVERIES: usize = 1000;
 
 #[derive(Serialize, ToSchema)]
-struct Hooks {
+pub struct Hooks {
     /// Oldest first.
     hooks: Vec<HookBody>,
 }
 
 /// Every hook, without its secrets.
 #[utoipa::path(get, path = "/v1/hooks", tag = "hooks", responses((status = 200, description = "the hooks", body = Hooks)))]
-async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
+pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
     Ok(Json(Hooks { hooks: app.pipeline.hooks().await? }))
 }
 
@@ -54,7 +42,7 @@ async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
     (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
     (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = app.pipeline.read_hook(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
     let id = app.pipeline.order(Order::Create(new)).await?;
@@ -67,7 +55,7 @@ async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, P
     responses(
         (status = 200, description = "the hook", body = HookBody),
         (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
-async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
+pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
     let hook = app.pipeline.hook(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
 }
@@ -82,7 +70,11 @@ async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Json<HookBody>, Problem> {
+pub async fn patch_hook(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<HookBody>, Problem> {
     let id = hook_id(&id)?;
     let patch = app.pipeline.read_hook_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = patch.drawn();
@@ -96,7 +88,7 @@ async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Docume
         (status = 204, description = "deleted"),
         (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -108,7 +100,7 @@ async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<S
         (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "the hook is disabled", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
 }
@@ -116,7 +108,7 @@ async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Res
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct DeliveriesQuery {
+pub struct DeliveriesQuery {
     /// Only those that are `behind`, `waiting`, `delivered`, `dead` or `dropped`.
     state: Option<String>,
     /// At most so many; 100 unless it is given.
@@ -126,7 +118,7 @@ struct DeliveriesQuery {
 }
 
 #[derive(Serialize, ToSchema)]
-struct Deliveries {
+pub struct Deliveries {
     /// Newest first.
     deliveries: Vec<DeliveryBody>,
     /// Cursor of the next page; null on the last.
@@ -140,7 +132,7 @@ struct Deliveries {
         (status = 200, description = "the deliveries", body = Deliveries),
         (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
-async fn get_deliveries(
+pub async fn get_deliveries(
     State(app): State<App>,
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
@@ -165,7 +157,7 @@ async fn get_deliveries(
     responses(
         (status = 200, description = "the delivery", body = DeliveryBody),
         (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json")))]
-async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
+pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
     let delivery = app.pipeline.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
 }
@@ -177,7 +169,7 @@ async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<
         (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "an earlier one comes first, or the hook is disabled", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await
 }

@@ -23,8 +23,6 @@ use lines::{Line, Longest, lines};
 use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::document::{Document, check_media_type};
@@ -38,10 +36,6 @@ use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::{Problem, ProblemBody};
 use crate::words;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_import))
-}
 
 /// Lines that are read and stored together, at the most.
 const LINES_AT_ONCE: usize = 512;
@@ -81,7 +75,7 @@ struct LineAnswer {
         (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson"),
         (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "not application/x-ndjson", body = Problem, content_type = "application/problem+json")))]
-async fn post_import(
+pub async fn post_import(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     telling: Telling,

@@ -1,6 +1,7 @@
 //! What every request passes on its way in and out. One middleware: each by itself would copy the whole stack below it for every request.
 
 use std::panic::AssertUnwindSafe;
+use std::sync::Arc;
 
 use axum::extract::{Request, State};
 use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, COOKIE, HOST, TRANSFER_ENCODING};
@@ -12,12 +13,20 @@ use futures::FutureExt;
 use super::metrics::Counted;
 use super::{App, access, problem};
 use crate::message;
+use crate::routes::Rules;
 use crate::wire::problem::Problem;
 use crate::words::{self, Language};
 
+/// What decides about a request before it is handled.
+#[derive(Clone)]
+pub(super) struct Gate {
+    pub app: App,
+    pub rules: Arc<Rules>,
+}
+
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
-pub async fn pass(State(app): State<App>, request: Request, next: Next) -> Response {
-    words::asked_in(language(request.headers()), passed(app, request, next)).await
+pub async fn pass(State(gate): State<Gate>, request: Request, next: Next) -> Response {
+    words::asked_in(language(request.headers()), passed(gate, request, next)).await
 }
 
 /// The language that was chosen on the pages, else that of `Accept-Language`.
@@ -28,14 +37,14 @@ fn language(headers: &HeaderMap) -> Language {
     chosen.unwrap_or_else(|| Language::preferred(text(ACCEPT_LANGUAGE).next().unwrap_or_default()))
 }
 
-async fn passed(app: App, request: Request, next: Next) -> Response {
+async fn passed(gate: Gate, request: Request, next: Next) -> Response {
     let counted = Counted::begin(&request);
     if let Some(doubt) = doubt(request.version(), request.headers()) {
         counted.end(doubt.status());
         return doubt;
     }
-    let longest_body = app.config.server.max_body_bytes;
-    answered(counted, longest_body, access::admit(&app, request, next)).await
+    let longest_body = gate.app.config.server.max_body_bytes;
+    answered(counted, longest_body, access::admit(&gate, request, next)).await
 }
 
 /// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would break off.

@@ -5,8 +5,6 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
@@ -17,13 +15,9 @@ use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_model, post_model))
-}
-
 /// The model in force, and every one before it.
 #[derive(Serialize, ToSchema)]
-struct ImuModelBody {
+pub struct ImuModelBody {
     imu: String,
     /// In force now; without terms and effects it is the plain model, each campaign's own terms.
     model: ModelBody,
@@ -33,7 +27,7 @@ struct ImuModelBody {
 
 /// A model as it was adopted.
 #[derive(Serialize, ToSchema)]
-struct AdoptedBody {
+pub struct AdoptedBody {
     id: String,
     adopted_at: String,
     author: String,
@@ -46,7 +40,7 @@ struct AdoptedBody {
     responses(
         (status = 200, description = "the model and its history", body = ImuModelBody),
         (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
-async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
+pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.models(&imu).await?;
     let models =
         models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
@@ -76,7 +70,7 @@ async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Js
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that is no model; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_model(
+pub async fn post_model(
     State(app): State<App>,
     Path(imu): Path<String>,
     body: Document,

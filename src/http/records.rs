@@ -8,8 +8,6 @@ use axum::{Extension, Json};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::answer::{Answer, JustJudged};
@@ -29,10 +27,6 @@ use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::sender::SenderBody;
 use crate::wire::time;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_record)).routes(routes!(get_record)).routes(routes!(get_record_diagnosis))
-}
 
 /// Separates, stores and judges a calibration record.
 ///
@@ -55,7 +49,7 @@ pub fn routes() -> OpenApiRouter<App> {
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
         (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_record(
+pub async fn post_record(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,
@@ -126,7 +120,7 @@ struct StoredRecordBody {
         (status = 200, description = "the record", body = StoredRecordBody),
         (status = 308, description = "it is a campaign", headers(("Location" = String, description = "where it is"))),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
-async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let no_such = || Problem::no_such_record(&id);
     let id: Id = id.parse().map_err(|_| no_such())?;
     let StoredRecord { row, answer, .. } = stored(&app, id).await?;
@@ -146,7 +140,10 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
     responses(
         (status = 200, description = "the diagnosis of the closure", body = ClosureBody),
         (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json")))]
-async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<ClosureBody>, Problem> {
+pub async fn get_record_diagnosis(
+    State(app): State<App>,
+    Path(id): Path<String>,
+) -> Result<Json<ClosureBody>, Problem> {
     let no_such = || Problem::no_such_record(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let closures = app.pipeline.closures(number).await?.ok_or_else(no_such)?;

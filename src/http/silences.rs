@@ -7,8 +7,6 @@ use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::alerts::future;
@@ -24,24 +22,17 @@ use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
 use crate::wire::{json, text};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_silences, post_matching_silence))
-        .routes(routes!(get_silence))
-        .routes(routes!(post_end_silence))
-}
-
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct SilencesQuery {
+pub struct SilencesQuery {
     /// `active`, or `all` that there ever were; those that hold, where it is left out.
     state: Option<String>,
 }
 
 /// Silences, newest first, a thousand at the most.
 #[derive(Serialize, ToSchema)]
-struct Silences {
+pub struct Silences {
     silences: Vec<MatchingSilenceBody>,
 }
 
@@ -49,7 +40,7 @@ struct Silences {
 #[utoipa::path(get, path = "/v1/silences", tag = "alerts", params(SilencesQuery), responses(
     (status = 200, description = "the silences", body = Silences),
     (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_silences(
+pub async fn get_silences(
     State(app): State<App>,
     Parameters(asked): Parameters<SilencesQuery>,
 ) -> Result<Json<Silences>, Problem> {
@@ -70,7 +61,7 @@ async fn get_silences(
     (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
     (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
     let id = app.pipeline.order_silence(order).await?;
     let silence = shown(&app, id).await?;
@@ -109,7 +100,7 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
     responses(
         (status = 200, description = "the silence", body = MatchingSilenceBody),
         (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json")))]
-async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
+pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
     Ok(Json(shown(&app, id.parse().map_err(|_| unknown(&id))?).await?))
 }
 
@@ -141,7 +132,7 @@ struct EndSilenceBody {
         (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_end_silence(
+pub async fn post_end_silence(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,

@@ -7,8 +7,6 @@ use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use super::App;
 use super::document::Document;
@@ -19,10 +17,6 @@ use crate::message;
 use crate::pipeline::{AccessOrder, Id, NewToken, TokenRow};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_tokens, post_token)).routes(routes!(delete_token))
-}
 
 /// A token. Its secret is in the answer to its making, and nowhere else.
 #[derive(Serialize, ToSchema)]
@@ -57,14 +51,14 @@ impl From<&TokenRow> for TokenBody {
 }
 
 #[derive(Serialize, ToSchema)]
-struct Tokens {
+pub struct Tokens {
     /// Oldest first, those that were revoked or have expired too.
     tokens: Vec<TokenBody>,
 }
 
 /// Every token, without its secret.
 #[utoipa::path(get, path = "/v1/tokens", tag = "access", responses((status = 200, description = "the tokens", body = Tokens)))]
-async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
+pub async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
     let rows = app.pipeline.tokens().await?;
     Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
 }
@@ -93,7 +87,7 @@ struct NewTokenBody {
     (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
     (status = 422, description = "an unknown role, an expiry in the past …; the places are named", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+pub async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.order_access(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
@@ -109,7 +103,7 @@ async fn post_token(State(app): State<App>, body: Document) -> Result<Response, 
         (status = 204, description = "revoked, now or before"),
         (status = 404, description = "no such token", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     let id: Id =
         id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
     app.pipeline.order_access(AccessOrder::Revoke(id)).await?;

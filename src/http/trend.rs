@@ -12,8 +12,6 @@ use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use self::answer::{Seen, answer, etag, is_known, not_modified};
 use self::periods::PeriodTrend;
@@ -32,10 +30,6 @@ use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_trend))
-}
-
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.
 const DEFAULT_POINTS: usize = 1000;
 const MOST_POINTS: usize = 100_000;
@@ -43,7 +37,7 @@ const MOST_POINTS: usize = 100_000;
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct TrendQuery {
+pub struct TrendQuery {
     /// `D_I` (the default), `D_S` or `D_O`, the closure.
     coefficient: Option<String>,
     /// `rigid`, `published`, `torque_feedback` or `turntable_servo`; the judged method, where it is left out.
@@ -144,7 +138,7 @@ impl Method {
         (status = 304, description = "as it was"),
         (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_trend(
+pub async fn get_trend(
     State(app): State<App>,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<TrendQuery>,

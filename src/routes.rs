@@ -44,12 +44,11 @@ impl<S: Clone + Send + Sync + 'static> Default for Routes<S> {
 impl<S: Clone + Send + Sync + 'static> Routes<S> {
     /// A route of the API: `utoipa_axum::routes!` of a handler, which says method and path itself.
     #[must_use]
-    pub fn api(self, least: Least, handler: UtoipaMethodRouter<S>) -> Self {
-        let rules =
-            handler.1.paths.iter().flat_map(|(path, item)| {
-                operations(item).map(|(method, _)| Rule { method, path: path.clone(), least })
-            });
-        Self { rules: self.rules.into_iter().chain(rules).collect(), router: self.router.routes(handler) }
+    pub fn api(mut self, least: Least, mut handler: UtoipaMethodRouter<S>) -> Self {
+        for (path, item) in &mut handler.1.paths {
+            self.rules.extend(operations(item).map(|(method, _)| Rule { method, path: path.clone(), least }));
+        }
+        self.map(|router| router.routes(handler))
     }
 
     /// A page.
@@ -106,15 +105,15 @@ impl<S: Clone + Send + Sync + 'static> Routes<S> {
 }
 
 /// The operations on a path with their methods.
-pub fn operations(item: &PathItem) -> impl Iterator<Item = (Method, &Operation)> {
+pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Operation)> {
     let methods = [
-        (Method::GET, &item.get),
-        (Method::POST, &item.post),
-        (Method::PUT, &item.put),
-        (Method::PATCH, &item.patch),
-        (Method::DELETE, &item.delete),
+        (Method::GET, &mut item.get),
+        (Method::POST, &mut item.post),
+        (Method::PUT, &mut item.put),
+        (Method::PATCH, &mut item.patch),
+        (Method::DELETE, &mut item.delete),
     ];
-    methods.into_iter().filter_map(|(method, operation)| Some((method, operation.as_ref()?)))
+    methods.into_iter().filter_map(|(method, operation)| Some((method, operation.as_mut()?)))
 }
 
 /// The rules by path and method.

@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn the_table_of_the_documentation_is_that_of_the_service() {
-        let config = Config::load(&[], []).unwrap();
+        let config = Config::defaults();
         let (api, pages) = (http::routes(&config.server), pages::routes());
         let rows = api.rules().iter().chain(pages.rules()).map(|rule| {
             let role = rule.least.map_or("-", |role| role.name());

@@ -66,11 +66,8 @@ struct RangeBody {
 
 /// Results of every method for the gyro side by side, and their range.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/agreement", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro"), AgreementQuery),
-    responses(
-        (status = 200, description = "the results", body = Agreement),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+    params(AgreementQuery),
+    responses((status = 200, description = "the results", body = Agreement)))]
 pub async fn get_agreement(
     State(app): State<App>,
     Path(serial): Path<String>,

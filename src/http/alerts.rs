@@ -67,11 +67,12 @@ struct ListedAlert {
 }
 
 /// Alerts, the newest first. An alert lasts: when it fires again it is the same alert.
-#[utoipa::path(get, path = "/v1/alerts", tag = "alerts", params(AlertsQuery), responses(
-    (status = 200, description = "the alerts", content((Alerts = "application/json"), (String = "text/csv")),
+#[utoipa::path(get, path = "/v1/alerts", tag = "alerts",
+    params(AlertsQuery),
+    responses(
+        (status = 200, description = "the alerts", content((Alerts = "application/json"), (String = "text/csv")),
         headers(("Link" = String, description = "the next page"))),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-    (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+        (status = 404, description = "no such gyro")))]
 pub async fn get_alerts(
     State(app): State<App>,
     Parameters(asked): Parameters<AlertsQuery>,
@@ -175,10 +176,7 @@ impl From<AlertStep> for StepBody {
 
 /// One alert with its history.
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
-    params(("id" = String, Path, description = "identifier of the alert")),
-    responses(
-        (status = 200, description = "the alert", body = AlertDetail),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 200, description = "the alert", body = AlertDetail)))]
 pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
     let found = app.pipeline.alert(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
     Ok(Json(AlertDetail { alert: found.alert, history: found.steps.into_iter().map(StepBody::from).collect() }))
@@ -216,15 +214,9 @@ struct SilenceOrder {
 
 /// Somebody knows: no more repeats until it resolves or grows more severe. Both are still told.
 #[utoipa::path(post, path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
-    params(("id" = String, Path, description = "identifier of the alert")),
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it is resolved", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it is resolved")))]
 pub async fn post_acknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -235,14 +227,7 @@ pub async fn post_acknowledge(
 
 /// Nobody knows, after all: repeats go on.
 #[utoipa::path(post, path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = AcknowledgeBody,
-    params(("id" = String, Path, description = "identifier of the alert")),
-    responses(
-        (status = 200, description = "the alert, not acknowledged", body = AlertBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 200, description = "the alert, not acknowledged", body = AlertBody)))]
 pub async fn post_unacknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -262,14 +247,7 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
 #[utoipa::path(post, path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
-    params(("id" = String, Path, description = "identifier of the alert")),
-    responses(
-        (status = 200, description = "the alert, silenced", body = AlertBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
 pub async fn post_silence(
     State(app): State<App>,
     Path(id): Path<String>,

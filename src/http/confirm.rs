@@ -36,12 +36,7 @@ pub struct ConfirmedBody {
     params(("id" = String, Path, description = "identifier of the record or campaign")),
     responses(
         (status = 200, description = "it counts; so too where it was confirmed before", body = ConfirmedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it is not set aside, or another record stands at its time", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it is not set aside, or another record stands at its time")))]
 pub async fn confirm_record(
     State(app): State<App>,
     Path(id): Path<String>,

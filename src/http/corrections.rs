@@ -132,15 +132,9 @@ impl VoidOrder {
 
 /// A record counts no more: it is kept, with who said so and why, and what depends on it is judged again.
 #[utoipa::path(post, path = "/v1/records/{id}/void", tag = "records", request_body = VoidOrder,
-    params(("id" = String, Path, description = "identifier of the record")),
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
 pub async fn void_record(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -151,15 +145,9 @@ pub async fn void_record(
 
 /// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
 #[utoipa::path(post, path = "/v1/campaigns/{id}/void", tag = "campaigns", request_body = VoidOrder,
-    params(("id" = String, Path, description = "identifier of the campaign")),
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
 pub async fn void_campaign(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -170,15 +158,9 @@ pub async fn void_campaign(
 
 /// A bench result counts no more: it is kept, with who said so and why, and the methods are compared without it.
 #[utoipa::path(post, path = "/v1/bench-results/{id}/void", tag = "bench results", request_body = VoidOrder,
-    params(("id" = String, Path, description = "identifier of the bench result")),
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided before, by another author or for another reason", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it was voided before, by another author or for another reason")))]
 pub async fn void_bench_result(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -210,16 +192,10 @@ struct RecordRevision {
 /// Another record stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
 /// was voided can still be revised.
 #[utoipa::path(post, path = "/v1/records/{id}/revise", tag = "records", request_body = RecordRevision,
-    params(("id" = String, Path, description = "identifier of the record")),
     responses(
         (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was revised before, or another stands at the new one's time", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it was revised before, or another stands at the new one's time")))]
 pub async fn revise_record(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -252,16 +228,10 @@ struct CampaignRevision {
 /// Another campaign stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
 /// was voided can still be revised.
 #[utoipa::path(post, path = "/v1/campaigns/{id}/revise", tag = "campaigns", request_body = CampaignRevision,
-    params(("id" = String, Path, description = "identifier of the campaign")),
     responses(
         (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<CampaignAnswer>),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was revised before, or another stands at the new one's time", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "it was revised before, or another stands at the new one's time")))]
 pub async fn revise_campaign(
     State(app): State<App>,
     Path(id): Path<String>,

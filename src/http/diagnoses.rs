@@ -28,13 +28,11 @@ const MOST_FAILURES: usize = 1000;
 ///
 /// Those whose diagnosis is of this version of the program and the model in force are done already, unless `again` is true. The
 /// same order, sent while it is being worked off, is that order.
-#[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody, responses(
-    (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
-    (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "an unknown IMU or station, no time …; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody,
+    responses(
+        (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
+        (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
+        (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
 pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let wanted = app.pipeline.read_wanted_diagnoses(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let (status, id) = match app.pipeline.order_diagnoses(DiagnosisOrder::Start(wanted)).await? {
@@ -62,9 +60,10 @@ impl PageQuery {
 }
 
 /// Orders with their progress, newest first.
-#[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses", params(PageQuery), responses(
-    (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on"))),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses",
+    params(PageQuery),
+    responses(
+        (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on")))))]
 pub async fn get_diagnoses(
     State(app): State<App>,
     uri: Uri,
@@ -82,11 +81,9 @@ pub async fn get_diagnoses(
 
 /// One order: how far it has come, and which campaigns could not be diagnosed, and why.
 #[utoipa::path(get, path = "/v1/diagnoses/{id}", tag = "diagnoses",
-    params(("id" = String, Path, description = "identifier of the order"), PageQuery),
+    params(PageQuery),
     responses(
-        (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on"))),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json")))]
+        (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on")))))]
 pub async fn get_one(
     State(app): State<App>,
     uri: Uri,
@@ -101,12 +98,7 @@ pub async fn get_one(
 
 /// Cancels an order. What is done stays done; what is in work is finished.
 #[utoipa::path(delete, path = "/v1/diagnoses/{id}", tag = "diagnoses",
-    params(("id" = String, Path, description = "identifier of the order")),
-    responses(
-        (status = 204, description = "canceled, now or before"),
-        (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it has ended", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
 pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
@@ -134,9 +126,10 @@ pub struct SummaryQuery {
 /// far the gap closes and what D_I and D_S are moved by; and whose gap the catalogue does not explain.
 ///
 /// Campaigns that were voided or revised are left out. In CSV a line is an effect in a gyro, or an IMU in doubt.
-#[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses", params(SummaryQuery), responses(
-    (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv"))),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses",
+    params(SummaryQuery),
+    responses(
+        (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv")))))]
 pub async fn get_summary(
     State(app): State<App>,
     headers: HeaderMap,

@@ -127,9 +127,9 @@ struct StatusesBody {
 }
 
 /// Every gyro, with its newest figures and status.
-#[utoipa::path(get, path = "/v1/gyros", tag = "gyros", params(GyrosQuery), responses(
-    (status = 200, description = "the gyros", body = Gyros),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/gyros", tag = "gyros",
+    params(GyrosQuery),
+    responses((status = 200, description = "the gyros", body = Gyros)))]
 pub async fn get_gyros(
     State(app): State<App>,
     Parameters(asked): Parameters<GyrosQuery>,
@@ -185,10 +185,7 @@ pub struct GyroDetail {
 
 /// One gyro: its newest figures, how they are judged, and what was done to it.
 #[utoipa::path(get, path = "/v1/gyros/{serial}", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro")),
-    responses(
-        (status = 200, description = "the gyro", body = GyroDetail),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 200, description = "the gyro", body = GyroDetail)))]
 pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
     let number = query::gyro(&app, &serial)?;
     let store = app.pipeline.store();

@@ -27,7 +27,8 @@ pub struct Hooks {
 }
 
 /// Every hook, without its secrets.
-#[utoipa::path(get, path = "/v1/hooks", tag = "hooks", responses((status = 200, description = "the hooks", body = Hooks)))]
+#[utoipa::path(get, path = "/v1/hooks", tag = "hooks",
+    responses((status = 200, description = "the hooks", body = Hooks)))]
 pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
     Ok(Json(Hooks { hooks: app.pipeline.hooks().await? }))
 }
@@ -35,13 +36,11 @@ pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
 /// Sets up a hook: from here on it is told of every alert that its filter lets through.
 ///
 /// A secret that the service has drawn is in the answer, this once.
-#[utoipa::path(post, path = "/v1/hooks", tag = "hooks", request_body = NewHookBody, responses(
-    (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "there are too many", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(post, path = "/v1/hooks", tag = "hooks", request_body = NewHookBody,
+    responses(
+        (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
+        (status = 409, description = "there are too many"),
+        (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
 pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = app.pipeline.read_hook(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
@@ -51,10 +50,8 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
 }
 
 /// One hook.
-#[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
-    responses(
-        (status = 200, description = "the hook", body = HookBody),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
+    responses((status = 200, description = "the hook", body = HookBody)))]
 pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
     let hook = app.pipeline.hook(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
@@ -62,14 +59,9 @@ pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<
 
 /// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits at once.
 #[utoipa::path(patch, path = "/v1/hooks/{id}", tag = "hooks", request_body = HookPatchBody,
-    params(("id" = String, Path, description = "identifier of the hook")),
     responses(
         (status = 200, description = "changed", body = HookBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
 pub async fn patch_hook(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -83,23 +75,17 @@ pub async fn patch_hook(
 }
 
 /// Deletes a hook and what it was still to be told.
-#[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
-    responses(
-        (status = 204, description = "deleted"),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
 pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
 /// Sends a hook a message that says that nothing is wrong, before whatever waits; its delivery tells how that went.
-#[utoipa::path(post, path = "/v1/hooks/{id}/test", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
+#[utoipa::path(post, path = "/v1/hooks/{id}/test", tag = "hooks",
     responses(
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "the hook is disabled", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "the hook is disabled")))]
 pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
@@ -127,11 +113,8 @@ pub struct Deliveries {
 
 /// What a hook was told and is to be told, newest first, with every attempt; `state=dead` lists the dead letters.
 #[utoipa::path(get, path = "/v1/hooks/{id}/deliveries", tag = "hooks",
-    params(("id" = String, Path, description = "identifier of the hook"), DeliveriesQuery),
-    responses(
-        (status = 200, description = "the deliveries", body = Deliveries),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
+    params(DeliveriesQuery),
+    responses((status = 200, description = "the deliveries", body = Deliveries)))]
 pub async fn get_deliveries(
     State(app): State<App>,
     Path(id): Path<String>,
@@ -153,22 +136,18 @@ pub async fn get_deliveries(
 }
 
 /// One delivery with every attempt.
-#[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the delivery")),
-    responses(
-        (status = 200, description = "the delivery", body = DeliveryBody),
-        (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
+    responses((status = 200, description = "the delivery", body = DeliveryBody)))]
 pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
     let delivery = app.pipeline.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
 }
 
 /// Sends a delivery again that is done or a dead letter, from the start of the ladder; one that waits, at once.
-#[utoipa::path(post, path = "/v1/deliveries/{id}/redeliver", tag = "hooks", params(("id" = String, Path, description = "identifier of the delivery")),
+#[utoipa::path(post, path = "/v1/deliveries/{id}/redeliver", tag = "hooks",
     responses(
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
-        (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "an earlier one comes first, or the hook is disabled", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 409, description = "an earlier one comes first, or the hook is disabled")))]
 pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await

@@ -36,10 +36,8 @@ pub struct AdoptedBody {
 }
 
 /// The error model in force for the IMU, with its history.
-#[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus", params(("imu" = String, Path, description = "name of the IMU")),
-    responses(
-        (status = 200, description = "the model and its history", body = ImuModelBody),
-        (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus",
+    responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
 pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.models(&imu).await?;
     let models =
@@ -61,15 +59,10 @@ pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Resul
 ///
 /// A body without terms and effects undoes what was adopted before. What is stored stays as it was judged.
 #[utoipa::path(post, path = "/v1/imus/{imu}/model", tag = "imus", request_body = AdoptionBody,
-    params(("imu" = String, Path, description = "name of the IMU")),
     responses(
         (status = 201, description = "in force from now on", body = AdoptedBody),
         (status = 200, description = "was in force before", body = AdoptedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that is no model; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+        (status = 422, description = "JSON that is no model; the places are named")))]
 pub async fn post_model(
     State(app): State<App>,
     Path(imu): Path<String>,

@@ -37,9 +37,9 @@ pub struct Silences {
 }
 
 /// Silences of many alerts, newest first.
-#[utoipa::path(get, path = "/v1/silences", tag = "alerts", params(SilencesQuery), responses(
-    (status = 200, description = "the silences", body = Silences),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/v1/silences", tag = "alerts",
+    params(SilencesQuery),
+    responses((status = 200, description = "the silences", body = Silences)))]
 pub async fn get_silences(
     State(app): State<App>,
     Parameters(asked): Parameters<SilencesQuery>,
@@ -54,13 +54,10 @@ pub async fn get_silences(
 
 /// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has changed by then is told at
 /// its end.
-#[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody, responses(
-    (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "there are too many", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody,
+    responses(
+        (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
+        (status = 409, description = "there are too many")))]
 pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
     let id = app.pipeline.order_silence(order).await?;
@@ -96,10 +93,7 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
 
 /// One silence.
 #[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
-    params(("id" = String, Path, description = "identifier of the silence")),
-    responses(
-        (status = 200, description = "the silence", body = MatchingSilenceBody),
-        (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 200, description = "the silence", body = MatchingSilenceBody)))]
 pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
     Ok(Json(shown(&app, id.parse().map_err(|_| unknown(&id))?).await?))
 }
@@ -124,14 +118,7 @@ struct EndSilenceBody {
 
 /// Ends a silence: what it has held back is told. One that is over already stays as it is.
 #[utoipa::path(post, path = "/v1/silences/{id}/end", tag = "alerts", request_body = EndSilenceBody,
-    params(("id" = String, Path, description = "identifier of the silence")),
-    responses(
-        (status = 200, description = "the silence, ended", body = MatchingSilenceBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
+    responses((status = 200, description = "the silence, ended", body = MatchingSilenceBody)))]
 pub async fn post_end_silence(
     State(app): State<App>,
     Path(id): Path<String>,

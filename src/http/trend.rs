@@ -131,13 +131,11 @@ impl Method {
 
 /// The history of one coefficient of a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/trend", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro"), TrendQuery),
+    params(TrendQuery),
     responses(
         (status = 200, description = "the points, or with `every` the periods", content((TrendAnswer = "application/json"), (String = "text/csv")),
             headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
-        (status = 304, description = "as it was"),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
+        (status = 304, description = "as it was")))]
 pub async fn get_trend(
     State(app): State<App>,
     Path(serial): Path<String>,

@@ -26,6 +26,7 @@ pub mod alert;
 pub mod blindcheck;
 pub mod cli;
 pub mod config;
+mod cookies;
 pub mod core;
 pub mod experiment;
 pub mod http;

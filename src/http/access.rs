@@ -1,24 +1,33 @@
 //! Who may do what: every request passes here before it is handled.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::{ConnectInfo, MatchedPath, Request};
 use axum::http::header::{
-    ACCEPT, AUTHORIZATION, CACHE_CONTROL, COOKIE, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
+    ACCEPT, AUTHORIZATION, CACHE_CONTROL, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
 };
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use super::app::App;
 use super::edge::{Forwarded, NO_STORE};
-use super::middleware::Gate;
+use crate::cookies;
 use crate::core::access::Role;
 use crate::message;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
-use crate::routes::{ADMIN, ANYONE};
+use crate::routes::{ADMIN, ANYONE, Rules};
 use crate::wire::problem::Problem;
+
+/// What decides about a request before it is handled.
+#[derive(Clone)]
+pub struct Gate {
+    pub app: App,
+    pub rules: Arc<Rules>,
+}
 
 /// Lets a request through to its handler as its caller, or answers it 401, 403, 421 or 429.
 pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next) -> Response {
@@ -35,7 +44,7 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
         app.pipeline.guard().note_proxy();
     }
     let headers = request.headers();
-    let credentials = (bearer(headers), session(headers));
+    let credentials = (bearer(headers), cookies::sent(headers, SESSION_COOKIE));
     let caller = match app.pipeline.guard().caller(credentials, source, app.clock.now()).await {
         Ok(caller) => {
             Caller { agent: headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes())), ..caller }
@@ -132,12 +141,6 @@ fn unproven(role: Role) -> Response {
 fn bearer(headers: &HeaderMap) -> Option<&str> {
     let (scheme, token) = headers.get(AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
     scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
-}
-
-fn session(headers: &HeaderMap) -> Option<&str> {
-    let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
-    let mut pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    pairs.find(|(name, _)| *name == SESSION_COOKIE).map(|(_, value)| value)
 }
 
 /// Whether a person looks at a page.

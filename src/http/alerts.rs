@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, not_one_of};
 use crate::core::alert_decision::Standing;

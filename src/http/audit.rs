@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::{IntoParams, ToSchema};
 
-use super::App;
 use super::answer::Answer;
+use super::app::App;
 use super::query::{self, Parameters};
 use crate::message;
 use crate::pipeline::{AuditFilter, AuditRow, Id};

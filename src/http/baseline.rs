@@ -6,7 +6,7 @@ use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use super::remark::{self, Said};
 use crate::core::fault::Faults;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey};
@@ -45,7 +45,7 @@ pub async fn post_bench_result(
 ) -> Result<Response, Problem> {
     let read = app.pipeline.read_bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
-    bench.idempotency_key = post.key.0.clone();
+    bench.idempotency_key = post.key()?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
     let (accepted, ()) = post.submit(&app, Submission::Bench(Box::new(bench)), |_| ()).await?;
     let status = match accepted {

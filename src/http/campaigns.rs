@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::{IntoParams, ToSchema};
 
-use super::App;
+use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::{Document, check_media_type};
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
@@ -62,6 +62,7 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
         (status = 422, description = "what cannot be stored; the places are named")))]
 pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Result<Response, Problem> {
     let Dwells(bytes, form) = body;
+    let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
     let read = words::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
@@ -80,7 +81,7 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
         answer.notes.extend(notes);
         answer
     };
-    let item = Submission::from(fitted.with_key(post.key.0.clone()));
+    let item = Submission::from(fitted.with_key(key));
     match post.store(&app, (item, sent), collection, &whole).await? {
         PostOutcome::New(answer) => Ok(answer),
         // Of a bench test nothing is judged: the answer is the fit, now as then.

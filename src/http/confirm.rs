@@ -5,7 +5,7 @@ use axum::extract::{Path, State};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use crate::core::fault::Faults;

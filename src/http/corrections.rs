@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
 
-use super::App;
 use super::answer::Answer;
+use super::app::App;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
 use crate::message;

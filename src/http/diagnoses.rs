@@ -8,8 +8,8 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use super::App;
 use super::answer::Answer;
+use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, bad, not_one_of, with_sign};
 use crate::core::fault::Fault;

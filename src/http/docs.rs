@@ -9,7 +9,8 @@ use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{OpenApi, Server};
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
-use super::{App, operation};
+use super::app::App;
+use super::operation;
 use crate::routes::{Routes, Rules};
 use crate::wire::problem::ProblemBody;
 

@@ -9,8 +9,8 @@ use axum::{Extension, Json};
 use serde::Serialize;
 use utoipa::IntoParams;
 
-use super::App;
 use super::answer::{Answer, JustJudged};
+use super::app::App;
 use super::corrections::{Standing, StandingBody};
 use super::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use super::telling::Telling;
@@ -24,7 +24,7 @@ use crate::wire::problem::Problem;
 /// What a request says of the document that it sends.
 pub struct DocumentPost {
     caller: Caller,
-    pub key: IdempotencyKey,
+    key: Result<IdempotencyKey, Problem>,
     pub wanted: Wanted,
     telling: Telling,
 }
@@ -41,7 +41,7 @@ impl<S: Send + Sync> FromRequestParts<S> for DocumentPost {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Response> {
         let Extension(caller) =
             Extension::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
-        let key = IdempotencyKey::of(parts).map_err(IntoResponse::into_response)?;
+        let key = IdempotencyKey::of(parts);
         let Ok(wanted) = Wanted::from_request_parts(parts, state).await;
         let telling = Telling::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
         Ok(Self { caller, key, wanted, telling })
@@ -49,7 +49,12 @@ impl<S: Send + Sync> FromRequestParts<S> for DocumentPost {
 }
 
 impl DocumentPost {
-    /// Stores it; `words` are found while the disk works.
+    /// The idempotency key, where it is one. What is wrong with the document is said first.
+    pub fn key(&self) -> Result<Option<String>, Problem> {
+        self.key.clone().map(|key| key.0)
+    }
+
+    /// Stores it; `words` are found while the disk works, and once more where it has to be judged again.
     pub async fn submit<T>(
         &self,
         app: &App,
@@ -70,14 +75,13 @@ impl DocumentPost {
         app: &App,
         (item, sent): (Submission, Sent<'_>),
         collection: &str,
-        whole: impl FnOnce(Id, Vec<NoteBody>) -> T,
+        whole: impl Fn(Id, Vec<NoteBody>) -> T,
     ) -> Result<PostOutcome, Problem> {
-        let mut whole = Some(whole);
         let words = |accepted: &Accepted| {
             let Accepted::Stored { id, judged, notes } = accepted else { return None };
             let notes = notes.iter().map(NoteBody::of).collect();
             let answer = match self.wanted {
-                Wanted::Whole => JustJudged { answer: &whole.take()?(*id, notes), judged }.into_response(),
+                Wanted::Whole => JustJudged { answer: &whole(*id, notes), judged }.into_response(),
                 Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
             };
             Some((StatusCode::CREATED, self.located(collection, *id), answer).into_response())
@@ -105,11 +109,11 @@ impl DocumentPost {
 }
 
 /// At most 255 visible characters.
-#[derive(Debug, IntoParams)]
+#[derive(Debug, Clone, IntoParams)]
 #[into_params(names("Idempotency-Key"), parameter_in = Header)]
 pub struct IdempotencyKey(
     /// One key a request, repeated when it is sent again.
-    pub Option<String>,
+    Option<String>,
 );
 
 impl IdempotencyKey {

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::{Path, State};
 
-use super::App;
+use super::app::App;
 use super::query;
 use crate::wire::history::HistoryDiagnosisBody;
 use crate::wire::problem::Problem;

@@ -7,7 +7,7 @@ use axum::extract::State;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use crate::core::message::Message;
 use crate::message;
 use crate::pipeline::Refused;

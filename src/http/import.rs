@@ -24,7 +24,7 @@ use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::document::{Document, check_media_type};
 use super::edge::Forwarded;
 use super::telling::Telling;

@@ -8,7 +8,7 @@ use axum::http::{Method, StatusCode};
 use axum::response::{IntoResponse, Response};
 use metrics::{counter, gauge, histogram};
 
-use super::App;
+use super::app::App;
 use crate::telemetry;
 use crate::wire::problem::Problem;
 

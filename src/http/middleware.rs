@@ -1,28 +1,21 @@
 //! What every request passes on its way in and out. One middleware: each by itself would copy the whole stack below it for every request.
 
 use std::panic::AssertUnwindSafe;
-use std::sync::Arc;
 
 use axum::extract::{Request, State};
-use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, COOKIE, HOST, TRANSFER_ENCODING};
+use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, HOST, TRANSFER_ENCODING};
 use axum::http::{HeaderMap, StatusCode, Version};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use futures::FutureExt;
 
+use super::access::{self, Gate};
 use super::metrics::Counted;
-use super::{App, access, problem};
+use super::problem;
+use crate::cookies;
 use crate::message;
-use crate::routes::Rules;
 use crate::wire::problem::Problem;
 use crate::words::{self, Language};
-
-/// What decides about a request before it is handled.
-#[derive(Clone)]
-pub(super) struct Gate {
-    pub app: App,
-    pub rules: Arc<Rules>,
-}
 
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
 pub async fn pass(State(gate): State<Gate>, request: Request, next: Next) -> Response {
@@ -31,10 +24,9 @@ pub async fn pass(State(gate): State<Gate>, request: Request, next: Next) -> Res
 
 /// The language that was chosen on the pages, else that of `Accept-Language`.
 fn language(headers: &HeaderMap) -> Language {
-    let text = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
-    let mut cookies = text(COOKIE).flat_map(|all| all.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    let chosen = cookies.find(|(name, _)| *name == "language").and_then(|(_, tag)| Language::from_tag(tag));
-    chosen.unwrap_or_else(|| Language::preferred(text(ACCEPT_LANGUAGE).next().unwrap_or_default()))
+    let preferred = || headers.get(ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let chosen = cookies::sent(headers, "language").and_then(Language::from_tag);
+    chosen.unwrap_or_else(|| Language::preferred(preferred()))
 }
 
 async fn passed(gate: Gate, request: Request, next: Next) -> Response {

@@ -8,6 +8,7 @@ mod access;
 mod agreement;
 mod alerts;
 mod answer;
+mod app;
 mod audit;
 mod baseline;
 mod bench_results;
@@ -54,19 +55,11 @@ use tower_http::compression::CompressionLayer;
 use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
 use utoipa_axum::routes;
 
-use self::middleware::Gate;
-use crate::config::{Config, Server};
-use crate::pipeline::Pipeline;
+use self::access::Gate;
+use crate::config::Server;
 use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, Rules, STATION, VIEWER};
-use crate::system::Clock;
 
-/// What every handler may use. Cheap to clone.
-#[derive(Clone)]
-pub struct App {
-    pub config: Arc<Config>,
-    pub clock: Clock,
-    pub pipeline: Arc<Pipeline>,
-}
+pub use app::App;
 
 /// The whole service as one router, the web `pages` included.
 pub fn router(app: App, pages: Routes) -> Router {

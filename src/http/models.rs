@@ -6,7 +6,7 @@ use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use crate::message;
 use crate::pipeline::{Accepted, Adoption, ModelRow};

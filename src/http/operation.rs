@@ -113,7 +113,7 @@ fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: L
     let found = [
         bad.map(|why| ("400", why.to_owned())),
         least.map(|_| ("401", "no token, or one that is not valid".to_owned())),
-        least.map(|role| ("403", format!("a token of a lower role than `{}`, or not for this", role.name()))),
+        least.map(|role| ("403", format!("not with this token: it takes the role `{}` or one above", role.name()))),
         thing.map(|thing| ("404", format!("no such {}", thing.name))),
         json.then(|| ("413", "too large".to_owned())),
         (!no_body).then(|| ("415", format!("not {}", taken.join(" or ")))),

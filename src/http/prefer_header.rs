@@ -8,7 +8,8 @@ use axum::http::HeaderMap;
 use axum::http::request::Parts;
 use serde::Serialize;
 use utoipa::openapi::path::{Parameter, ParameterIn};
-use utoipa::{IntoParams, PartialSchema, ToSchema};
+use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
+use utoipa::{IntoParams, ToSchema};
 
 use crate::core::judge::State;
 use crate::pipeline::{Id, Judged};
@@ -33,7 +34,8 @@ impl IntoParams for Wanted {
     fn into_params(_: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
         let minimal = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state";
         let prefer = Parameter::builder().name("Prefer").parameter_in(ParameterIn::Header).description(Some(minimal));
-        vec![prefer.schema(Some(Option::<String>::schema())).build()]
+        let text = ObjectBuilder::new().schema_type(SchemaType::from_iter([Type::String, Type::Null]));
+        vec![prefer.schema(Some(text)).build()]
     }
 }
 

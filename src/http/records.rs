@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
@@ -42,11 +42,11 @@ pub async fn post_record(
 ) -> Result<Response, Problem> {
     let read = app.pipeline.read_record(&bytes);
     let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
-    calibration.idempotency_key = post.key.0.clone();
+    calibration.idempotency_key = post.key()?;
     let (body, kind) = (calibration.body.clone(), Kind::Record);
     let separations = (post.wanted == Wanted::Whole).then(|| app.pipeline.separations(&calibration.gyros));
     let whole = |id: Id, notes| {
-        let separations = separations.unwrap_or_default();
+        let separations = separations.clone().unwrap_or_default();
         RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts: Vec::new() }
     };
     let item = (Submission::Calibration(Box::new(calibration)), Sent::Calibration(kind, &body));

@@ -2,7 +2,7 @@
 
 use axum::http::StatusCode;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use crate::core::fault::Faults;
 use crate::core::message::Message;

@@ -8,8 +8,8 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::App;
 use super::alerts::future;
+use super::app::App;
 use super::document::Document;
 use super::query::{Parameters, not_one_of};
 use crate::core::fault::Faults;

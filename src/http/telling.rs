@@ -5,7 +5,7 @@ use axum::http::request::Parts;
 use url::form_urlencoded;
 use utoipa::IntoParams;
 
-use super::App;
+use super::app::App;
 use super::query::not_one_of;
 use crate::core::alert_decision::Late;
 use crate::wire::problem::Problem;

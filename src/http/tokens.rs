@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;

@@ -16,7 +16,7 @@ use utoipa::{IntoParams, ToSchema};
 use self::answer::{Seen, answer, etag, is_known, not_modified};
 use self::periods::PeriodTrend;
 use self::point::{bench_point, separated_point};
-use super::App;
+use super::app::App;
 use super::events::EventBody;
 use super::query::{self, Parameters, bad, not_one_of};
 use crate::config::JudgedMethod;

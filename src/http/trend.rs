@@ -12,13 +12,11 @@ use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use self::answer::{Seen, answer, etag, is_known, not_modified};
 use self::periods::PeriodTrend;
 use self::point::{bench_point, separated_point};
-use super::App;
+use super::app::App;
 use super::events::EventBody;
 use super::query::{self, Parameters, bad, not_one_of};
 use crate::config::JudgedMethod;
@@ -32,10 +30,6 @@ use crate::pipeline::{BenchRow, Figures, Id, Names, Span, Statuses, Tables};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_trend))
-}
-
 /// Points of one JSON answer unless `limit` says otherwise, and at the most.
 const DEFAULT_POINTS: usize = 1000;
 const MOST_POINTS: usize = 100_000;
@@ -43,7 +37,7 @@ const MOST_POINTS: usize = 100_000;
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct TrendQuery {
+pub struct TrendQuery {
     /// `D_I` (the default), `D_S` or `D_O`, the closure.
     coefficient: Option<String>,
     /// `rigid`, `published`, `torque_feedback` or `turntable_servo`; the judged method, where it is left out.
@@ -137,14 +131,12 @@ impl Method {
 
 /// The history of one coefficient of a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/trend", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro"), TrendQuery),
+    params(TrendQuery),
     responses(
         (status = 200, description = "the points, or with `every` the periods", content((TrendAnswer = "application/json"), (String = "text/csv")),
             headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
-        (status = 304, description = "as it was"),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_trend(
+        (status = 304, description = "as it was")))]
+pub async fn get_trend(
     State(app): State<App>,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<TrendQuery>,

@@ -42,11 +42,9 @@ mod viewer;
 
 use std::sync::Arc;
 
-use axum::Router;
-use axum::routing::{get, post};
-
 use crate::config::Config;
 use crate::pipeline::Pipeline;
+use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, STATION, VIEWER};
 use crate::system::Clock;
 use crate::words;
 
@@ -59,44 +57,55 @@ pub struct Pages {
 }
 
 /// Every page, and what they load.
-pub fn router(pages: Pages) -> Router {
-    Router::new()
-        .route("/", get(fleet::page))
-        .route("/gyros/{serial}", get(gyro::page))
-        .route("/gyros/{serial}/events/new", get(events::ask).post(events::act))
-        .route("/gyros/{serial}/report", get(report::gyro))
-        .route("/imus/{imu}", get(imu::page))
-        .route("/imus/{imu}/report", get(report::imu))
-        .route("/alerts", get(alerts::page))
-        .route("/alerts/{id}/{deed}", get(alerts::ask).post(alerts::act))
-        .route("/silences/new", get(silences::ask_new).post(silences::begin))
-        .route("/silences/{id}/end", get(silences::ask_end).post(silences::end))
-        .route("/hooks", get(hooks::page))
-        .route("/hooks/new", get(hooks::ask_add).post(hooks::add))
-        .route("/hooks/{id}", get(hooks::one))
-        .route("/hooks/{id}/test", post(hooks::test))
-        .route("/hooks/{id}/enabled", post(hooks::switch))
-        .route("/hooks/{id}/delete", get(hooks::ask_delete).post(hooks::delete))
-        .route("/hooks/{id}/redeliver", post(hooks::redeliver_dead))
-        .route("/hooks/{id}/deliveries/{delivery}/redeliver", post(hooks::redeliver))
-        .route("/records/{id}", get(calibration::record))
-        .route("/records/{id}/void", get(corrections::ask_record).post(corrections::void_record))
-        .route("/records/{id}/confirm", get(confirm::ask).post(confirm::act))
-        .route("/campaigns/{id}", get(calibration::campaign))
-        .route("/campaigns/{id}/void", get(corrections::ask_record).post(corrections::void_record))
-        .route("/bench-results/{id}/void", get(corrections::ask_bench).post(corrections::void_bench))
-        .route("/campaigns/{id}/diagnosis", get(diagnosis::page))
-        .route("/diagnoses", get(diagnoses::page).post(diagnoses::start))
-        .route("/diagnoses/{id}/cancel", post(diagnoses::cancel))
-        .route("/stations", get(stations::page))
-        .route("/import", get(import::page))
-        .route("/import/preview", post(import::preview))
-        .route("/import/store", post(import::store))
-        .route("/sign-in", get(sign_in::page).post(sign_in::enter))
-        .route("/sign-out", post(sign_in::leave))
-        .route("/preference", get(viewer::prefer))
-        .route("/assets/{name}", get(assets::serve))
-        .with_state(pages)
+pub fn routes() -> Routes<Pages> {
+    Routes::default()
+        .get(VIEWER, "/", fleet::page)
+        .get(VIEWER, "/gyros/{serial}", gyro::page)
+        .get(ENGINEER, "/gyros/{serial}/events/new", events::ask)
+        .post(ENGINEER, "/gyros/{serial}/events/new", events::act)
+        .get(VIEWER, "/gyros/{serial}/report", report::gyro)
+        .get(VIEWER, "/imus/{imu}", imu::page)
+        .get(VIEWER, "/imus/{imu}/report", report::imu)
+        .get(VIEWER, "/alerts", alerts::page)
+        .get(ENGINEER, "/alerts/{id}/{deed}", alerts::ask)
+        .post(ENGINEER, "/alerts/{id}/{deed}", alerts::act)
+        .get(ENGINEER, "/silences/new", silences::ask_new)
+        .post(ENGINEER, "/silences/new", silences::begin)
+        .get(ENGINEER, "/silences/{id}/end", silences::ask_end)
+        .post(ENGINEER, "/silences/{id}/end", silences::end)
+        .get(ENGINEER, "/hooks", hooks::page)
+        .get(ADMIN, "/hooks/new", hooks::ask_add)
+        .post(ADMIN, "/hooks/new", hooks::add)
+        .get(ENGINEER, "/hooks/{id}", hooks::one)
+        .post(ENGINEER, "/hooks/{id}/test", hooks::test)
+        .post(ADMIN, "/hooks/{id}/enabled", hooks::switch)
+        .get(ADMIN, "/hooks/{id}/delete", hooks::ask_delete)
+        .post(ADMIN, "/hooks/{id}/delete", hooks::delete)
+        .post(ENGINEER, "/hooks/{id}/redeliver", hooks::redeliver_dead)
+        .post(ENGINEER, "/hooks/{id}/deliveries/{delivery}/redeliver", hooks::redeliver)
+        .get(VIEWER, "/records/{id}", calibration::record)
+        .get(ENGINEER, "/records/{id}/void", corrections::ask_record)
+        .post(ENGINEER, "/records/{id}/void", corrections::void_record)
+        .get(ENGINEER, "/records/{id}/confirm", confirm::ask)
+        .post(ENGINEER, "/records/{id}/confirm", confirm::act)
+        .get(VIEWER, "/campaigns/{id}", calibration::campaign)
+        .get(ENGINEER, "/campaigns/{id}/void", corrections::ask_record)
+        .post(ENGINEER, "/campaigns/{id}/void", corrections::void_record)
+        .get(ENGINEER, "/bench-results/{id}/void", corrections::ask_bench)
+        .post(ENGINEER, "/bench-results/{id}/void", corrections::void_bench)
+        .get(VIEWER, "/campaigns/{id}/diagnosis", diagnosis::page)
+        .get(VIEWER, "/diagnoses", diagnoses::page)
+        .post(ENGINEER, "/diagnoses", diagnoses::start)
+        .post(ENGINEER, "/diagnoses/{id}/cancel", diagnoses::cancel)
+        .get(VIEWER, "/stations", stations::page)
+        .get(STATION, "/import", import::page)
+        .post(STATION, "/import/preview", import::preview)
+        .post(STATION, "/import/store", import::store)
+        .get(ANYONE, "/sign-in", sign_in::page)
+        .post(ANYONE, "/sign-in", sign_in::enter)
+        .post(ANYONE, "/sign-out", sign_in::leave)
+        .get(ANYONE, "/preference", viewer::prefer)
+        .get(ANYONE, "/assets/{name}", assets::serve)
 }
 
 /// For what takes its time: other requests are not to wait for it.

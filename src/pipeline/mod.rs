@@ -42,6 +42,7 @@ use crate::system::Clock;
 use crate::wire::alert::AlertBody;
 use crate::wire::differences::Differences;
 
+pub use crate::alert::HookKind;
 pub use access::{
     AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn, create_beside,
     revoke_beside,

@@ -16,7 +16,7 @@ use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order, Pipeline};
+use crate::pipeline::{DeliveryPage, DeliveryState, HookKind, Id, Order};
 use crate::wire::problem::Problem;
 
 /// Dead letters that are sent again together.
@@ -99,7 +99,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> 
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
         label { (t.kind) select name="kind" {
-            @for kind in Pipeline::hook_kinds() { option value=(kind) selected[kind == new.kind] { (kind) } }
+            @for kind in HookKind::ALL.map(HookKind::name) { option value=(kind) selected[kind == new.kind] { (kind) } }
         } }
         label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://" translate="no"; }
         label { (t.hook_secret) input name="secret" value=(new.secret) autocomplete="off"; }

@@ -33,11 +33,6 @@ pub struct DeliveryPage {
 }
 
 impl Pipeline {
-    /// Kinds of hooks, as the API names them.
-    pub fn hook_kinds() -> impl Iterator<Item = &'static str> {
-        HookKind::ALL.into_iter().map(HookKind::name)
-    }
-
     /// Reads a hook to be set up; a secret is drawn where its kind needs one.
     ///
     /// # Errors

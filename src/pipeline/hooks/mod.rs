@@ -16,7 +16,6 @@ pub(super) use show::webhook_id;
 
 use super::access::Actor;
 use super::{Job, Pipeline, Refused};
-use crate::alert::HookKind;
 use crate::alert::sign::Secret;
 use crate::core::fault::Faults;
 use crate::store;

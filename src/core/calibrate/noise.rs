@@ -87,7 +87,7 @@ pub struct Noise {
     pub dof: f64,
     pub pure_error: PureError,
     /// What residuals are held against where repeats speak: sum of squares and degrees of freedom in which they have no part.
-    repeated: Option<(f64, f64)>,
+    repeated: (f64, f64),
     /// c: relative scatter of the static dwells' standard errors about one another; zero without any, or where it
     /// is too large to be their own uncertainty.
     pub sem_scatter: f64,
@@ -97,12 +97,12 @@ impl Noise {
     fn of(source: Source, squared: f64, dof: f64, pure_error: PureError) -> Self {
         let factor = squared.sqrt();
         let factor_sd = Some(factor / (2.0 * dof).sqrt());
-        let repeated = (pure_error.dof > 0).then_some((pure_error.chi2, pure_error.dof as f64));
+        let repeated = (pure_error.chi2, pure_error.dof as f64);
         Self { source, factor: Some(factor), factor_sd, dof, pure_error, repeated, sem_scatter: 0.0 }
     }
 
     fn held_against(self, repeated: (f64, f64)) -> Self {
-        Self { repeated: Some(repeated), ..self }
+        Self { repeated, ..self }
     }
 
     /// The same with the scatter of the gyro's standard errors.
@@ -125,7 +125,7 @@ impl Noise {
         match self.source {
             Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
             Source::None => None,
-            _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated?),
+            _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated),
         }
     }
 }

@@ -151,3 +151,10 @@ fn mean_squares_are_compared_as_the_table_of_f_has_it() {
         assert_eq!(mean_squares_tail(numerator, denominator), None);
     }
 }
+
+#[test]
+fn how_much_too_large_errors_are_is_said_up_to_a_thousand_times() {
+    let note = overstated_note([("G1", 2.04), ("G2", 999.9), ("G3", 1e3)].into_iter()).expect("three gyros");
+    assert!(note.contains("(G1 2.0 times, G2 999.9 times, G3 by far)"), "{note}");
+    assert_eq!(overstated_note(std::iter::empty()), None);
+}

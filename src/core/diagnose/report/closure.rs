@@ -1,6 +1,7 @@
 //! How far the named effects close the gap, and what remains beside them.
 
 use super::remaining::{self, Left, Tested};
+use crate::core::calibrate::Calibration;
 use crate::core::diagnose::diagnosis::*;
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::report::named::{Named, all_slots, slots};
@@ -42,11 +43,6 @@ pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f6
                 .map_or(*left, |v| v.min(*left))
         })
         .collect()
-}
-
-pub(crate) fn reduced_chi2(fit: &Fit, variances: &[f64]) -> f64 {
-    let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
-    chi2 / fit.dof.iter().sum::<f64>()
 }
 
 pub(crate) struct Signs {
@@ -112,19 +108,24 @@ fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
     tests
 }
 
-pub(crate) fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
+pub(crate) fn gap(
+    settled: &Settled,
+    search: &Search,
+    variances: &[f64],
+    signs: &Signs,
+    nothing_named: bool,
+    plain: &Calibration,
+) -> Gap {
     let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
     let from_search = search.p_value(best);
     let from_tests = if nothing_named { signs.p_value / (1.0 - SHARE_OF_SEARCH) } else { 1.0 };
-    let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
-    let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
     Gap {
         rms_deg_per_h: noise_floor::rms(
             &settled.frame,
             settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice()),
         ),
         noise_alone_deg_per_h: noise_floor::expected_rms(&settled.frame, variances),
-        reduced_chi2: chi2 / dof as f64,
+        reduced_chi2: plain.reduced_chi2().unwrap_or(1.0),
         p_value: (from_search / SHARE_OF_SEARCH).min(from_tests).min(1.0),
     }
 }

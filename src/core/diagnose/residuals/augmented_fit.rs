@@ -21,6 +21,12 @@ impl Part {
         self.effect.entry().scope == Scope::Common
     }
 
+    /// As it enters the model.
+    pub fn adopted(&self, frame: &Frame) -> Adopted {
+        let gyros = frame.setting.gyros.iter().zip(&self.members).filter(|(_, member)| **member);
+        Adopted { effect: self.effect, shape: self.shape, slots: gyros.map(|(gyro, _)| gyro.slot).collect() }
+    }
+
     /// The one dwell that the effect sets aside, if it is of that kind.
     pub fn dwell(&self) -> Option<usize> {
         match self.shape {

@@ -53,9 +53,6 @@ pub struct NullDirection {
     pub gauge: Option<&'static str>,
 }
 
-/// Rates up to this are the Earth's and the table's creep, arcsec/s.
-pub(super) const SLOW_ARCSEC_S: f64 = 20.0;
-
 /// The condition that makes D0 and P unique at constant |a|.
 pub const GAUGE: &str = "P_x + P_y + P_z = 0";
 

@@ -57,8 +57,6 @@ pub(crate) struct Fit {
     pub fitted: Vec<Fitted>,
     /// Whitened residuals of each gyro.
     pub residuals: Vec<Vec<f64>>,
-    /// Degrees of freedom left in each gyro; shared coefficients are counted in equal parts.
-    pub dof: Vec<f64>,
     /// Noise variance of each gyro over that of `sd`.
     pub variances: Vec<f64>,
     /// Drift that the parts add in each gyro and dwell, deg/h.
@@ -126,7 +124,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
             sd: covariance[(u, u)].max(0.0).sqrt() / lengths[u],
         });
     }
-    Fit { fitted, residuals, dof, variances, drift }
+    Fit { fitted, residuals, variances, drift }
 }
 
 fn unknowns(parts: &[Part], columns: &[Vec<Vec<Vec<f64>>>]) -> Vec<Unknown> {
@@ -144,6 +142,7 @@ fn unknowns(parts: &[Part], columns: &[Vec<Vec<Vec<f64>>>]) -> Vec<Unknown> {
     unknowns
 }
 
+/// Left in each gyro; shared coefficients are counted in equal parts.
 fn degrees_of_freedom(frame: &Frame, unknowns: &[Unknown]) -> Vec<f64> {
     let shared = unknowns.iter().filter(|u| u.gyro.is_none()).count() as f64 / frame.gyros.len() as f64;
     (0..frame.gyros.len())

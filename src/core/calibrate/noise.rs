@@ -110,6 +110,11 @@ impl Noise {
         Self { sem_scatter: if scatter <= LARGEST_SCATTER { scatter } else { 0.0 }, ..self }
     }
 
+    /// f^2 without what the model leaves out: the Birge ratio covers that too.
+    pub fn floor(&self) -> Option<f64> {
+        if self.source == Source::SemAndResiduals { Some(1.0) } else { self.factor.map(|f| f * f) }
+    }
+
     /// What a covariance for the weights as given is multiplied by: f^2 dof/(dof - 2) (1 + 4 c^2).
     pub fn covariance_scale(&self) -> Option<f64> {
         let f = self.factor?;
@@ -188,13 +193,18 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
     evidence.iter().map(of).collect()
 }
 
+/// A sum of squares over standard errors, and its degrees of freedom, with what is stated counted in.
+pub fn with_stated(chi2: f64, dof: f64) -> (f64, f64) {
+    (chi2 + PRIOR_DOF, dof + PRIOR_DOF)
+}
+
 fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
     let (mine, all) = (own.pure_error, pooled.pure_error);
     let others = (all.chi2 - mine.chi2, (all.dof - mine.dof) as f64);
     let odd =
         mean_squares_tail((mine.chi2, mine.dof as f64), others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
     let used = if odd { own } else { pooled };
-    let stated = (used.pure_error.chi2 + PRIOR_DOF, used.pure_error.dof as f64 + PRIOR_DOF);
+    let stated = with_stated(used.pure_error.chi2, used.pure_error.dof as f64);
     let rest = used.lack_of_fit();
     if rest.1 > 0.0 && mean_squares_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
         let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);

@@ -34,8 +34,8 @@ use super::campaign::Campaign;
 use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal};
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the catalogue raises it by itself:
-/// there were 48 when it was 7.
-pub const METHOD: u32 = 7 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
+/// there were 48 when it was 8.
+pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one before returned.
 ///
@@ -104,7 +104,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     let signs = closure::signs(settled, search, named, fit, &names.doubts);
     let remains = signs.p_value < closure::level(named);
     let variances = closure::floor_variances(frame, fit, remains);
-    let noise_floor = noise_floor::report(frame, &variances, !remains, &calibrated.augmented);
+    let noise_floor = noise_floor::report(frame, &variances, !remains, calibrated.augmented());
     let gap = closure::gap(settled, search, &variances, &signs, named.is_empty(), &calibrated.plain);
     let verdict = match (named.is_empty(), remains) {
         (true, _) if gap.p_value >= GAP => Verdict::NoGap,
@@ -121,7 +121,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     let closure = (!parts.is_empty()).then(held_out);
     let remaining = Remaining {
         rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
-        reduced_chi2: calibrated.augmented.reduced_chi2().unwrap_or(1.0),
+        reduced_chi2: calibrated.augmented().reduced_chi2().unwrap_or(1.0),
         p_value: signs.p_value,
         signs: signs.list,
     };

@@ -158,3 +158,12 @@ fn how_much_too_large_errors_are_is_said_up_to_a_thousand_times() {
     assert!(note.contains("(G1 2.0 times, G2 999.9 times, G3 by far)"), "{note}");
     assert_eq!(overstated_note(std::iter::empty()), None);
 }
+
+#[test]
+fn what_the_model_leaves_out_is_no_noise_floor() {
+    // Without repeats 400 on 100 raises the factor to 2, which is the model's; with them f^2 = (30 + 4)/(20 + 4).
+    let raised = noise(&[evidence(400.0, 100, (0.0, 0))], true)[0];
+    assert_eq!((raised.source, raised.factor, raised.floor()), (Source::SemAndResiduals, Some(2.0), Some(1.0)));
+    close(noise(&[evidence(900.0, 60, (30.0, 20))], true)[0].floor().expect("repeats"), 34.0 / 24.0);
+    assert_eq!(noise(&[evidence(0.0, 0, (0.0, 0))], false)[0].floor(), None);
+}

@@ -2,6 +2,7 @@
 
 use super::remaining::{self, Left, Tested};
 use crate::core::calibrate::Calibration;
+use crate::core::calibrate::noise::{self, Evidence};
 use crate::core::diagnose::diagnosis::*;
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::report::named::{Named, all_slots, slots};
@@ -32,17 +33,19 @@ pub(crate) fn level(named: &[Named]) -> f64 {
     if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
 }
 
-/// Where something remains the residual is no measure of noise: repeats and stated errors are.
+/// Where something remains the residual is no measure of noise: what the fit takes for one is.
 pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
     if !remains {
         return fit.variances.clone();
     }
-    (frame.gyros.iter().zip(&fit.residuals).zip(&fit.variances))
-        .map(|((gyro, residual), left)| {
-            noise_floor::variance(frame.noise.stated, noise_floor::pure_error(frame, gyro, residual))
-                .map_or(*left, |v| v.min(*left))
+    let of_gyros = frame.gyros.iter().zip(&fit.residuals).zip(&fit.dof);
+    let evidence: Vec<Evidence> = of_gyros
+        .map(|((gyro, residual), dof)| {
+            Evidence::of(dot(residual, residual), *dof as usize, noise_floor::pure_error(frame, gyro, residual))
         })
-        .collect()
+        .collect();
+    let noise = noise::noise(&evidence, frame.noise.stated);
+    noise.iter().zip(&fit.variances).map(|(noise, left)| noise.floor().map_or(*left, |f| f.max(1e-12))).collect()
 }
 
 pub(crate) struct Signs {

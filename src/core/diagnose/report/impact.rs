@@ -8,12 +8,14 @@ use crate::core::mounting::Geometry;
 use crate::core::record::Plausibility;
 use crate::core::separate::Rigid;
 
-/// Shift of D_I and D_S of every gyro that both models separate; before G was in the model, they are counted as zero.
+/// Shift of D_I and D_S of every gyro that both models separate, where anything is named; before G was in the model, they are counted as
+/// zero.
 pub(crate) fn impact(fits: &Calibrated, geometry: &Geometry) -> Vec<Impact> {
+    let Some(named) = &fits.named else { return Vec::new() };
     let g_in_model = fits.plain.terms.contains(Term::GLinear);
-    let (plain, augmented) = (drift(&fits.plain, geometry), drift(&fits.augmented, geometry));
+    let (plain, augmented) = (drift(&fits.plain, geometry), drift(named, geometry));
     let mut all = Vec::new();
-    for ((gyro, plain), augmented) in fits.augmented.gyros.iter().zip(plain).zip(augmented) {
+    for ((gyro, plain), augmented) in named.gyros.iter().zip(plain).zip(augmented) {
         let before = if g_in_model { plain.map(|d| [d.d_i, d.d_s]) } else { Some([0.0; 2]) };
         let after = augmented.and_then(|d| Some(([d.d_i, d.d_s], d.sd()?)));
         let (Some(before), Some((after, sd))) = (before, after) else { continue };

@@ -12,7 +12,8 @@ pub(crate) fn too_large(fits: &Calibrated) -> Option<String> {
 
 /// What is to be known of standard errors that the repeats of all gyros show to be too small.
 pub(crate) fn too_small(fits: &Calibrated) -> Option<String> {
-    let of_gyros = fits.augmented.gyros.iter().filter(|_| fits.augmented.has_sem).map(|gyro| gyro.noise.pure_error);
+    let fit = fits.augmented();
+    let of_gyros = fit.gyros.iter().filter(|_| fit.has_sem).map(|gyro| gyro.noise.pure_error);
     let PureError { chi2, dof } = of_gyros.fold(PureError::default(), PureError::plus);
     let beyond_chance = chi2_tail(chi2, dof).is_some_and(|p| p < 1e-3);
     beyond_chance.then(|| {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::core::augmented::Adopted;
-use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
+use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Coefficient, Effect, Refusal, Scope, Shape};
 use crate::core::numerics::basis::{axpy, dot};
@@ -57,6 +57,8 @@ pub(crate) struct Fit {
     pub fitted: Vec<Fitted>,
     /// Whitened residuals of each gyro.
     pub residuals: Vec<Vec<f64>>,
+    /// Degrees of freedom left in each gyro; shared coefficients are counted in equal parts.
+    pub dof: Vec<f64>,
     /// Noise variance of each gyro over that of `sd`.
     pub variances: Vec<f64>,
     /// Drift that the parts add in each gyro and dwell, deg/h.
@@ -124,7 +126,7 @@ pub(crate) fn fit(frame: &Frame, parts: &[Part]) -> Fit {
             sd: covariance[(u, u)].max(0.0).sqrt() / lengths[u],
         });
     }
-    Fit { fitted, residuals, variances, drift }
+    Fit { fitted, residuals, dof, variances, drift }
 }
 
 fn unknowns(parts: &[Part], columns: &[Vec<Vec<Vec<f64>>>]) -> Vec<Unknown> {
@@ -142,7 +144,6 @@ fn unknowns(parts: &[Part], columns: &[Vec<Vec<Vec<f64>>>]) -> Vec<Unknown> {
     unknowns
 }
 
-/// Left in each gyro; shared coefficients are counted in equal parts.
 fn degrees_of_freedom(frame: &Frame, unknowns: &[Unknown]) -> Vec<f64> {
     let shared = unknowns.iter().filter(|u| u.gyro.is_none()).count() as f64 / frame.gyros.len() as f64;
     (0..frame.gyros.len())
@@ -154,8 +155,8 @@ fn degrees_of_freedom(frame: &Frame, unknowns: &[Unknown]) -> Vec<f64> {
 }
 
 fn variance_left(frame: &Frame, j: usize, residual: &[f64], dof: f64) -> f64 {
-    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-    ((prior + dot(residual, residual)) / (prior + dof)).max(frame.noise.rounding[j]).max(1e-12)
+    let Scatter { rss, nu } = frame.noise.with_stated(dot(residual, residual), dof);
+    (rss / nu).max(frame.noise.rounding[j]).max(1e-12)
 }
 
 /// Solution and covariance by QR with column pivoting; columns that the others span get zero and no variance.

@@ -4,9 +4,11 @@
 //! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
 
 use crate::core::calibrate::growth::{Exposure, Law};
+use crate::core::calibrate::noise::with_stated;
 use crate::core::campaign::Campaign;
 use crate::core::campaign::repeats::repeats;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, exposure, shape};
+use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::effects::Setting;
 use crate::core::numerics::basis::{Basis, dot};
 
@@ -60,6 +62,12 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
 }
 
 impl Noise {
+    /// A whitened sum of squares and its degrees of freedom, with what is stated counted in where it is.
+    pub fn with_stated(&self, rss: f64, dof: f64) -> Scatter {
+        let (rss, nu) = if self.stated { with_stated(rss, dof) } else { (rss, dof) };
+        Scatter { rss, nu }
+    }
+
     /// The same with another growth of the noise with rate, where no errors are stated.
     pub fn with_growth(&self, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64) -> Self {
         let Some(law) = self.law.map(|law| Law { growth, ..law }) else { return self.clone() };

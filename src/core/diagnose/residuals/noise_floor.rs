@@ -6,22 +6,11 @@ use crate::core::diagnose::diagnosis::{GyroFloor, NoiseFloor};
 use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
 use crate::core::numerics::basis::dot;
 
-/// Prior weight, in degrees of freedom, of the statement that the stated standard errors are right. Standard errors
-/// are met that are wrong by tens of per cent: a factor with a scatter of 22 % is worth 1/(2 x 0.22^2) = 10.
-pub(crate) const STATED_DOF: f64 = 10.0;
-
 /// Scatter of whitened residuals within groups of repeated dwells: sum of (y - weighted group mean)^2 / sd^2. Within a
 /// group the model's design is constant, so its residuals differ as outputs do; what adopted effects of time,
 /// temperature or order explain is no pure error, hence residuals and not outputs.
 pub(crate) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> PureError {
     PureError::of(&frame.noise.repeats, |k| residual[k] * gyro.sd[k], |k| gyro.sd[k])
-}
-
-/// Variance factor of one gyro from stated errors and repeats alone; none where there is neither.
-pub(crate) fn variance(stated: bool, pure: PureError) -> Option<f64> {
-    let prior = if stated { STATED_DOF } else { 0.0 };
-    let dof = prior + pure.dof as f64;
-    (dof > 0.0).then(|| ((prior + pure.chi2) / dof).max(1e-12))
 }
 
 /// `repeat_dof` of each gyro, and the ratio of real to stated noise, are those of the fit.

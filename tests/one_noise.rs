@@ -2,6 +2,7 @@
 
 use gyrowatch::blindcheck::draw::{Case, Draw};
 use gyrowatch::core::augmented::{AugmentedModel, Options};
+use gyrowatch::core::calibrate::drift::NotSeparated;
 use gyrowatch::core::calibrate::{Calibration, calibrate_augmented};
 use gyrowatch::core::campaign::Campaign;
 use gyrowatch::core::diagnose::{Diagnosis, diagnose};
@@ -56,15 +57,15 @@ fn compared(campaign: &Campaign) -> usize {
     let (before, after) = (drift(&plain), drift(&augmented));
     for impact in &diagnosis.impact {
         let j = plain.gyros.iter().position(|gyro| gyro.slot == impact.slot).expect("a gyro of the campaign");
-        let [before, after] = [&before[j], &after[j]].map(|drift| drift.as_ref().expect("it is separated").rigid);
-        let sd = after.sd().expect("a noise");
-        let (before, after, sd) = match impact.coefficient {
-            "D_I" => (before.d_i, after.d_i, sd[0]),
-            _ => (before.d_s, after.d_s, sd[1]),
-        };
-        same(impact.plain, before, "before");
-        same(impact.augmented, after, "after");
-        same(impact.augmented_sd, sd, "its standard deviation");
+        let i = ["D_I", "D_S"].iter().position(|name| *name == impact.coefficient).expect("one of both");
+        match &before[j] {
+            Ok(before) => same(impact.plain, [before.rigid.d_i, before.rigid.d_s][i], "before"),
+            // G was not in the model.
+            Err(why) => assert!(matches!(why, NotSeparated::NoDrift) && impact.plain == 0.0, "{why}"),
+        }
+        let after = after[j].as_ref().expect("it is separated").rigid;
+        same(impact.augmented, [after.d_i, after.d_s][i], "after");
+        same(impact.augmented_sd, after.sd().expect("a noise")[i], "its standard deviation");
     }
     diagnosis.impact.len()
 }

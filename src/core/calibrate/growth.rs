@@ -86,13 +86,16 @@ impl Unweighted<'_> {
         law.variances(self.dwells).zip_map(self.leverage, |v, h| v * (1.0 - h))
     }
 
-    /// Log-likelihood of the residuals, s^2 at its best.
+    /// Log-likelihood of the residuals, their scale at its best.
     fn log_likelihood(&self, law: Law) -> f64 {
-        let s2 = self.variance(law);
-        if s2 <= 0.0 || !s2.is_finite() {
-            return 0.0;
+        let seen = law.variances(self.dwells).zip_map(self.leverage, |v, h| (v, 1.0 - h));
+        let (mut squares, mut logs, mut count) = (0.0, 0.0, 0.0);
+        for (r, (v, left)) in self.residuals.iter().zip(&seen).filter(|(_, (_, left))| *left > 1e-6) {
+            squares += r * r / (v * left);
+            logs += v.ln();
+            count += 1.0;
         }
-        law.variances(self.dwells).iter().map(|v| -0.5 * (s2 * v).ln()).sum()
+        if squares > 0.0 { -0.5 * (count * (squares / count).ln() + logs) } else { 0.0 }
     }
 }
 

@@ -10,8 +10,8 @@
 //!   of the fit scatter no more than that (lack of fit is not significant), they join in, and f is known well.
 //! * **Standard errors alone.** Taken at their word, unless the residuals exceed them beyond chance: then f^2 is
 //!   the reduced chi-square of all gyros (the Birge ratio), which covers what the model leaves out.
-//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it grows with the rate
-//!   ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone
+//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it goes with rate and
+//!   duration ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone
 //!   give it.
 //!
 //! Standard errors are estimates themselves. Where those of the static dwells scatter by c (relative) about one

@@ -53,9 +53,6 @@ pub struct NullDirection {
     pub gauge: Option<&'static str>,
 }
 
-/// Rates up to this are the Earth's and the table's creep, arcsec/s.
-pub(super) const SLOW_ARCSEC_S: f64 = 20.0;
-
 /// The condition that makes D0 and P unique at constant |a|.
 pub const GAUGE: &str = "P_x + P_y + P_z = 0";
 
@@ -119,13 +116,36 @@ impl Calibration {
         notes.extend((!self.has_sem).then_some(CampaignNote::NoStandardErrors));
         notes.extend((self.growth > 0.1).then(|| CampaignNote::NoiseGrows { times: (1.0 + self.growth).sqrt() }));
         notes.extend(self.repeats.is_empty().then_some(CampaignNote::NoRepeats));
-        let overstated = |g: &GyroCalibration| Some((g.slot, noise::overstated(g.chi2, g.dof)?));
-        let gyros: Vec<(Slot, f64)> = self.gyros.iter().filter(|_| self.has_sem).filter_map(overstated).collect();
+        let gyros = self.overstated();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ErrorsOverstated { gyros }));
         let scattering = |g: &&GyroCalibration| g.p_value.is_some_and(|p| p < 1e-3);
         let gyros: Vec<Slot> = self.gyros.iter().filter(scattering).map(|g| g.slot).collect();
         notes.extend((!gyros.is_empty()).then_some(CampaignNote::ResidualsExceedNoise { gyros }));
         notes
+    }
+
+    /// Gyros whose stated standard errors are too large for the scatter of the dwells, and how many times.
+    pub fn overstated(&self) -> Vec<(Slot, f64)> {
+        let overstated = |g: &GyroCalibration| Some((g.slot, noise::overstated(g.chi2, g.dof)?));
+        self.gyros.iter().filter(|_| self.has_sem).filter_map(overstated).collect()
+    }
+
+    /// Reduced chi-square of all gyros together: against the standard errors as stated or, where none are, against the noise that is
+    /// found. None where nothing is left over, or nothing gives the noise.
+    pub fn reduced_chi2(&self) -> Option<f64> {
+        let over_noise = |g: &GyroCalibration| match &g.sigma {
+            _ if self.has_sem => Some(g.chi2),
+            sigma => Some(g.residuals.component_div(sigma.as_ref()?).norm_squared()).filter(|chi2| chi2.is_finite()),
+        };
+        let chi2: f64 = self.gyros.iter().map(over_noise).sum::<Option<f64>>()?;
+        let dof: usize = self.gyros.iter().map(|g| g.dof).sum();
+        (dof > 0).then(|| chi2 / dof as f64)
+    }
+
+    /// Ratio of real to stated noise, root mean square over the gyros; none where no standard errors are stated.
+    pub fn sem_factor(&self) -> Option<f64> {
+        let squares: f64 = self.gyros.iter().map(|g| Some(g.noise.factor?.powi(2))).sum::<Option<f64>>()?;
+        self.has_sem.then(|| (squares / self.gyros.len() as f64).sqrt())
     }
 }
 

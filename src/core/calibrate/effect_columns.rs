@@ -8,6 +8,7 @@ use crate::core::augmented::Adopted;
 use crate::core::calibrate::shared_coefficients::Shared;
 use crate::core::campaign::{Campaign, CampaignNote, LeftOut};
 use crate::core::effects::{Effect, Scope, axes};
+use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::Factor;
 
 /// The regressors of the adopted effects.
@@ -60,7 +61,7 @@ pub(super) fn regressors(campaign: &Campaign, adopted: &[Adopted]) -> Regressors
 /// The regressors that leave something over beside model (6) and those before them, and the effects that do not.
 pub(super) fn visible(base: &Factor, regressors: Vec<Regressor>) -> (Vec<Regressor>, Vec<Effect>) {
     let whitened = regressors.iter().map(|regressor| regressor.column.component_mul(base.weights()));
-    let (adds, _) = adding(base.basis().clone(), whitened.map(|column| (column.norm_squared(), column)));
+    let (adds, _) = adding(Basis::of_orthonormal(base.basis()), whitened.map(|column| (column.norm_squared(), column)));
     told_apart(regressors, &adds, |regressor| Some(regressor.effect))
 }
 

@@ -2,11 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::calibration::{
-    EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, SLOW_ARCSEC_S, ScaleSource, weights_sd,
-};
+use super::calibration::{EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd};
 use super::design::{self, Design};
-use super::growth;
+use super::growth::{Exposure, Unweighted};
 use super::noise::{Evidence, Noise};
 use crate::core::calibrate::effect_columns;
 use crate::core::calibrate::regressor::Regressor;
@@ -164,20 +162,15 @@ impl GyroFit {
         });
     }
 
-    pub fn unweighted<'a>(&'a self, x: &'a DVector<f64>) -> growth::Unweighted<'a> {
-        growth::Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, x }
+    pub fn unweighted<'a>(&'a self, dwells: &'a Exposure) -> Unweighted<'a> {
+        Unweighted { residuals: &self.fit.residuals, leverage: &self.fit.leverage, dwells }
     }
 
-    /// (w_I/W)^2 of each dwell, with W the largest rate of the campaign; zeros where the table never turned.
-    pub fn rate_shares(&self, campaign: &Campaign) -> DVector<f64> {
-        let rates = || campaign.dwells.iter().map(|d| &d.rate_arcsec_s);
-        let largest = rates().map(|w| w.norm()).fold(0.0, f64::max);
-        let along = self.fitted_e().map(|e| e.normalize());
-        let n = campaign.dwells.len();
-        if largest <= SLOW_ARCSEC_S {
-            return DVector::zeros(n);
-        }
-        DVector::from_iterator(n, rates().map(|w| (along.map_or(w.norm(), |i| i.dot(w)) / largest).powi(2)))
+    pub fn exposure(&self, campaign: &Campaign) -> Exposure {
+        let input = self.fitted_e().map(|e| e.normalize());
+        let rates: Vec<Vector3<f64>> = campaign.dwells.iter().map(|d| d.rate_arcsec_s).collect();
+        let durations: Vec<f64> = campaign.dwells.iter().map(|d| d.duration_s).collect();
+        Exposure::of(&rates, &durations, input.as_ref())
     }
 
     /// E, held or among the estimates (model (6)'s end with it), unless it is zero.

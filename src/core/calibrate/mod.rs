@@ -22,8 +22,6 @@ pub use calibration::{
     Calibration, EffectParameter, GAUGE, GyroCalibration, NullDirection, Parameter, ScaleSource, weights_sd,
 };
 
-use nalgebra::DVector;
-
 use super::augmented::Adopted;
 use super::campaign::{Campaign, CampaignNote, Dwell, LeftOut, Phase};
 use super::effects::Effect;
@@ -31,6 +29,7 @@ use super::model::Terms;
 use crate::core::calibrate::effect_columns::Regressors;
 use crate::core::calibrate::shared_coefficients::{Own, Shared};
 use crate::core::campaign::repeats::PureError;
+use growth::Exposure;
 use gyro_fit::{GyroFit, SharedFactors, fit_gyro};
 use noise::Evidence;
 
@@ -96,21 +95,21 @@ fn fit_common(
     common.hidden.iter().map(told).collect()
 }
 
-/// Lets the residuals say how the noise grows with the rate, and what follows for each fit's evidence.
+/// Lets the residuals say how the noise goes with rate and duration, and what follows for each fit's evidence.
 fn unequal_variances(campaign: &Campaign, repeats: &[Vec<usize>], fits: &mut [GyroFit]) -> f64 {
-    let shares: Vec<DVector<f64>> = fits.iter().map(|fit| fit.rate_shares(campaign)).collect();
-    let unweighted: Vec<_> = fits.iter().zip(&shares).map(|(fit, x)| fit.unweighted(x)).collect();
-    let rho = growth::growth(&unweighted);
-    for (fit, x) in fits.iter_mut().zip(&shares) {
-        fit.variances = x.map(|x| 1.0 + rho * x);
+    let exposures: Vec<Exposure> = fits.iter().map(|fit| fit.exposure(campaign)).collect();
+    let unweighted: Vec<_> = fits.iter().zip(&exposures).map(|(fit, dwells)| fit.unweighted(dwells)).collect();
+    let law = growth::law(&unweighted);
+    for (fit, dwells) in fits.iter_mut().zip(&exposures) {
+        fit.variances = law.variances(dwells);
         let scaled = fit.fit.residuals.zip_map(&fit.variances, |r, v| r * r / v);
         let pure_error = PureError::of(repeats, |k| fit.of_position[k], |k| fit.variances[k].sqrt());
         let evidence = Evidence::of(scaled.sum(), fit.fit.dof, pure_error);
-        let gyro = fit.unweighted(x);
-        let residual = evidence.residual.map(|_| (gyro.variance(rho), gyro.dof(rho)));
+        let gyro = fit.unweighted(dwells);
+        let residual = evidence.residual.map(|_| (gyro.variance(law), gyro.dof(law)));
         fit.evidence = Evidence { residual, ..evidence };
     }
-    rho
+    law.growth
 }
 
 fn sem_scatter(dwells: &[Dwell], j: usize) -> f64 {

@@ -10,8 +10,8 @@
 //!   of the fit scatter no more than that (lack of fit is not significant), they join in, and f is known well.
 //! * **Standard errors alone.** Taken at their word, unless the residuals exceed them beyond chance: then f^2 is
 //!   the reduced chi-square of all gyros (the Birge ratio), which covers what the model leaves out.
-//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it grows with the rate
-//!   ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone
+//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it goes with rate and
+//!   duration ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone
 //!   give it.
 //!
 //! Standard errors are estimates themselves. Where those of the static dwells scatter by c (relative) about one
@@ -87,7 +87,7 @@ pub struct Noise {
     pub dof: f64,
     pub pure_error: PureError,
     /// What residuals are held against where repeats speak: sum of squares and degrees of freedom in which they have no part.
-    repeated: Option<(f64, f64)>,
+    repeated: (f64, f64),
     /// c: relative scatter of the static dwells' standard errors about one another; zero without any, or where it
     /// is too large to be their own uncertainty.
     pub sem_scatter: f64,
@@ -97,17 +97,22 @@ impl Noise {
     fn of(source: Source, squared: f64, dof: f64, pure_error: PureError) -> Self {
         let factor = squared.sqrt();
         let factor_sd = Some(factor / (2.0 * dof).sqrt());
-        let repeated = (pure_error.dof > 0).then_some((pure_error.chi2, pure_error.dof as f64));
+        let repeated = (pure_error.chi2, pure_error.dof as f64);
         Self { source, factor: Some(factor), factor_sd, dof, pure_error, repeated, sem_scatter: 0.0 }
     }
 
     fn held_against(self, repeated: (f64, f64)) -> Self {
-        Self { repeated: Some(repeated), ..self }
+        Self { repeated, ..self }
     }
 
     /// The same with the scatter of the gyro's standard errors.
     pub fn with_scatter(self, scatter: f64) -> Self {
         Self { sem_scatter: if scatter <= LARGEST_SCATTER { scatter } else { 0.0 }, ..self }
+    }
+
+    /// f^2 without what the model leaves out: the Birge ratio covers that too.
+    pub fn floor(&self) -> Option<f64> {
+        if self.source == Source::SemAndResiduals { Some(1.0) } else { self.factor.map(|f| f * f) }
     }
 
     /// What a covariance for the weights as given is multiplied by: f^2 dof/(dof - 2) (1 + 4 c^2).
@@ -125,7 +130,7 @@ impl Noise {
         match self.source {
             Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
             Source::None => None,
-            _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated?),
+            _ => mean_squares_tail(evidence.lack_of_fit(), self.repeated),
         }
     }
 }
@@ -188,13 +193,18 @@ pub fn noise(evidence: &[Evidence], has_sem: bool) -> Vec<Noise> {
     evidence.iter().map(of).collect()
 }
 
+/// A sum of squares over standard errors, and its degrees of freedom, with what is stated counted in.
+pub fn with_stated(chi2: f64, dof: f64) -> (f64, f64) {
+    (chi2 + PRIOR_DOF, dof + PRIOR_DOF)
+}
+
 fn with_repeats(own: &Evidence, pooled: &Evidence) -> Noise {
     let (mine, all) = (own.pure_error, pooled.pure_error);
     let others = (all.chi2 - mine.chi2, (all.dof - mine.dof) as f64);
     let odd =
         mean_squares_tail((mine.chi2, mine.dof as f64), others).is_some_and(|p| p.min(1.0 - p) < 0.5 * BEYOND_CHANCE);
     let used = if odd { own } else { pooled };
-    let stated = (used.pure_error.chi2 + PRIOR_DOF, used.pure_error.dof as f64 + PRIOR_DOF);
+    let stated = with_stated(used.pure_error.chi2, used.pure_error.dof as f64);
     let rest = used.lack_of_fit();
     if rest.1 > 0.0 && mean_squares_tail(rest, stated).is_some_and(|p| p >= LACK_OF_FIT) {
         let (chi2, dof) = (stated.0 + rest.0, stated.1 + rest.1);

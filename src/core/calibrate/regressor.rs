@@ -1,8 +1,9 @@
 //! Columns of effects beside model (6): which of them these dwells can tell.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use crate::core::effects::{Coefficient, Effect};
+use crate::core::numerics::basis::Basis;
 
 /// Share of a regressor's whitened power that the columns before it must leave over for it to be fitted: below that,
 /// the effect and model (6) are one to this campaign, and both would be lost.
@@ -17,27 +18,12 @@ pub struct Regressor {
     pub column: DVector<f64>,
 }
 
-/// Which columns leave something over beside an orthonormal `base` and those before them, each with the power of the regressor
-/// that it stands for; and `base` with what they leave after it.
-pub(super) fn adding(
-    base: DMatrix<f64>,
-    columns: impl Iterator<Item = (f64, DVector<f64>)>,
-) -> (Vec<bool>, DMatrix<f64>) {
-    let mut basis = base;
-    let mut adds = Vec::new();
-    for (power, mut left) in columns {
-        for _ in 0..2 {
-            left -= &basis * basis.tr_mul(&left);
-        }
-        let new = left.norm_squared() > LEAST_VISIBLE * power;
-        if new {
-            let rank = basis.ncols();
-            basis = basis.insert_column(rank, 0.0);
-            basis.set_column(rank, &left.normalize());
-        }
-        adds.push(new);
-    }
-    (adds, basis)
+/// Which columns leave something over beside `basis` and those before them, each with the power of the regressor that it stands for; and
+/// `basis` with what they leave after it.
+pub(super) fn adding(mut basis: Basis, columns: impl Iterator<Item = (f64, DVector<f64>)>) -> (Vec<bool>, Basis) {
+    let adds =
+        |(power, column): (f64, DVector<f64>)| basis.push_beyond(column.data.into(), LEAST_VISIBLE * power).is_some();
+    (columns.map(adds).collect(), basis)
 }
 
 /// Those that add something, and each effect of which something does not.

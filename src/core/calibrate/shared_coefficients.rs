@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::core::calibrate::regressor::{Regressor, adding, told_apart};
 use crate::core::effects::Effect;
+use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::Factor;
 
 /// One shared coefficient: its regressor in each gyro, pulse/s per unit; none where the gyro is not one of those that have it.
@@ -52,7 +53,8 @@ pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
     };
     let n = gyros.first().map_or(0, |own| own.residuals.len());
     let powers = shared.iter().map(raw);
-    let (adds, basis) = adding(DMatrix::zeros(gyros.len() * n, 0), powers.zip(columns.iter().cloned()));
+    let (adds, basis) = adding(Basis::default(), powers.zip(columns.iter().cloned()));
+    let basis = basis.matrix(gyros.len() * n);
     let fitted: Vec<&DVector<f64>> = columns.iter().zip(&adds).filter(|(_, adds)| **adds).map(|(c, _)| c).collect();
     let (kept, hidden) = told_apart(shared, &adds, |regressor| regressor.iter().flatten().map(|r| r.effect).next());
     let m = kept.len();
@@ -71,12 +73,10 @@ pub(super) fn fit(shared: Vec<Shared>, gyros: &[Own]) -> CommonFit {
 fn stacked(regressor: &Shared, gyros: &[Own]) -> DVector<f64> {
     let of_gyro = |(regressor, own): (&Option<Regressor>, &Own)| -> Vec<f64> {
         let Some(regressor) = regressor else { return vec![0.0; own.residuals.len()] };
-        let mut left = regressor.column.component_mul(own.factor.weights());
-        for _ in 0..2 {
-            left -= own.factor.basis() * own.factor.basis().tr_mul(&left);
-        }
-        left.unscale_mut(own.variance.sqrt());
-        left.iter().copied().collect()
+        let whitened = regressor.column.component_mul(own.factor.weights()).unscale(own.variance.sqrt());
+        let mut left: Vec<f64> = whitened.data.into();
+        Basis::of_orthonormal(own.factor.basis()).project_out(&mut left);
+        left
     };
     DVector::from_vec(regressor.iter().zip(gyros).flat_map(of_gyro).collect())
 }

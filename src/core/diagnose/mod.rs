@@ -16,6 +16,7 @@ pub use crate::core::diagnose::record_closure::{CLOSURE_CLASS, ClosureDiagnosis,
 pub use crate::core::diagnose::report::against_reference::{Moved, NoReference, Parts, Reference, Split, split};
 pub use crate::core::diagnose::search::noise_rounds::FALSE_ALARM;
 
+use crate::core::diagnose::report::calibrated::Calibrated;
 use crate::core::diagnose::report::closure::{self, GAP, UNSEEN};
 use crate::core::diagnose::report::named::{self, Named};
 use crate::core::diagnose::report::{
@@ -34,7 +35,7 @@ use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal};
 use super::note::Note;
 
 /// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the catalogue raises it by itself:
-/// there were 48 when it was 7.
+/// there were 48 when it was 8.
 pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
 /// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one before returned.
@@ -44,8 +45,8 @@ pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as 
 pub fn diagnose(campaign: &Campaign, options: &Options) -> Result<Diagnosis, Refusal> {
     let residuals = residuals(campaign, options)?;
     let searched = searched(residuals)?;
-    let closed = closed(names(&searched));
-    Ok(answer(closed))
+    let closed = closed(names(campaign, &searched));
+    Ok(answer(campaign, closed))
 }
 
 /// Stage 1: the campaign with the model in use taken out of it, over its noise.
@@ -67,18 +68,21 @@ struct Names<'a> {
     doubts: Vec<Sign>,
     parts: Vec<Part>,
     fit: Fit,
+    /// The campaign calibrated without and with them.
+    calibrated: Calibrated,
 }
 
 /// Still stage 2: contract entries among the choices, as far as they close something of dwells that were held out.
-fn names(settled: &Settled) -> Names<'_> {
+fn names<'a>(campaign: &Campaign, settled: &'a Settled) -> Names<'a> {
     let search = settled.search();
     let (mut named, doubts) = named::named(&search, &settled.found);
-    let parts = named.iter().map(|n| n.part.clone()).collect();
-    let mut closes = odds::closing(&settled.frame, parts, UNSEEN).into_iter();
+    let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
+    let mut closes = odds::closing(&settled.frame, &parts).into_iter();
     named.retain(|_| closes.next().unwrap_or(true));
     let parts: Vec<Part> = named.iter().map(|n| n.part.clone()).collect();
     let fit = augmented_fit::fit(&settled.frame, &parts);
-    Names { settled, search, named, doubts, parts, fit }
+    let calibrated = Calibrated::of(campaign, &settled.frame, &parts);
+    Names { settled, search, named, doubts, parts, fit, calibrated }
 }
 
 /// How far the names close the gap, and what remains.
@@ -96,13 +100,13 @@ struct Closed<'a> {
 
 /// Stage 3: what remains beside the names says what the noise is; that, how much of the gap they close on dwells that were not fitted.
 fn closed(names: Names<'_>) -> Closed<'_> {
-    let Names { settled, search, named, parts, fit, .. } = &names;
+    let Names { settled, search, named, parts, fit, calibrated, .. } = &names;
     let frame = &settled.frame;
     let signs = closure::signs(settled, search, named, fit, &names.doubts);
     let remains = signs.p_value < closure::level(named);
     let variances = closure::floor_variances(frame, fit, remains);
-    let noise_floor = noise_floor::report(frame, &variances, !remains);
-    let gap = closure::gap(settled, search, &variances, &signs, named.is_empty());
+    let noise_floor = noise_floor::report(frame, &variances, !remains, calibrated.augmented());
+    let gap = closure::gap(settled, search, &variances, &signs, named.is_empty(), &calibrated.plain);
     let verdict = match (named.is_empty(), remains) {
         (true, _) if gap.p_value >= GAP => Verdict::NoGap,
         (true, _) => Verdict::Unexplained,
@@ -118,7 +122,7 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     let closure = (!parts.is_empty()).then(held_out);
     let remaining = Remaining {
         rms_deg_per_h: noise_floor::rms(frame, fit.residuals.iter().map(Vec::as_slice)),
-        reduced_chi2: closure::reduced_chi2(fit, &variances),
+        reduced_chi2: calibrated.augmented().reduced_chi2().unwrap_or(1.0),
         p_value: signs.p_value,
         signs: signs.list,
     };
@@ -126,13 +130,13 @@ fn closed(names: Names<'_>) -> Closed<'_> {
 }
 
 /// Stage 4: the answer, with what was not named and why, what the names do to the coefficients, and what to measure next.
-fn answer(closed: Closed) -> Diagnosis {
+fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let Closed { names, verdict, variances, noise_floor, gap, effects, closure, remaining } = closed;
-    let Names { settled, search, named, parts, fit, .. } = names;
+    let Names { settled, search, named, parts, fit, calibrated, .. } = names;
     let (frame, bank) = (&settled.frame, &settled.bank);
     let classes: Vec<Vec<Effect>> = named.iter().map(Named::anywhere).collect();
     let mimics = identifiability::mimics(frame, bank, &parts);
-    let overstated = stated_errors::too_large(frame).map(Note::Campaign);
+    let overstated = stated_errors::too_large(&calibrated).map(Note::Campaign);
     Diagnosis {
         terms: frame.terms,
         adopted: frame.adopted.clone(),
@@ -145,10 +149,10 @@ fn answer(closed: Closed) -> Diagnosis {
         remaining,
         candidates: why_not_named::candidates(settled, &search, &named, &variances),
         not_identifiable: identifiability::not_identifiable(frame, bank, &mimics),
-        impact: impact::impact(frame, &parts, &fit),
+        impact: impact::impact(&calibrated, &campaign.geometry),
         next_dwells: next_dwells::next_dwells(frame, bank, &parts, &fit, &classes, &mimics),
         residuals: where_in_campaign::residuals(frame, &fit.residuals, &variances),
         of_campaign: frame.of_campaign.iter().cloned().chain(overstated).collect(),
-        notes: frame.notes.iter().cloned().chain(stated_errors::too_small(frame, &fit)).collect(),
+        notes: frame.notes.iter().cloned().chain(stated_errors::too_small(&calibrated)).collect(),
     }
 }

@@ -3,6 +3,8 @@
 //! Gram-Schmidt done twice keeps the vectors orthogonal to rounding ("twice is enough", Giraud, Langou and
 //! Rozloznik 2005), like Householder's QR, and lets later columns join at the cost of one projection each.
 
+use nalgebra::DMatrix;
+
 /// Squared length, relative to what it was, below which a projected column counts as lying in the basis.
 const DEPENDENT: f64 = 1e-14;
 
@@ -18,6 +20,11 @@ impl Basis {
             basis.push(column);
         }
         basis
+    }
+
+    /// Of columns that are orthonormal already.
+    pub fn of_orthonormal(columns: &DMatrix<f64>) -> Self {
+        Self { vectors: columns.column_iter().map(|column| column.iter().copied().collect()).collect() }
     }
 
     pub fn rank(&self) -> usize {
@@ -39,21 +46,35 @@ impl Basis {
     }
 
     /// Adds a column; answers the share of its squared length that the basis did not span before (0: nothing new).
-    pub fn push(&mut self, mut column: Vec<f64>) -> f64 {
+    pub fn push(&mut self, column: Vec<f64>) -> f64 {
         let before = dot(&column, &column);
+        self.push_beyond(column, DEPENDENT * before).map_or(0.0, |after| after / before)
+    }
+
+    /// Adds a column of which more than a squared length of `least` lies outside the basis; answers how much.
+    pub fn push_beyond(&mut self, mut column: Vec<f64>, least: f64) -> Option<f64> {
         self.project_out(&mut column);
-        let after = dot(&column, &column);
-        if after.is_nan() || after <= DEPENDENT * before {
-            return 0.0;
-        }
-        scale(1.0 / after.sqrt(), &mut column);
-        self.vectors.push(column);
-        after / before
+        let left = dot(&column, &column);
+        (left > least).then(|| {
+            scale(1.0 / left.sqrt(), &mut column);
+            self.vectors.push(column);
+            left
+        })
+    }
+
+    /// The vectors as columns of `n` numbers.
+    pub fn matrix(&self, n: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(n, self.rank(), |k, c| self.vectors[c][k])
     }
 
     /// The vectors from number `rank` on, as a basis of their own.
     pub fn split_off(mut self, rank: usize) -> Self {
         Self { vectors: self.vectors.split_off(rank) }
+    }
+
+    /// Its vectors and those of `other`, which are orthogonal to them.
+    pub fn with(&self, other: &Self) -> Self {
+        Self { vectors: self.vectors.iter().chain(&other.vectors).cloned().collect() }
     }
 
     /// Sum of squares of row `k`: the leverage of dwell `k`.
@@ -102,5 +123,16 @@ mod tests {
             }
         }
         assert!(((0..5).map(|k| basis.leverage(k)).sum::<f64>() - 3.0).abs() < 1e-14);
+        assert_eq!(Basis::of_orthonormal(&basis.matrix(5)), basis);
+    }
+
+    #[test]
+    fn a_column_joins_where_it_leaves_more_than_is_asked() {
+        // Beside (1, 0): (3, t) leaves t^2.
+        let mut basis = Basis::of([vec![1.0, 0.0]]);
+        assert_eq!(basis.push_beyond(vec![3.0, 0.5], 0.25), None);
+        assert_eq!(basis.push_beyond(vec![3.0, f64::NAN], 0.25), None);
+        assert_eq!(basis.push_beyond(vec![3.0, 0.5], 0.2), Some(0.25));
+        assert_eq!(basis.vectors()[1], [0.0, 1.0]);
     }
 }

@@ -4,5 +4,4 @@ pub(super) mod basis;
 pub mod least_squares;
 pub(super) mod log_sum;
 pub(crate) mod normal;
-pub(super) mod small_systems;
 pub mod tails;

@@ -118,3 +118,16 @@ fn places(dwells: &[usize]) -> Parameter {
         more => message!("and_more", named = named, more = more).into(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::Language;
+
+    #[test]
+    fn how_much_too_large_errors_are_is_said_up_to_a_thousand_times() {
+        let gyros = vec![(Slot::G1, 2.04), (Slot::G2, 999.9), (Slot::G3, 1e3)];
+        let note = Language::English.words(&message(&CampaignNote::ErrorsOverstated { gyros }));
+        assert!(note.contains("(G1 2.0 times, G2 999.9 times, G3 by far)"), "{note}");
+    }
+}

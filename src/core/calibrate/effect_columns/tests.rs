@@ -124,10 +124,46 @@ fn a_column_adds_where_it_leaves_more_than_a_millionth_of_its_power() {
     let base = DMatrix::from_column_slice(3, 1, &[1.0, 0.0, 0.0]);
     let with = |t: f64| DVector::from_vec(vec![1.0, t, 0.0]);
     let pairs = |columns: Vec<DVector<f64>>| columns.into_iter().map(|c| (c.norm_squared(), c));
-    let (adds, basis) =
-        adding(base, pairs(vec![with(0.9e-3), with(1.1e-3), with(5.0), DVector::from_vec(vec![0.0, 3.0, 4.0])]));
+    let (adds, basis) = adding(
+        Basis::of_orthonormal(&base),
+        pairs(vec![with(0.9e-3), with(1.1e-3), with(5.0), DVector::from_vec(vec![0.0, 3.0, 4.0])]),
+    );
     assert_eq!(adds, [false, true, false, true]);
-    assert!((basis - DMatrix::identity(3, 3)).norm() < 1e-9);
+    assert!((basis.matrix(3) - DMatrix::identity(3, 3)).norm() < 1e-9);
     let (kept, hidden) = told_apart(vec![1, 2, 3, 4], &adds, |one| (*one == 3).then_some(Effect::Azimuth));
     assert_eq!((kept, hidden), (vec![2, 4], vec![Effect::Azimuth]));
+}
+
+#[test]
+fn an_effect_of_several_shared_coefficients_comes_back_beside_another() {
+    let both = [Slot::G1, Slot::G2];
+    let model = [Effect::Azimuth, Effect::Levelling].map(|effect| adopted(effect, Shape::Linear, &both));
+    let shared = regressors(&campaign(), &model).shared;
+    let names: Vec<&str> = shared.iter().map(|gyros| gyros[0].as_ref().expect("G1 has it").coefficient.name).collect();
+    let of = |effect: Effect| effect.entry().coefficients(Shape::Linear);
+    let expected = [of(Effect::Azimuth), of(Effect::Levelling)].concat();
+    assert_eq!(names, expected.iter().map(|c| c.name).collect::<Vec<_>>());
+    assert!(shared.iter().all(|gyros| gyros.iter().all(Option::is_some)));
+    assert_eq!(names.len(), 3);
+}
+
+#[test]
+fn further_columns_are_parameters_of_their_own_that_no_gauge_touches() {
+    let terms = Terms::of(&[crate::core::model::Term::Bias, crate::core::model::Term::GSquared]);
+    let plain = Design::new(&campaign().dwells, terms);
+    let coefficient = Effect::Levelling.entry().coefficients(Shape::Linear)[0];
+    let column = |from: usize| DVector::from_fn(30, |k, _| (from + k) as f64);
+    let regressor = |from| Regressor { effect: Effect::Levelling, coefficient, column: column(from) };
+    let more = extended(&plain, &[regressor(100), regressor(200)]);
+    // D0 and three P less the gauge, then two.
+    assert_eq!((more.reduced.shape(), more.expand.shape()), ((30, 5), (6, 5)));
+    assert_eq!(more.reduced.columns(0, 3), plain.reduced.columns(0, 3));
+    assert_eq!((more.reduced.column(3), more.reduced.column(4)), (column(100).column(0), column(200).column(0)));
+    let mut expand = DMatrix::zeros(6, 5);
+    expand.view_mut((0, 0), (4, 3)).copy_from(&plain.expand);
+    (expand[(4, 3)], expand[(5, 4)]) = (1.0, 1.0);
+    assert_eq!(more.expand, expand);
+    let gauge = more.gauge.expect("|a| is 1");
+    assert_eq!((gauge.len(), gauge.rows(0, 4).into_owned()), (6, plain.gauge.expect("|a| is 1")));
+    assert_eq!((gauge[4], gauge[5]), (0.0, 0.0));
 }

@@ -1,6 +1,8 @@
 //! How far the named effects close the gap, and what remains beside them.
 
 use super::remaining::{self, Left, Tested};
+use crate::core::calibrate::Calibration;
+use crate::core::calibrate::noise::{self, Evidence};
 use crate::core::diagnose::diagnosis::*;
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::report::named::{Named, all_slots, slots};
@@ -31,22 +33,19 @@ pub(crate) fn level(named: &[Named]) -> f64 {
     if named.is_empty() { REMAINS } else { REMAINS_BESIDE_A_NAME }
 }
 
-/// Where something remains the residual is no measure of noise: repeats and stated errors are.
+/// Where something remains the residual is no measure of noise: what the fit takes for one is.
 pub(crate) fn floor_variances(frame: &Frame, fit: &Fit, remains: bool) -> Vec<f64> {
     if !remains {
         return fit.variances.clone();
     }
-    (frame.gyros.iter().zip(&fit.residuals).zip(&fit.variances))
-        .map(|((gyro, residual), left)| {
-            noise_floor::variance(frame.noise.stated, noise_floor::pure_error(frame, gyro, residual))
-                .map_or(*left, |v| v.min(*left))
+    let of_gyros = frame.gyros.iter().zip(&fit.residuals).zip(&fit.dof);
+    let evidence: Vec<Evidence> = of_gyros
+        .map(|((gyro, residual), dof)| {
+            Evidence::of(dot(residual, residual), *dof as usize, noise_floor::pure_error(frame, gyro, residual))
         })
-        .collect()
-}
-
-pub(crate) fn reduced_chi2(fit: &Fit, variances: &[f64]) -> f64 {
-    let chi2: f64 = fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum();
-    chi2 / fit.dof.iter().sum::<f64>()
+        .collect();
+    let noise = noise::noise(&evidence, frame.noise.stated);
+    noise.iter().zip(&fit.variances).map(|(noise, left)| noise.floor().map_or(*left, |f| f.max(1e-12))).collect()
 }
 
 pub(crate) struct Signs {
@@ -112,19 +111,24 @@ fn harmonics(left: &Left, named: &[Named]) -> Vec<Tested> {
     tests
 }
 
-pub(crate) fn gap(settled: &Settled, search: &Search, variances: &[f64], signs: &Signs, nothing_named: bool) -> Gap {
+pub(crate) fn gap(
+    settled: &Settled,
+    search: &Search,
+    variances: &[f64],
+    signs: &Signs,
+    nothing_named: bool,
+    plain: &Calibration,
+) -> Gap {
     let best = search.scores(&[]).iter().map(|s| search.earned(&[], s.kind)).fold(f64::NEG_INFINITY, f64::max);
     let from_search = search.p_value(best);
     let from_tests = if nothing_named { signs.p_value / (1.0 - SHARE_OF_SEARCH) } else { 1.0 };
-    let chi2: f64 = settled.frame.gyros.iter().zip(variances).map(|(gyro, v)| gyro.rss() / v).sum();
-    let dof: usize = settled.frame.gyros.iter().map(|gyro| gyro.dof()).sum();
     Gap {
         rms_deg_per_h: noise_floor::rms(
             &settled.frame,
             settled.frame.gyros.iter().map(|gyro| gyro.residual.as_slice()),
         ),
         noise_alone_deg_per_h: noise_floor::expected_rms(&settled.frame, variances),
-        reduced_chi2: chi2 / dof as f64,
+        reduced_chi2: plain.reduced_chi2().unwrap_or(1.0),
         p_value: (from_search / SHARE_OF_SEARCH).min(from_tests).min(1.0),
     }
 }

@@ -1,6 +1,7 @@
 //! Stages 3 and 4: how far the named effects close the gap, what remains, what it does to the coefficients and what to measure next.
 
 pub(super) mod against_reference;
+pub(super) mod calibrated;
 pub(super) mod closure;
 pub(super) mod held_out;
 pub(super) mod identifiability;

@@ -11,7 +11,6 @@ use crate::core::diagnose::diagnosis::Sign;
 use crate::core::diagnose::report::likeness::{Score, Weights};
 use crate::core::diagnose::residuals::noise_floor::pure_error;
 use crate::core::diagnose::residuals::whitened::Frame;
-use crate::core::diagnose::search::hypotheses::basis_matrix;
 use crate::core::effects::Setting;
 use crate::core::mounting::Slot;
 use crate::core::numerics::basis::{Basis, dot};
@@ -37,9 +36,7 @@ pub(crate) struct Left<'a> {
 
 impl Left<'_> {
     fn basis(&self, j: usize) -> DMatrix<f64> {
-        let vectors: Vec<Vec<f64>> =
-            self.frame.gyros[j].basis.vectors().iter().chain(self.extras[j].vectors()).cloned().collect();
-        basis_matrix(&vectors, self.frame.dwells())
+        self.frame.gyros[j].basis.with(&self.extras[j]).matrix(self.frame.dwells())
     }
 
     fn dof(&self, j: usize) -> f64 {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::core::augmented::Adopted;
-use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
+use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{Coefficient, Effect, Refusal, Scope, Shape};
 use crate::core::numerics::basis::{axpy, dot};
@@ -19,6 +19,12 @@ pub(crate) struct Part {
 impl Part {
     pub fn common(&self) -> bool {
         self.effect.entry().scope == Scope::Common
+    }
+
+    /// As it enters the model.
+    pub fn adopted(&self, frame: &Frame) -> Adopted {
+        let gyros = frame.setting.gyros.iter().zip(&self.members).filter(|(_, member)| **member);
+        Adopted { effect: self.effect, shape: self.shape, slots: gyros.map(|(gyro, _)| gyro.slot).collect() }
     }
 
     /// The one dwell that the effect sets aside, if it is of that kind.
@@ -149,8 +155,8 @@ fn degrees_of_freedom(frame: &Frame, unknowns: &[Unknown]) -> Vec<f64> {
 }
 
 fn variance_left(frame: &Frame, j: usize, residual: &[f64], dof: f64) -> f64 {
-    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-    ((prior + dot(residual, residual)) / (prior + dof)).max(frame.noise.rounding[j]).max(1e-12)
+    let Scatter { rss, nu } = frame.noise.with_stated(dot(residual, residual), dof);
+    (rss / nu).max(frame.noise.rounding[j]).max(1e-12)
 }
 
 /// Solution and covariance by QR with column pivoting; columns that the others span get zero and no variance.

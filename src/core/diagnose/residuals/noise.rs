@@ -3,9 +3,12 @@
 //! Stated standard errors are themselves estimates: where they scatter about a smooth law in rate and duration, half
 //! of the scatter is believed. Where none are stated, the law is found from what a generous model leaves behind.
 
+use crate::core::calibrate::growth::{Exposure, Law};
+use crate::core::calibrate::noise::with_stated;
 use crate::core::campaign::Campaign;
 use crate::core::campaign::repeats::repeats;
-use crate::core::diagnose::residuals::noise_growth::{GROWTHS, shape};
+use crate::core::diagnose::residuals::noise_growth::{GROWTHS, exposure, shape};
+use crate::core::diagnose::residuals::pooled_noise::Scatter;
 use crate::core::effects::Setting;
 use crate::core::message::Message;
 use crate::core::numerics::basis::{Basis, dot};
@@ -17,8 +20,8 @@ pub(crate) struct Noise {
     pub sd: Vec<Vec<f64>>,
     /// Whether the station stated standard errors.
     pub stated: bool,
-    /// The law of noise where none is stated: growth with rate, power of duration.
-    pub law: Option<(f64, f64)>,
+    /// The law of noise where none is stated.
+    pub law: Option<Law>,
     /// Standard deviation of the logarithm of what is still unsure in each `sd`.
     pub log_scatter: f64,
     /// Per gyro: smallest variance that is believed over that of `sd`, mean over dwells; 1 where rounding is all there is.
@@ -46,8 +49,8 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
             (sd, scatter, None)
         }
         None => {
-            let (growth, fall) = unstated(s, outputs, designs);
-            (law_sd(s, outputs, designs, growth, fall), 0.0, Some((growth, fall)))
+            let law = unstated(s, outputs, designs);
+            (law_sd(s, outputs, designs, law), 0.0, Some(law))
         }
     };
     if stated.is_none() {
@@ -61,11 +64,17 @@ pub(crate) fn of(campaign: &Campaign, s: &Setting, outputs: &[Vec<f64>], designs
 }
 
 impl Noise {
+    /// A whitened sum of squares and its degrees of freedom, with what is stated counted in where it is.
+    pub fn with_stated(&self, rss: f64, dof: f64) -> Scatter {
+        let (rss, nu) = if self.stated { with_stated(rss, dof) } else { (rss, dof) };
+        Scatter { rss, nu }
+    }
+
     /// The same with another growth of the noise with rate, where no errors are stated.
     pub fn with_growth(&self, s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64) -> Self {
-        let Some((_, fall)) = self.law else { return self.clone() };
-        let (sd, rounding) = above_rounding(law_sd(s, outputs, designs, growth, fall), outputs);
-        Self { sd, rounding, law: Some((growth, fall)), ..self.clone() }
+        let Some(law) = self.law.map(|law| Law { growth, ..law }) else { return self.clone() };
+        let (sd, rounding) = above_rounding(law_sd(s, outputs, designs, law), outputs);
+        Self { sd, rounding, law: Some(law), ..self.clone() }
     }
 }
 
@@ -79,7 +88,7 @@ fn above_rounding(mut sd: Vec<Vec<f64>>, outputs: &[Vec<f64>]) -> (Vec<Vec<f64>>
     (sd, rounding)
 }
 
-/// Stated errors drawn half-way (in logarithm) to the law `sem^2 = (alpha + beta w_I^2) duration^-p`, p = 0 or 1.
+/// Stated errors drawn half-way (in logarithm) to the law `sem^2 = (alpha + beta x) duration^-p`, p = 0 or 1.
 fn smoothed(s: &Setting, sems: &[Vec<f64>]) -> (Vec<Vec<f64>>, f64) {
     let laws: Vec<Vec<f64>> = (0..sems.len())
         .map(|j| {
@@ -109,16 +118,15 @@ fn scatter(sem: &[f64], law: &[f64]) -> f64 {
 
 fn law_of(s: &Setting, j: usize, sem: &[f64], p: f64) -> Vec<f64> {
     let n = sem.len();
-    let input: Vec<f64> = (0..n).map(|k| s.rate[k].dot(&s.gyros[j].input).powi(2)).collect();
-    let top = input.iter().fold(0.0_f64, |m, x| m.max(*x)).max(f64::MIN_POSITIVE);
-    let fall: Vec<f64> = (0..n).map(|k| s.duration[k].powf(-p)).collect();
+    let Exposure { rate, duration } = exposure(s, j);
+    let fall: Vec<f64> = duration.iter().map(|d| d.powf(-p)).collect();
     let mean = sem.iter().map(|x| x * x).sum::<f64>() / n as f64;
     let mut law: Vec<f64> = vec![mean; n];
     for _ in 0..8 {
         // Weighted by 1/law^2: relative deviations count alike.
         let (mut uu, mut uv, mut vv, mut uy, mut vy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for k in 0..n {
-            let (u, v, y) = (fall[k] / law[k], fall[k] * input[k] / top / law[k], sem[k] * sem[k] / law[k]);
+            let (u, v, y) = (fall[k] / law[k], fall[k] * rate[k] / law[k], sem[k] * sem[k] / law[k]);
             (uu, uv, vv, uy, vy) = (uu + u * u, uv + u * v, vv + v * v, uy + u * y, vy + v * y);
         }
         let determinant = uu * vv - uv * uv;
@@ -126,7 +134,7 @@ fn law_of(s: &Setting, j: usize, sem: &[f64], p: f64) -> Vec<f64> {
         let alpha = (uy - beta * uv) / uu;
         let alpha = alpha.max(1e-3 * uy / uu);
         for k in 0..n {
-            law[k] = fall[k] * (alpha + beta * input[k] / top);
+            law[k] = fall[k] * (alpha + beta * rate[k]);
         }
     }
     law.into_iter().map(f64::sqrt).collect()
@@ -134,28 +142,27 @@ fn law_of(s: &Setting, j: usize, sem: &[f64], p: f64) -> Vec<f64> {
 
 /// Without stated errors: growth with rate and power of duration, from what the model with a generous set of further
 /// columns leaves. Student's t (5 dof) keeps single bad dwells from deciding.
-fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> (f64, f64) {
+fn unstated(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>]) -> Law {
     let generous = generous_residuals(s, outputs, designs);
-    let mut best = (f64::NEG_INFINITY, 0.0, 0.0);
-    let spread = s.duration.iter().any(|d| (d / s.duration[0] - 1.0).abs() > 0.2);
-    for &p in if spread { &[0.0, 1.0][..] } else { &[0.0][..] } {
-        for c in GROWTHS {
-            let fit: f64 = generous.iter().enumerate().map(|(j, (e, v))| robust_fit(e, v, &shape(s, j, c, p)).1).sum();
+    let mut best = (f64::NEG_INFINITY, Law::default());
+    for &fall in exposure(s, 0).falls() {
+        for law in GROWTHS.map(|growth| Law { growth, fall }) {
+            let fit: f64 = generous.iter().enumerate().map(|(j, (e, v))| robust_fit(e, v, &shape(s, j, law)).1).sum();
             if fit > best.0 {
-                best = (fit, c, p);
+                best = (fit, law);
             }
         }
     }
-    (best.1, best.2)
+    best.1
 }
 
 /// Standard deviations by the law, each gyro scaled to what the generous model leaves it.
-fn law_sd(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], growth: f64, fall: f64) -> Vec<Vec<f64>> {
+fn law_sd(s: &Setting, outputs: &[Vec<f64>], designs: &[Vec<Vec<f64>>], law: Law) -> Vec<Vec<f64>> {
     generous_residuals(s, outputs, designs)
         .iter()
         .enumerate()
         .map(|(j, (e, v))| {
-            let shape = shape(s, j, growth, fall);
+            let shape = shape(s, j, law);
             let sigma = robust_fit(e, v, &shape).0;
             shape.into_iter().map(|x| x * sigma).collect()
         })

@@ -1,13 +1,10 @@
 //! The noise floor: stated standard errors, repeated dwells and residuals, weighed together.
 
+use crate::core::calibrate::Calibration;
 use crate::core::campaign::repeats::PureError;
 use crate::core::diagnose::diagnosis::{GyroFloor, NoiseFloor};
 use crate::core::diagnose::residuals::whitened::{Frame, GyroFrame};
 use crate::core::numerics::basis::dot;
-
-/// Prior weight, in degrees of freedom, of the statement that the stated standard errors are right. Standard errors
-/// are met that are wrong by tens of per cent: a factor with a scatter of 22 % is worth 1/(2 x 0.22^2) = 10.
-pub(crate) const STATED_DOF: f64 = 10.0;
 
 /// Scatter of whitened residuals within groups of repeated dwells: sum of (y - weighted group mean)^2 / sd^2. Within a
 /// group the model's design is constant, so its residuals differ as outputs do; what adopted effects of time,
@@ -16,14 +13,8 @@ pub(crate) fn pure_error(frame: &Frame, gyro: &GyroFrame, residual: &[f64]) -> P
     PureError::of(&frame.noise.repeats, |k| residual[k] * gyro.sd[k], |k| gyro.sd[k])
 }
 
-/// Variance factor of one gyro from stated errors and repeats alone; none where there is neither.
-pub(crate) fn variance(stated: bool, pure: PureError) -> Option<f64> {
-    let prior = if stated { STATED_DOF } else { 0.0 };
-    let dof = prior + pure.dof as f64;
-    (dof > 0.0).then(|| ((prior + pure.chi2) / dof).max(1e-12))
-}
-
-pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> NoiseFloor {
+/// `repeat_dof` of each gyro, and the ratio of real to stated noise, are those of the fit.
+pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool, fit: &Calibration) -> NoiseFloor {
     let repeats = !frame.noise.repeats.is_empty();
     let source = match (frame.noise.stated, repeats) {
         (true, true) => "repeats+sem",
@@ -36,21 +27,15 @@ pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool) -> N
         .gyros
         .iter()
         .zip(variances)
-        .enumerate()
-        .map(|(j, (gyro, variance))| GyroFloor {
-            slot: frame.setting.gyros[j].slot,
+        .zip(&fit.gyros)
+        .map(|((gyro, variance), fit)| GyroFloor {
+            slot: fit.slot,
             deg_per_h: (variance * dot(&gyro.sd, &gyro.sd) / gyro.sd.len() as f64).sqrt(),
-            repeat_dof: pure_error(frame, gyro, &gyro.residual).dof,
+            repeat_dof: fit.noise.pure_error.dof,
         })
         .collect();
     let mean_square = gyros.iter().map(|g| g.deg_per_h.powi(2)).sum::<f64>() / gyros.len() as f64;
-    let factor = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
-    NoiseFloor {
-        deg_per_h: mean_square.sqrt(),
-        source,
-        sem_factor: if frame.noise.stated { factor } else { 1.0 },
-        gyros,
-    }
+    NoiseFloor { deg_per_h: mean_square.sqrt(), source, sem_factor: fit.sem_factor().unwrap_or(1.0), gyros }
 }
 
 /// Root mean square that noise alone leaves in the residuals of the model in use, deg/h: with `Q` an orthonormal basis of the

@@ -8,7 +8,7 @@ use crate::core::effects::{Scope, Setting, axes};
 use crate::core::message::Message;
 use crate::core::model::{Term, Terms};
 use crate::core::note::Note;
-use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::basis::Basis;
 
 /// One gyro: everything whitened, that is divided by `sd`.
 #[derive(Debug, Clone)]
@@ -39,10 +39,6 @@ pub(crate) struct Frame {
 }
 
 impl GyroFrame {
-    pub fn rss(&self) -> f64 {
-        dot(&self.residual, &self.residual)
-    }
-
     /// Dwells over parameters.
     pub fn dof(&self) -> usize {
         self.sd.len() - self.basis.rank()

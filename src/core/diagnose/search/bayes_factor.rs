@@ -12,14 +12,13 @@
 //!
 //! Coefficients that all gyros share have a form of their own ([`crate::core::diagnose::search::shared_coefficients`]).
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis};
+use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis, SMALL};
 use crate::core::diagnose::search::projections::{MAX_GYROS, Products, Seen, State};
 use crate::core::diagnose::search::shared_coefficients::Common;
 use crate::core::effects::Effect;
 use crate::core::numerics::log_sum::LogSum;
-use crate::core::numerics::small_systems;
 
 /// One kind's evidence given a state.
 #[derive(Debug, Clone)]
@@ -144,11 +143,10 @@ fn log_membership(factors: &[BayesFactor]) -> f64 {
 
 /// A block in one gyro with what has been adopted taken out of it.
 enum Projected<'a> {
-    /// Of at most [`small_systems::MOST`] columns: Gram matrix `U'U` and `U'r`.
+    /// Of at most [`SMALL`] columns: Gram matrix `U'U` and `U'r`, zero beyond them.
     Small {
-        size: usize,
-        gram: small_systems::Matrix,
-        side: small_systems::Vector,
+        gram: Matrix3<f64>,
+        side: Vector3<f64>,
     },
     /// Orthogonal columns with nothing adopted: squared lengths, and `U'r`.
     Orthogonal {
@@ -165,8 +163,8 @@ impl<'a> Projected<'a> {
     fn of(block: &'a Block, seen: &'a Seen<'a>) -> Self {
         if seen.adopted == 0 {
             Self::Orthogonal { block, side: &seen.with_residual[block.start..][..block.len] }
-        } else if block.len <= small_systems::MOST {
-            Self::Small { size: block.len, gram: seen.gram(block), side: seen.side(block) }
+        } else if block.len <= SMALL {
+            Self::Small { gram: seen.gram(block), side: seen.side(block) }
         } else {
             Self::Large { block, seen }
         }
@@ -180,17 +178,10 @@ impl<'a> Projected<'a> {
                 let own = side.iter().enumerate().map(|(i, b)| b * b / (1.0 + power * block.length(i))).sum::<f64>();
                 (power * own, log_det)
             }
-            Self::Small { size: 1, gram, side } => {
-                let a = 1.0 + power * gram[0][0];
-                (power * side[0] * side[0] / a, a.ln())
-            }
-            Self::Small { size, gram, side } => {
-                let mut system = gram.map(|row| row.map(|x| power * x));
-                (0..*size).for_each(|i| system[i][i] += 1.0);
-                let Some(factor) = small_systems::Factor::of(*size, &system) else { return (0.0, log_det) };
-                let solution = factor.solve(side);
-                let product: f64 = side.iter().zip(&solution).map(|(b, x)| b * x).sum();
-                (power * product, factor.log_det())
+            Self::Small { gram, side } => {
+                let system = Matrix3::identity() + power * gram;
+                let Some(factor) = system.cholesky() else { return (0.0, log_det) };
+                (power * side.dot(&factor.solve(side)), factor.ln_determinant())
             }
             Self::Large { block, seen } => {
                 let (explained, change) = explained_by_many(block, power, seen);
@@ -208,7 +199,7 @@ impl<'a> Projected<'a> {
 fn explained_by_many(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
     let b = &seen.with_residual[block.start..block.start + block.len];
     let mut own = 0.0;
-    let mut small = DMatrix::identity(seen.adopted, seen.adopted);
+    let mut small = DMatrix::<f64>::identity(seen.adopted, seen.adopted);
     let mut side = DVector::zeros(seen.adopted);
     for (i, b) in b.iter().enumerate() {
         let w = seen.taken(block.start + i);
@@ -222,7 +213,7 @@ fn explained_by_many(block: &Block, power: f64, seen: &Seen) -> (f64, f64) {
         }
     }
     match small.cholesky() {
-        Some(cholesky) => (power * (own + power * side.dot(&cholesky.solve(&side))), log_det(&cholesky)),
+        Some(cholesky) => (power * (own + power * side.dot(&cholesky.solve(&side))), cholesky.ln_determinant()),
         None => (0.0, 0.0),
     }
 }
@@ -272,8 +263,4 @@ pub(crate) fn of_gyro(bank: &Bank, range: std::ops::Range<usize>, j: usize, seen
         }
     }
     (best > f64::NEG_INFINITY).then(|| (total.log(), best))
-}
-
-fn log_det(cholesky: &Cholesky<f64, Dyn>) -> f64 {
-    cholesky.l_dirty().diagonal().iter().map(|x| 2.0 * x.ln()).sum()
 }

@@ -5,13 +5,12 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVectorView};
+use nalgebra::{DMatrix, DVectorView, Matrix3};
 
 use crate::core::augmented::Adopted;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::effects::{CATALOGUE, COMPETITORS, Effect, Entry, Prior, Scope, Shape};
-use crate::core::numerics::basis::{axpy, dot, scale};
-use crate::core::numerics::small_systems;
+use crate::core::numerics::basis::{Basis, dot, scale};
 
 /// Share of an effect's whitened power below which the design does not show it (amplitude below one in a thousand).
 pub(crate) const INVISIBLE: f64 = 1e-6;
@@ -20,6 +19,9 @@ pub(crate) const INVISIBLE: f64 = 1e-6;
 /// number of coefficients: effects at the limit of detection, well above it and of any size, whatever the number. Without the last, a
 /// prior that knows no strong effects would rather have a strong one explained by a competitor with many columns.
 const FLAT_POWER: [[f64; 3]; 4] = [[16.0, 100.0, 1e5], [8.0, 50.0, 5e4], [5.0, 33.0, 3.3e4], [3.0, 20.0, 2e4]];
+/// Most columns of a block whose systems are solved on the stack: the search has millions of them.
+pub(crate) const SMALL: usize = 3;
+
 /// Prior power of a whole smooth hypothesis.
 const SMOOTH_POWER: [f64; 3] = [30.0, 150.0, 800.0];
 
@@ -41,8 +43,8 @@ pub(crate) struct Block {
     pub len: usize,
     /// Squared lengths of the columns, which are orthogonal to one another; empty where all are 1.
     pub lengths: Vec<f64>,
-    /// Products of the columns with one another, where there are at most [`small_systems::MOST`].
-    pub gram: small_systems::Matrix,
+    /// Products of the columns with one another, where there are at most [`SMALL`].
+    pub gram: Matrix3<f64>,
     /// Sum of ln(1 + power x length) over the columns, for each of the hypothesis' powers.
     pub log_dets: Vec<f64>,
     /// Share of the raw columns' whitened power that is left.
@@ -51,14 +53,7 @@ pub(crate) struct Block {
 
 impl Block {
     fn empty(start: usize, visible: f64) -> Self {
-        Self {
-            start,
-            len: 0,
-            lengths: Vec::new(),
-            gram: small_systems::Matrix::default(),
-            log_dets: Vec::new(),
-            visible,
-        }
+        Self { start, len: 0, lengths: Vec::new(), gram: Matrix3::zeros(), log_dets: Vec::new(), visible }
     }
 
     /// Squared length of column `i`.
@@ -182,7 +177,7 @@ fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Blo
         }
         before.push(norm);
     }
-    let q = basis_matrix(gyro.basis.vectors(), n);
+    let q = gyro.basis.matrix(n);
     let q_transposed = q.transpose();
     for _ in 0..2 {
         let along = &q_transposed * &matrix;
@@ -207,10 +202,6 @@ fn project_gyro(frame: &Frame, j: usize, raws: &[Raw]) -> (DMatrix<f64>, Vec<Blo
     (matrix.resize_horizontally(kept, 0.0), blocks)
 }
 
-pub(crate) fn basis_matrix(vectors: &[Vec<f64>], n: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(n, vectors.len(), |k, c| vectors[c][k])
-}
-
 /// Moves the columns of `range` to `kept..`, at their raw lengths relative to the longest; columns have `n` numbers.
 fn keep_as_is(columns: &mut [f64], n: usize, range: Range<usize>, before: &[f64], kept: usize) -> Block {
     let len = range.len();
@@ -231,32 +222,20 @@ fn keep_as_is(columns: &mut [f64], n: usize, range: Range<usize>, before: &[f64]
 /// Orthonormal columns with the span of `range`, at `kept..`; fewer where some of it is invisible.
 fn keep_orthonormal(columns: &mut [f64], n: usize, range: Range<usize>, kept: usize) -> Block {
     let count = range.len().max(1) as f64;
-    let (mut len, mut visible) = (0, 0.0);
+    let (mut own, mut visible) = (Basis::default(), 0.0);
     for c in range {
-        // What is kept lies before what is still to be looked at.
-        let (earlier, rest) = columns.split_at_mut(c * n);
-        let column = &mut rest[..n];
+        let column = &columns[c * n..][..n];
         let before = dot(column, column);
         visible += before / count;
-        if before.is_nan() || before <= INVISIBLE {
-            continue;
-        }
-        let own = &earlier[kept * n..][..len * n];
-        for _ in 0..2 {
-            for other in own.chunks_exact(n) {
-                let along = dot(other, column);
-                axpy(-along, other, column);
-            }
-        }
-        let after = if len == 0 { before } else { dot(column, column) };
-        // A column that the block's others span already brings rounding only.
-        if after > 1e-9 * before {
-            scale(1.0 / after.sqrt(), column);
-            columns.copy_within(c * n..(c + 1) * n, (kept + len) * n);
-            len += 1;
+        if before > INVISIBLE {
+            // A column that the block's others span already brings rounding only.
+            own.push_beyond(column.to_vec(), 1e-9 * before);
         }
     }
-    Block { len, ..Block::empty(kept, visible) }
+    for (target, vector) in columns[kept * n..].chunks_exact_mut(n).zip(own.vectors()) {
+        target.copy_from_slice(vector);
+    }
+    Block { len: own.rank(), ..Block::empty(kept, visible) }
 }
 
 /// Gives common and smooth blocks a stated total power and turns their columns so that they are orthogonal; a common
@@ -284,12 +263,12 @@ fn scale_together(hypothesis: &mut Hypothesis, columns: &mut [DMatrix<f64>]) {
         block.log_dets = (hypothesis.powers.iter())
             .map(|power| (0..block.len).map(|i| (power * block.length(i)).ln_1p()).sum())
             .collect();
-        if block.len <= small_systems::MOST && block.lengths.is_empty() {
-            (0..block.len).for_each(|i| block.gram[i][i] = 1.0);
-        } else if block.len <= small_systems::MOST {
+        if block.len <= SMALL && block.lengths.is_empty() {
+            (0..block.len).for_each(|i| block.gram[(i, i)] = 1.0);
+        } else if block.len <= SMALL {
             let own = columns.columns(block.start, block.len);
             for i in 0..block.len {
-                (0..block.len).for_each(|j| block.gram[i][j] = own.column(i).dot(&own.column(j)));
+                (0..block.len).for_each(|j| block.gram[(i, j)] = own.column(i).dot(&own.column(j)));
             }
         }
     }

@@ -4,6 +4,7 @@
 //! adopted in the model, the search is run again where it moved, and what was adopted must earn its place with the
 //! growth averaged out, not only at its best value.
 
+use crate::core::calibrate::growth::Law;
 use crate::core::diagnose::residuals::noise_growth::{GROWTHS, profile};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::Bank;
@@ -53,9 +54,9 @@ impl Settled {
                 found = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known }.run();
             }
             let search = Search { frame: &frame, bank: &bank, null: &null, threshold, known: &known };
-            let next = frame.noise.law.and_then(|(growth, fall)| {
-                found = confirmed(&search, growth, fall, std::mem::take(&mut found));
-                next_growth(&frame, &bank, &found, growth, fall)
+            let next = frame.noise.law.and_then(|law| {
+                found = confirmed(&search, law, std::mem::take(&mut found));
+                next_growth(&frame, &bank, &found, law)
             });
             let empty = found.is_empty();
             let settled = Self { frame, bank, null, threshold, known, found };
@@ -100,13 +101,13 @@ fn designs(frame: &Frame, bank: &Bank, found: &[Choice], without: Option<usize>)
 
 const MOST_COLUMNS: usize = 4;
 
-/// Drops what owes its evidence to one value of the growth: ln of the ratio of mean to value at `growth`, with the
+/// Drops what owes its evidence to one value of the growth: ln of the ratio of mean to value at that of `law`, with the
 /// choice and without it, is added to its evidence.
-fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) -> Vec<Choice> {
+fn confirmed(search: &Search, law: Law, mut found: Vec<Choice>) -> Vec<Choice> {
     let frame = search.frame;
-    let Some(at) = GROWTHS.iter().position(|c| *c == growth) else { return found };
+    let Some(at) = GROWTHS.iter().position(|growth| *growth == law.growth) else { return found };
     let excess = |designs: &[Vec<Vec<f64>>]| {
-        let profile = profile(&frame.setting, &frame.outputs, designs, fall);
+        let profile = profile(&frame.setting, &frame.outputs, designs, law.fall);
         LogSum::of(&profile).log_mean(profile.len()) - profile[at]
     };
     loop {
@@ -129,12 +130,12 @@ fn confirmed(search: &Search, growth: f64, fall: f64, mut found: Vec<Choice>) ->
 }
 
 /// The growth to search with next: the likeliest with what was found, a lower one where nothing was found.
-fn next_growth(frame: &Frame, bank: &Bank, found: &[Choice], growth: f64, fall: f64) -> Option<f64> {
-    let at = GROWTHS.iter().position(|c| *c == growth)?;
+fn next_growth(frame: &Frame, bank: &Bank, found: &[Choice], law: Law) -> Option<f64> {
+    let at = GROWTHS.iter().position(|growth| *growth == law.growth)?;
     if found.is_empty() {
         return (at > 0).then(|| GROWTHS[at.saturating_sub(LOWER)]);
     }
-    let profile = profile(&frame.setting, &frame.outputs, &designs(frame, bank, found, None), fall);
+    let profile = profile(&frame.setting, &frame.outputs, &designs(frame, bank, found, None), law.fall);
     let best = (0..GROWTHS.len()).max_by(|&a, &b| profile[a].total_cmp(&profile[b]))?;
     (profile[best] > profile[at] + 0.5).then_some(GROWTHS[best])
 }

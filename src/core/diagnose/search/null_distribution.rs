@@ -15,11 +15,10 @@ use std::cell::LazyCell;
 
 use nalgebra::DMatrix;
 
-use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::together;
-use crate::core::diagnose::search::hypotheses::{Bank, basis_matrix};
+use crate::core::diagnose::search::hypotheses::Bank;
 use crate::core::diagnose::search::null_tables::Tabled;
 use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
@@ -40,8 +39,7 @@ impl Null {
         let signals: Vec<Signal> =
             (0..DRAWS).map(|d| Signal::draw(bank, &kinds[d % kinds.len()].1, &mut random)).collect();
         let n = frame.dwells();
-        let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
-        let mut rss: Vec<Vec<f64>> = Vec::new();
+        let mut scatters: Vec<Vec<Scatter>> = Vec::new();
         let mut products = Vec::new();
         for (j, gyro) in frame.gyros.iter().enumerate() {
             let mut drawn = DMatrix::from_fn(n, DRAWS, |_, _| random.normal());
@@ -54,19 +52,18 @@ impl Null {
                     column.axpy(coefficient, &bank.column(j, signal.starts[j] + i), 1.0);
                 }
             }
-            let within = basis_matrix(gyro.basis.vectors(), n).transpose() * &drawn;
-            let left = |d: usize| prior + drawn.column(d).norm_squared() - within.column(d).norm_squared();
-            rss.push((0..DRAWS).map(left).collect());
+            let within = gyro.basis.matrix(n).transpose() * &drawn;
+            let left = |d: usize| drawn.column(d).norm_squared() - within.column(d).norm_squared();
+            scatters.push((0..DRAWS).map(|d| frame.noise.with_stated(left(d), gyro.dof() as f64)).collect());
             products.push(bank.columns[j].columns(0, bank.contract_columns[j]).transpose() * &drawn);
         }
-        let nu: Vec<f64> = frame.gyros.iter().map(|gyro| prior + gyro.dof() as f64).collect();
+        let nu: Vec<f64> = scatters.iter().map(|of_gyro| of_gyro[0].nu).collect();
         // A draw's gyros count alone or together, as they are alike or not.
         let alone = LazyCell::new(|| Tabled::of(bank, &kinds, &nu));
         let pooled = LazyCell::new(|| Tabled::of(bank, &kinds, &vec![nu.iter().sum::<f64>(); nu.len()]));
         let mut draws: Vec<(f64, f64)> = (0..DRAWS)
             .map(|d| {
-                let mut scatter: Vec<Scatter> =
-                    nu.iter().zip(&rss).map(|(&nu, rss)| Scatter { rss: rss[d], nu }).collect();
+                let mut scatter: Vec<Scatter> = scatters.iter().map(|of_gyro| of_gyro[d]).collect();
                 let tabled = if frame.noise.stated && pool(&mut scatter) { &*pooled } else { &*alone };
                 let seen: Vec<Seen> = (0..frame.gyros.len())
                     .map(|j| Seen {

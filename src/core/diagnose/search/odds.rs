@@ -4,7 +4,6 @@
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
-use crate::core::diagnose::residuals::noise_floor;
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::bayes_factor::Score;
 use crate::core::diagnose::search::stepwise::{Choice, Search};
@@ -66,15 +65,13 @@ impl Search<'_> {
     }
 }
 
-/// Which parts, in their order, shrink the gap on dwells that were held out; `unseen` is the power that tests would miss. One dwell set
-/// aside is not asked: it says nothing of others.
-pub(crate) fn closing(frame: &Frame, parts: Vec<Part>, unseen: f64) -> Vec<bool> {
-    let variances = augmented_fit::fit(frame, &parts).variances;
-    let floor = noise_floor::report(frame, &variances, true).deg_per_h;
+/// Which parts, in their order, shrink the gap on dwells that were held out. One dwell set aside is not asked: it says nothing of others.
+pub(crate) fn closing(frame: &Frame, parts: &[Part]) -> Vec<bool> {
+    let variances = augmented_fit::fit(frame, parts).variances;
     let closes = |p: usize| {
         let earlier: Vec<&Part> = parts[..p].iter().collect();
-        let held_out = held_out::errors(frame, &earlier, &[&parts[p]], &variances).held_out(floor, 1.0, unseen);
-        parts[p].dwell().is_some() || held_out.closure > 0.0
+        let errors = held_out::errors(frame, &earlier, &[&parts[p]], &variances);
+        parts[p].dwell().is_some() || errors.with < errors.without
     };
     (0..parts.len()).map(closes).collect()
 }

@@ -2,14 +2,12 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DMatrixView, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 
-use crate::core::diagnose::residuals::noise_floor::STATED_DOF;
 use crate::core::diagnose::residuals::pooled_noise::{Scatter, pool};
 use crate::core::diagnose::residuals::whitened::Frame;
 use crate::core::diagnose::search::hypotheses::{Bank, Block, Hypothesis};
 use crate::core::numerics::basis::{Basis, dot};
-use crate::core::numerics::small_systems;
 
 /// Residuals of one gyro under the model and what has been adopted so far.
 #[derive(Debug, Clone)]
@@ -41,7 +39,6 @@ pub(crate) fn state(frame: &Frame, extras: Vec<Basis>) -> State {
 
 /// As [`state`], with each gyro's noise from its own residuals alone: what one gyro holds is no noise in another.
 pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
-    let prior = if frame.noise.stated { STATED_DOF } else { 0.0 };
     frame
         .gyros
         .iter()
@@ -52,8 +49,8 @@ pub(crate) fn each_by_itself(frame: &Frame, extras: Vec<Basis>) -> State {
             extra.project_out(&mut residual);
             let dof = (gyro.dof() - extra.rank().min(gyro.dof())) as f64;
             // What lies below rounding is no residual that anything could explain.
-            let rss = dot(&residual, &residual).max(rounding * dof);
-            GyroState { rss: prior + rss, nu: prior + dof, residual, extra }
+            let Scatter { rss, nu } = frame.noise.with_stated(dot(&residual, &residual).max(rounding * dof), dof);
+            GyroState { rss, nu, residual, extra }
         })
         .collect()
 }
@@ -136,21 +133,21 @@ impl Seen<'_> {
     }
 
     /// Gram matrix of a small block's columns, adopted columns projected out.
-    pub fn gram(&self, block: &Block) -> small_systems::Matrix {
+    pub fn gram(&self, block: &Block) -> Matrix3<f64> {
         let mut gram = block.gram;
         for (i, j) in (0..block.len).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let taken: f64 =
                 self.taken(block.start + i).iter().zip(self.taken(block.start + j)).map(|(a, b)| a * b).sum();
-            gram[i][j] -= taken;
-            gram[j][i] = gram[i][j];
+            gram[(i, j)] -= taken;
+            gram[(j, i)] = gram[(i, j)];
         }
         gram
     }
 
     /// Products of a small block's columns with the residual.
-    pub fn side(&self, block: &Block) -> small_systems::Vector {
-        let mut side = [0.0; small_systems::MOST];
-        side[..block.len].copy_from_slice(&self.with_residual[block.start..][..block.len]);
+    pub fn side(&self, block: &Block) -> Vector3<f64> {
+        let mut side = Vector3::zeros();
+        side.as_mut_slice()[..block.len].copy_from_slice(&self.with_residual[block.start..][..block.len]);
         side
     }
 

@@ -2,17 +2,18 @@
 //!
 //! Each gyro weighs with its own noise, so the gyros do not multiply; the coefficients are found from all of them at once.
 
-use crate::core::diagnose::search::hypotheses::Hypothesis;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::core::diagnose::search::hypotheses::{Hypothesis, SMALL};
 use crate::core::diagnose::search::projections::MAX_GYROS;
 use crate::core::diagnose::search::projections::Seen;
 use crate::core::numerics::log_sum::LogSum;
-use crate::core::numerics::small_systems;
 
 /// A hypothesis whose coefficients all gyros share.
 pub(crate) struct Common<'a> {
     pub size: usize,
     /// Gyros that show it, in front: Gram matrix and products with the residual.
-    parts: [Option<(&'a Seen<'a>, small_systems::Matrix, small_systems::Vector)>; MAX_GYROS],
+    parts: [Option<(&'a Seen<'a>, Matrix3<f64>, Vector3<f64>)>; MAX_GYROS],
 }
 
 impl<'a> Common<'a> {
@@ -30,30 +31,23 @@ impl<'a> Common<'a> {
     /// Log-likelihood gain, and half of ln det plus the prior's own term. Each gyro weighs with its own noise, found
     /// anew from what the fit leaves it.
     pub fn fit(&self, power: f64) -> (f64, f64) {
-        let size = self.size;
         let mut left = self.parts.map(|part| part.map_or(0.0, |(seen, ..)| seen.rss));
         let (mut gain, mut penalty) = (0.0, 0.0);
         for _ in 0..2 {
-            let (mut system, mut side) =
-                ([[0.0; small_systems::MOST]; small_systems::MOST], [0.0; small_systems::MOST]);
-            (0..size).for_each(|i| system[i][i] = 1.0 / power);
+            let (mut system, mut side) = (Matrix3::identity() / power, Vector3::zeros());
             for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&left) {
                 let weight = seen.nu / left;
-                for i in 0..size {
-                    side[i] += own[i] * weight;
-                    (0..size).for_each(|j| system[i][j] += gram[i][j] * weight);
-                }
+                system += gram * weight;
+                side += own * weight;
             }
-            let Some(factor) = small_systems::Factor::of(size, &system) else { return (0.0, 0.0) };
+            let Some(factor) = system.cholesky() else { return (0.0, 0.0) };
             let estimate = factor.solve(&side);
-            let length: f64 = estimate.iter().map(|x| x * x).sum();
-            penalty = 0.5 * (factor.log_det() + size as f64 * power.ln()) + 0.5 * length / power;
+            // What is not among the coefficients adds nothing to the determinant of power x system.
+            let log_det = factor.ln_determinant() + SMALL as f64 * power.ln();
+            penalty = 0.5 * log_det + 0.5 * estimate.norm_squared() / power;
             gain = 0.0;
             for ((seen, gram, own), left) in self.parts.iter().flatten().zip(&mut left) {
-                let along: f64 = estimate.iter().zip(own).map(|(x, b)| x * b).sum();
-                let square: f64 =
-                    (0..size).map(|i| estimate[i] * (0..size).map(|j| gram[i][j] * estimate[j]).sum::<f64>()).sum();
-                *left = (seen.rss - 2.0 * along + square).max(1e-12 * seen.rss);
+                *left = (seen.rss - 2.0 * estimate.dot(own) + estimate.dot(&(gram * estimate))).max(1e-12 * seen.rss);
                 gain += 0.5 * seen.nu * (seen.rss / *left).ln();
             }
         }

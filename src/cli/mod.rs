@@ -38,7 +38,7 @@ use clap::{Parser, Subcommand};
 
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Refused;
+use crate::pipeline::AccessError;
 use crate::wire::problem::summary;
 use crate::wire::time;
 use crate::words;
@@ -120,8 +120,8 @@ fn in_words(error: &anyhow::Error) -> String {
         if let Some(faults) = cause.downcast_ref::<Faults>() {
             return summary(&faults.0, language);
         }
-        match cause.downcast_ref::<Refused>() {
-            Some(refused) => language.words(&refused.message()),
+        match cause.downcast_ref::<AccessError>() {
+            Some(error) => language.words(&error.message()),
             None => cause.to_string(),
         }
     };

@@ -100,7 +100,7 @@ async fn get_audit(
     let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let AuditQuery { who, action, subject, .. } = asked;
     let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
-    let mut rows = app.pipeline.audit(&filter, before, limit as u32 + 1).await?;
+    let mut rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
     let more = rows.len() > limit;
     rows.truncate(limit);
     let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));

@@ -61,20 +61,20 @@ async fn post_bench_result(
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
-    let read = app.pipeline.read_bench_result(&bytes);
+    let read = app.pipeline.reader.bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = idempotency_key(&headers)?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
     let submission = Submission::Bench(Box::new(bench));
-    caller.may_submit(&submission)?;
+    submission.may_be_sent_by(&caller)?;
     let late = telling.late_or(Late::Quiet);
-    let (accepted, ()) = app.pipeline.submit_late(submission, late, |_| ()).await?;
+    let (accepted, ()) = app.pipeline.ingest.submit_late(submission, late, |_| ()).await?;
     telling.end(&app, late).await;
     let status = match accepted {
         Accepted::Stored { .. } => StatusCode::CREATED,
         Accepted::There { .. } => StatusCode::OK,
     };
-    let id = app.pipeline.settle(&accepted, Sent::Bench(&body)).await?;
+    let id = app.pipeline.ingest.settle(&accepted, Sent::Bench(&body)).await?;
     let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
     Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())
 }
@@ -111,12 +111,12 @@ async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Res
     let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
     let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {
         DocumentKind::Campaign => {
-            let fitted = app.pipeline.fitted_bench(&row).map_err(|_| damaged())?;
+            let fitted = app.pipeline.reader.fitted_bench(&row).map_err(|_| damaged())?;
             (to_raw_value(&fitted).map_err(|_| damaged())?, Some(body))
         }
         DocumentKind::Record | DocumentKind::Bench => (body, None),
     };
     let (standing, received_at) = (standing(&app, number).await?, time::format(row.received_at));
-    let sent_by = app.pipeline.sender(row.sent_by).await?;
+    let sent_by = app.pipeline.queries.records.sender(row.sent_by).await?;
     Ok(Json(StoredBench { id: number.to_string(), standing, received_at, sent_by, bench_result, campaign }))
 }

@@ -90,7 +90,7 @@ async fn post_campaign(
     let Dwells(bytes, form) = body;
     let key = idempotency_key(&headers)?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
-    let read = words::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
+    let read = words::spawn_blocking(move || pipeline.reader.campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
@@ -103,14 +103,14 @@ async fn post_campaign(
         (Sent::Calibration(Kind::Campaign, &body), "campaigns")
     };
     let submission = Submission::from(fitted.with_key(key));
-    caller.may_submit(&submission)?;
+    submission.may_be_sent_by(&caller)?;
     let answer_of = |id: Id, notes: Vec<NoteBody>| {
-        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
+        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.reader.campaign_answer(&fit) };
         answer.notes.extend(notes);
         answer
     };
     let late = telling.late_or(Late::Quiet);
-    let worded = app.pipeline.submit_late(submission, late, |accepted| {
+    let worded = app.pipeline.ingest.submit_late(submission, late, |accepted| {
         let Accepted::Stored { id, judged, notes } = accepted else { return None };
         let notes = notes.iter().map(NoteBody::of).collect();
         let answer = match wanted {
@@ -125,7 +125,7 @@ async fn post_campaign(
     if let Some(created) = created {
         return Ok(created);
     }
-    let id = app.pipeline.settle(&accepted, sent).await?;
+    let id = app.pipeline.ingest.settle(&accepted, sent).await?;
     let location = [(LOCATION, format!("/v1/{place}/{id}"))];
     if is_bench {
         // Of a bench test nothing is judged: the answer is the fit, now as then.
@@ -165,7 +165,7 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
     let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
-    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(row.sent_by).await?);
     let received_at = time::format(row.received_at);
     Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
 }
@@ -197,7 +197,7 @@ async fn get_diagnosis(
             )));
         }
     };
-    match app.pipeline.diagnosis(number, patience).await? {
+    match app.pipeline.diagnoses.of_campaign(number, patience).await? {
         Asked::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
         Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
         Asked::Answered(diagnosed) => match (&*diagnosed, query.reference) {
@@ -229,13 +229,13 @@ struct DiagnosisQuery {
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Result<SplitBody, Problem> {
     let unknown = || Problem::no_such_reference(reference);
     let number: Id = reference.parse().map_err(|_| unknown())?;
-    app.pipeline.split(id, diagnosis, number).await.map_err(|why| match why {
+    app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
         NotSplit::NoSuchReference(_) => unknown(),
         NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", Message::verbatim(why)),
-        NotSplit::Store(error) => error.into(),
+        NotSplit::Storage(error) => error.into(),
     })
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {
-    app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))
+    app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }

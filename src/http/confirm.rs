@@ -57,7 +57,7 @@ async fn confirm_record(
     let (author, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let sent = Confirmation { id, author, reason, by: Actor::by_caller() };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =
-        app.pipeline.submit(Submission::Confirmation(sent)).await?;
+        app.pipeline.ingest.submit(Submission::Confirmation(sent)).await?;
     Ok(Json(ConfirmedBody { id: id.to_string(), standing: standing(&app, id).await? }))
 }
 

@@ -235,10 +235,10 @@ async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Doc
     let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
-    let read = app.pipeline.read_record(record.get().as_bytes());
+    let read = app.pipeline.reader.record(record.get().as_bytes());
     let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
-    let stored = app.pipeline.stored_record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
+    let stored = app.pipeline.queries.records.record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
 }
@@ -274,7 +274,7 @@ async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: D
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
-    let read = words::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read = words::spawn_blocking(move || pipeline.reader.campaign(campaign.get().as_bytes(), Form::Json)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let read = read.and_then(|read| match read.fitted {
         Fitted::Calibration(calibration) => Ok(*calibration),
@@ -285,7 +285,7 @@ async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: D
     });
     let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
-    let stored = app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
+    let stored = app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Answer(answer)).into_response())
 }
@@ -313,7 +313,7 @@ async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), P
         Kind::Record => "/record",
         Kind::Campaign => "/campaign",
     });
-    match app.pipeline.submit(Submission::Correction(Box::new(correction))).await {
+    match app.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await {
         Ok(Accepted::Stored { id, .. }) => Ok((StatusCode::CREATED, id)),
         Ok(Accepted::There { id, .. }) => Ok((StatusCode::OK, id)),
         Err(refused) => {

@@ -159,7 +159,9 @@ async fn page(
         // One more than is shown tells whether there is another page.
         let rows = store::gyro::newest_of_gyros(app.pipeline.store(), after, limit as u32 + 1).await?;
         let (last, more) = (rows.last().map(|(number, _)| *number), rows.len() > limit);
-        found.extend(app.pipeline.standings(rows).await?.into_iter().filter(|standing| filter.fits(standing)));
+        found.extend(
+            app.pipeline.queries.fleet.standings(rows).await?.into_iter().filter(|standing| filter.fits(standing)),
+        );
         if found.len() > limit {
             found.truncate(limit);
             let next = found.last().map(|standing| cursor::encode(i64::from(standing.number)));
@@ -196,13 +198,13 @@ async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<
     let number = query::gyro(&app, &serial)?;
     let store = app.pipeline.store();
     let newest = store::history::newest(store, number, Span::EVER, 1).await?.pop();
-    let found = app.pipeline.standing_in_words(number, newest).await?;
+    let found = app.pipeline.queries.fleet.standing_in_words(number, newest).await?;
     let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
     let events = store::event::of_gyro(store, number).await?.iter().map(EventBody::of).collect();
     let calibrations = store::history::count(store, number).await?;
     let bench_results = store::bench::of_gyro(store, number, Span::EVER).await?.len();
     if bench_results > 0 {
-        let compared = app.pipeline.compare_methods(number, None).await?;
+        let compared = app.pipeline.queries.histories.compare_methods(number, None).await?;
         verdicts.extend(compared.verdicts.iter().map(|verdict| VerdictBody::of(&serial, verdict)));
     }
     let gyro = Gyro::of(&standing, app.config.judging.method, &store.names().read());

@@ -41,7 +41,7 @@ struct Hooks {
 /// Every hook, without its secrets.
 #[utoipa::path(get, path = "/v1/hooks", tag = "hooks", responses((status = 200, description = "the hooks", body = Hooks)))]
 async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
-    Ok(Json(Hooks { hooks: app.pipeline.hooks().await? }))
+    Ok(Json(Hooks { hooks: app.pipeline.hooks.all().await? }))
 }
 
 /// Sets up a hook: from here on it is told of every alert that its filter lets through.
@@ -55,10 +55,10 @@ async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
     (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let new = app.pipeline.read_hook(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let new = app.pipeline.hooks.read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
-    let id = app.pipeline.order(Order::Create(new)).await?;
-    let hook = app.pipeline.hook(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?;
+    let id = app.pipeline.hooks.order(Order::Create(new)).await?;
+    let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/hooks/{id}"))], Json(hook)).into_response())
 }
 
@@ -68,7 +68,7 @@ async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, P
         (status = 200, description = "the hook", body = HookBody),
         (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
 async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
-    let hook = app.pipeline.hook(hook_id(&id)?, None).await?;
+    let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
 }
 
@@ -84,10 +84,10 @@ async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Json<HookBody>, Problem> {
     let id = hook_id(&id)?;
-    let patch = app.pipeline.read_hook_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let patch = app.pipeline.hooks.read_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = patch.drawn();
-    app.pipeline.order(Order::Change(id, patch)).await?;
-    Ok(Json(app.pipeline.hook(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?))
+    app.pipeline.hooks.order(Order::Change(id, patch)).await?;
+    Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?))
 }
 
 /// Deletes a hook and what it was still to be told.
@@ -97,7 +97,7 @@ async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Docume
         (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
-    app.pipeline.order(Order::Delete(hook_id(&id)?)).await?;
+    app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -109,7 +109,7 @@ async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<S
         (status = 409, description = "the hook is disabled", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let delivery = app.pipeline.order(Order::Test(hook_id(&id)?)).await?;
+    let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
 }
 
@@ -149,11 +149,11 @@ async fn get_deliveries(
     let state = asked.state.as_deref().map(delivery_state).transpose()?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
-    if app.pipeline.hook(hook, None).await?.is_none() {
+    if app.pipeline.hooks.get(hook, None).await?.is_none() {
         return Err(no_such_hook(&id));
     }
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
-    let mut deliveries = app.pipeline.deliveries(hook, page).await?;
+    let mut deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
     let more = deliveries.len() > limit;
     deliveries.truncate(limit);
     let last = deliveries.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
@@ -166,7 +166,7 @@ async fn get_deliveries(
         (status = 200, description = "the delivery", body = DeliveryBody),
         (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json")))]
 async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
-    let delivery = app.pipeline.delivery(delivery_id(&id)?).await?;
+    let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
 }
 
@@ -178,12 +178,12 @@ async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<
         (status = 409, description = "an earlier one comes first, or the hook is disabled", body = Problem, content_type = "application/problem+json"),
         (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let delivery = app.pipeline.order(Order::Redeliver(delivery_id(&id)?)).await?;
+    let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await
 }
 
 async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
-    let delivery = app.pipeline.delivery(id).await?.ok_or_else(|| no_such_delivery(&id))?;
+    let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| no_such_delivery(&id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
 }
 

@@ -8,6 +8,7 @@ mod access;
 mod agreement;
 mod alerts;
 mod answer;
+mod app;
 mod audit;
 mod baseline;
 mod bench_results;
@@ -40,7 +41,6 @@ pub mod tls;
 mod tokens;
 mod trend;
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
@@ -53,17 +53,7 @@ use tower_http::timeout::{RequestBodyTimeoutLayer, TimeoutLayer};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::config::Config;
-use crate::pipeline::Pipeline;
-use crate::system::Clock;
-
-/// What every handler may use. Cheap to clone.
-#[derive(Clone)]
-pub struct App {
-    pub config: Arc<Config>,
-    pub clock: Clock,
-    pub pipeline: Arc<Pipeline>,
-}
+pub use app::App;
 
 /// The whole service as one router, the web `pages` included.
 pub fn router(app: App, pages: Router) -> Router {

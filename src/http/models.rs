@@ -47,7 +47,7 @@ struct AdoptedBody {
         (status = 200, description = "the model and its history", body = ImuModelBody),
         (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
 async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
-    let models = app.pipeline.models(&imu).await?;
+    let models = app.pipeline.diagnoses.models(&imu).await?;
     let models =
         models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
     let adopted = |row: ModelRow, model: ModelBody| AdoptedBody {
@@ -83,7 +83,7 @@ async fn post_model(
 ) -> Result<(StatusCode, Json<AdoptedBody>), Problem> {
     let read = json::parse::<AdoptionBody>(&body.0).and_then(|body| body.to_core());
     let (model, author, reason) = read.map_err(|faults| Document::problem(&body.0, faults))?;
-    let accepted = app.pipeline.adopt(Adoption { imu: imu.clone(), model, author, reason }).await?;
+    let accepted = app.pipeline.diagnoses.adopt(Adoption { imu: imu.clone(), model, author, reason }).await?;
     let (status, id) = match accepted {
         Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),

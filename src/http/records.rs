@@ -64,18 +64,18 @@ async fn post_record(
     body: Document,
 ) -> Result<Response, Problem> {
     let bytes = body.0;
-    let read = app.pipeline.read_record(&bytes);
+    let read = app.pipeline.reader.record(&bytes);
     let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
     calibration.idempotency_key = idempotency_key(&headers)?;
     let body = calibration.body.clone();
     let mut whole = (wanted == Wanted::Whole).then(|| {
-        let separations = app.pipeline.separations(&calibration.gyros);
+        let separations = app.pipeline.reader.separations(&calibration.gyros);
         RecordAnswer { id: None, separations, notes: Vec::new(), verdicts: Vec::new() }
     });
     let submission = Submission::Calibration(Box::new(calibration));
-    caller.may_submit(&submission)?;
+    submission.may_be_sent_by(&caller)?;
     let late = telling.late_or(Late::Quiet);
-    let worded = app.pipeline.submit_late(submission, late, |accepted| {
+    let worded = app.pipeline.ingest.submit_late(submission, late, |accepted| {
         let Accepted::Stored { id, judged, notes } = accepted else { return None };
         let notes: Vec<NoteBody> = notes.iter().map(NoteBody::of).collect();
         let answer = match &mut whole {
@@ -94,7 +94,7 @@ async fn post_record(
     if let Some(created) = created {
         return Ok(created);
     }
-    let id = app.pipeline.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
+    let id = app.pipeline.ingest.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
     let notes = history_note::read(stored.row.notes.as_deref());
@@ -135,7 +135,7 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
     }
     let record = RawValue::from_string(row.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
-    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(row.sent_by).await?);
     let received_at = time::format(row.received_at);
     Ok(Json(StoredRecordBody { answer, standing, received_at, sent_by, record }).into_response())
 }
@@ -149,11 +149,11 @@ async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Re
 async fn get_record_diagnosis(State(app): State<App>, Path(id): Path<String>) -> Result<Json<ClosureBody>, Problem> {
     let no_such = || Problem::no_such_record(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
-    let closures = app.pipeline.closures(number).await?.ok_or_else(no_such)?;
+    let closures = app.pipeline.queries.records.closures(number).await?.ok_or_else(no_such)?;
     Ok(Json(ClosureBody::from(&closures)))
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {
-    let stored = app.pipeline.stored_record(id).await?;
+    let stored = app.pipeline.queries.records.record(id).await?;
     stored.ok_or_else(|| Problem::no_such_record(id))
 }

@@ -28,7 +28,7 @@ impl Said {
         let at = self.at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, faults));
         let author = text::short("/author", &self.author, faults);
         if faults.is_empty()
-            && let Err(impossible) = app.pipeline.check_time("/at", at)
+            && let Err(impossible) = app.pipeline.reader.check_time("/at", at)
         {
             faults.absorb("", impossible);
         }
@@ -43,7 +43,7 @@ pub fn gyro_named(serial: &str) -> Result<Name, Problem> {
 
 /// 201 and the identifier of what is new, 200 where it was there in the same words; `otherwise` is told where it was in others.
 pub async fn submit(app: &App, event: GyroEvent, otherwise: Message) -> Result<(StatusCode, Id), Problem> {
-    match app.pipeline.submit(Submission::Event(event)).await? {
+    match app.pipeline.ingest.submit(Submission::Event(event)).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id)),
         Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id)),
         Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),

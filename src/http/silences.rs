@@ -58,7 +58,7 @@ async fn get_silences(
         Some("all") => true,
         Some(other) => return Err(not_one_of("state", ["active", "all"], other)),
     };
-    Ok(Json(Silences { silences: app.pipeline.silences(all).await? }))
+    Ok(Json(Silences { silences: app.pipeline.alerts.silences(all).await? }))
 }
 
 /// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has changed by then is told at
@@ -72,7 +72,7 @@ async fn get_silences(
     (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
 async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
-    let id = app.pipeline.order_silence(order).await?;
+    let id = app.pipeline.alerts.order_silence(order).await?;
     let silence = shown(&app, id).await?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/silences/{id}"))], Json(silence)).into_response())
 }
@@ -114,7 +114,7 @@ async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<J
 }
 
 async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
-    app.pipeline.silence(id).await?.ok_or_else(|| unknown(&id.to_string()))
+    app.pipeline.alerts.silence(id).await?.ok_or_else(|| unknown(&id.to_string()))
 }
 
 fn unknown(id: &str) -> Problem {
@@ -155,6 +155,6 @@ async fn post_end_silence(
     };
     let (by, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let silence: Id = id.parse().map_err(|_| unknown(&id))?;
-    app.pipeline.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+    app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
     Ok(Json(shown(&app, silence).await?))
 }

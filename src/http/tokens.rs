@@ -65,7 +65,7 @@ struct Tokens {
 /// Every token, without its secret.
 #[utoipa::path(get, path = "/v1/tokens", tag = "access", responses((status = 200, description = "the tokens", body = Tokens)))]
 async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
-    let rows = app.pipeline.tokens().await?;
+    let rows = app.pipeline.access.tokens().await?;
     Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
 }
 
@@ -96,8 +96,8 @@ struct NewTokenBody {
 async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
-    let secret = app.pipeline.order_access(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
-    let rows = app.pipeline.tokens().await?;
+    let secret = app.pipeline.access.order(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
+    let rows = app.pipeline.access.tokens().await?;
     let row = rows.iter().find(|row| row.id == secret.id).ok_or_else(lost)?;
     let body = TokenBody { token: Some(secret.reveal()), ..TokenBody::from(row) };
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/tokens/{}", row.id))], Json(body)).into_response())
@@ -112,7 +112,7 @@ async fn post_token(State(app): State<App>, body: Document) -> Result<Response, 
 async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     let id: Id =
         id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
-    app.pipeline.order_access(AccessOrder::Revoke(id)).await?;
+    app.pipeline.access.order(AccessOrder::Revoke(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 

@@ -79,7 +79,8 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     };
     let nobody = gyro.is_none() && !serial.is_empty();
     let before = filters.before.parse::<Id>().ok();
-    let mut found = if nobody { Vec::new() } else { pages.pipeline.alerts(&filter, before, ROWS as u32 + 1).await? };
+    let mut found =
+        if nobody { Vec::new() } else { pages.pipeline.alerts.find(&filter, before, ROWS as u32 + 1).await? };
     let more = found.len() > ROWS;
     found.truncate(ROWS);
     let silences = silences::list(pages, viewer).await?;
@@ -125,7 +126,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
 /// Alerts of a gyro that are not resolved, critical ones first, then the newest.
 pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
     let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
-    let found = pages.pipeline.alerts(&filter, None, MOST_OF_A_GYRO).await?;
+    let found = pages.pipeline.alerts.find(&filter, None, MOST_OF_A_GYRO).await?;
     let resolved = Standing::Resolved.name();
     let mut open: Vec<AlertBody> =
         found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
@@ -294,7 +295,7 @@ impl Doing {
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
     let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
     let number = id.parse::<Id>().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.alert(number).await?.ok_or_else(unknown)?.alert))
+    Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
 }
 
 /// The page on which something is done about an alert.
@@ -343,7 +344,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
         Doing::Silence => AlertChange::Silence { until },
     };
     let Word { by, reason, .. } = said.word.clone();
-    pages.pipeline.change_alert(AlertOrder { alert: number, change, by, reason }).await?;
+    pages.pipeline.alerts.change(AlertOrder { alert: number, change, by, reason }).await?;
     Ok(see_other(said.word.back_or("/alerts")))
 }
 

@@ -47,12 +47,12 @@ pub(super) async fn campaign(Held(pages): Held<Pages>, viewer: Viewer, Path(id):
 
 async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
     let number: Id = id.parse().map_err(|_| Problem::no_such_record(id))?;
-    pages.pipeline.stored_record(number).await?.ok_or_else(|| Problem::no_such_record(id))
+    pages.pipeline.queries.records.record(number).await?.ok_or_else(|| Problem::no_such_record(id))
 }
 
 pub(super) async fn stored_campaign(pages: &Pages, id: &str) -> Result<StoredCampaign, Problem> {
     let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(id))?;
-    pages.pipeline.stored_campaign(number).await?.ok_or_else(|| Problem::no_such_campaign(id))
+    pages.pipeline.queries.records.campaign(number).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }
 
 async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
@@ -63,7 +63,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
     let serials: Vec<_> = body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), normal_form(&gyro.serial))).collect();
     let title = format!("{} · {}", t.record, body.imu);
     let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
-    let sender = pages.pipeline.sender(row.sent_by).await?;
+    let sender = pages.pipeline.queries.records.sender(row.sent_by).await?;
     let markup = html! {
         h1 { (t.record) " " a href={ "/imus/" (encoded(&body.imu)) } { (body.imu) } }
         p.lead { (t.station) " " (body.station) " · " (t.calibrated) " " (instant(row.calibrated_at)) }
@@ -116,7 +116,7 @@ async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) 
     let gyros: Vec<Parameters> = fits.iter().map(Parameters::fitted).collect();
     let title = format!("{} · {}", t.campaign, answer.imu);
     let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
-    let sender = pages.pipeline.sender(row.sent_by).await?;
+    let sender = pages.pipeline.queries.records.sender(row.sent_by).await?;
     let markup = html! {
         h1 { (t.campaign) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.lead {

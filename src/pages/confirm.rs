@@ -57,7 +57,7 @@ async fn confirm(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, wo
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
     let confirmation = Confirmation { id: item.id, author, reason, by: Actor::by_caller() };
-    pages.pipeline.submit(Submission::Confirmation(confirmation)).await?;
+    pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
     Ok(see_other(&home))
 }
 

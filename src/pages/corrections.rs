@@ -85,7 +85,7 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
     let correction = Correction { item: item.corrected, author, reason, replacement: None, by: Actor::by_caller() };
-    pages.pipeline.submit(Submission::Correction(Box::new(correction))).await?;
+    pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await?;
     Ok(see_other(&home))
 }
 
@@ -93,7 +93,7 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
 async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
     let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
-    let stored = pages.pipeline.stored_record(number).await?.ok_or_else(unknown)?;
+    let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
     let t = viewer.text();
     let row = &stored.row;
@@ -156,7 +156,7 @@ async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
     let aside = store::set_aside::is_set_aside(pages.pipeline.store(), id).await?;
-    if aside || pages.pipeline.counts(id).await? {
+    if aside || pages.pipeline.queries.records.counts(id).await? {
         return Ok(());
     }
     Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))

@@ -87,9 +87,9 @@ async fn build(
     wrong: Option<&Faults>,
 ) -> Result<(StatusCode, Page), Problem> {
     let t = viewer.text();
-    let filter = pages.pipeline.summary_filter(&filters.which(), said(&filters.effect).as_deref());
+    let filter = pages.pipeline.diagnoses.summary_filter(&filters.which(), said(&filters.effect).as_deref());
     let (summary, unusable) = match filter {
-        Ok(filter) => (pages.pipeline.diagnosis_summary(&filter).await?, None),
+        Ok(filter) => (pages.pipeline.diagnoses.summary(&filter).await?, None),
         Err(faults) => (SummaryBody::default(), Some(faults)),
     };
     let orders = orders::section(pages, viewer).await?;

@@ -55,7 +55,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
-    let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {
+    let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.row.id, PATIENCE).await? {
         Asked::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
         Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {

@@ -51,7 +51,7 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters
 
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
     let t = viewer.text();
-    let fleet = pages.pipeline.fleet().await?;
+    let fleet = pages.pipeline.queries.fleet.all().await?;
     let all: Vec<Row> = {
         let tables = pages.pipeline.store().names().read();
         fleet.into_iter().map(|standing| Row::of(standing, &tables)).collect()
@@ -63,7 +63,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let number = filters.page.min(last_page);
     let shown: Vec<&Row> = found.into_iter().skip(number * ROWS).take(ROWS).collect();
     let standings: Vec<&Standing> = shown.iter().map(|row| &row.standing).collect();
-    let glimpses = pages.pipeline.glimpses(&standings, VALUES).await?;
+    let glimpses = pages.pipeline.queries.fleet.glimpses(&standings, VALUES).await?;
     let now = pages.clock.now();
     let body = html! {
         h1 { (t.fleet) }

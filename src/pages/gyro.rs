@@ -64,10 +64,10 @@ impl Facts {
     /// `skip`: how many of the newest records the table passes over.
     pub async fn of(pages: &Pages, number: u32, serial: &str, shown: Shown, skip: usize) -> Result<Self, Problem> {
         let pipeline = &pages.pipeline;
-        let course = pipeline.course(number, serial, shown.separation()).await?;
-        let comparison = pipeline.compare_methods(number, None).await?;
+        let course = pipeline.queries.histories.course(number, serial, shown.separation()).await?;
+        let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
         let bands = history::bands(&course, shown.separation());
-        let standing = pipeline.standings(vec![(number, course.figures.last().copied())]).await?.pop();
+        let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
         let mut verdicts = newest_verdicts(pages, serial, &course).await?;
         for violation in standing.iter().flat_map(|standing| &standing.violations) {
             verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
@@ -151,7 +151,7 @@ fn alert_section(viewer: &Viewer, open: &[AlertBody]) -> Markup {
 
 async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
     let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
-    let stored = pages.pipeline.stored_record(newest.record).await?;
+    let stored = pages.pipeline.queries.records.record(newest.record).await?;
     Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }
 

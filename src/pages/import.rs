@@ -68,7 +68,7 @@ async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Fa
     let sound: Vec<(usize, &ReadDocument)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
     let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
-    let outcomes = pipeline.foresee(&documents).await;
+    let outcomes = pipeline.ingest.foresee(&documents).await;
     let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
     let mut outcomes = outcomes.into_iter();
     let mut prospect = |read| match read {
@@ -105,13 +105,13 @@ fn text_of(form: &str) -> String {
 fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocument, Faults> {
     let document = match piece.form {
         Form::Json => {
-            let read = pipeline.read_document(piece.text.as_bytes());
+            let read = pipeline.reader.document(piece.text.as_bytes());
             read.map_err(|faults| from_line(piece.line, piece.text, faults))
         }
-        Form::Csv => pipeline.read_campaign_document(piece.text.as_bytes(), Form::Csv),
+        Form::Csv => pipeline.reader.campaign_document(piece.text.as_bytes(), Form::Csv),
     }?;
     let refused = |refused: Refused| Fault { pointer: "/station".into(), message: refused.message() };
-    caller.may_submit(&document.submission).map_err(refused)?;
+    document.submission.may_be_sent_by(&caller).map_err(refused)?;
     Ok(document)
 }
 
@@ -178,8 +178,8 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
             Err(faults) => outcomes.push((line, Outcome::Faulty(faults))),
         }
     }
-    let replies = pipeline.enqueue(submissions, Late::Digest).await.await;
-    if let Err(error) = pipeline.end_import().await {
+    let replies = pipeline.ingest.enqueue(submissions, Late::Digest).await.await;
+    if let Err(error) = pipeline.ingest.end_import().await {
         tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
     }
     for ((line, origin, place), reply) in sound.into_iter().zip(replies) {
@@ -195,7 +195,7 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
 
 async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(Id, bool), Refused> {
     let accepted = reply?;
-    let id = pipeline.settle_document(&accepted, origin).await?;
+    let id = pipeline.ingest.settle_document(&accepted, origin).await?;
     Ok((id, matches!(accepted, Accepted::Stored { .. })))
 }
 

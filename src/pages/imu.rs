@@ -41,7 +41,7 @@ impl Facts {
         let number =
             number.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = text(imu))))?;
         let records = store::record::of_imu(pages.pipeline.store(), number, RECORDS).await?;
-        let seats = pages.pipeline.seated_in(number).await?;
+        let seats = pages.pipeline.queries.fleet.seated_in(number).await?;
         let parameters = match records.first() {
             Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),
             None => None,
@@ -67,7 +67,7 @@ async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result
     let judging = &pages.config.judging;
     let tables = match head.kind {
         Kind::Campaign => {
-            let stored = pages.pipeline.stored_campaign(head.id).await?;
+            let stored = pages.pipeline.queries.records.campaign(head.id).await?;
             stored.and_then(|stored| {
                 let gyros: Vec<_> = stored.answer.calibration.gyros.iter().map(Parameters::fitted).collect();
                 let body = serde_json::from_str::<CampaignBody>(&stored.row.body).ok()?;

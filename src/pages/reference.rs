@@ -49,11 +49,11 @@ impl Against {
             None => newest_before.map(|head| head.id),
         };
         let split = match chosen {
-            Some(id) => Some(match pages.pipeline.split(stored.row.id, diagnosis, id).await {
+            Some(id) => Some(match pages.pipeline.diagnoses.split(stored.row.id, diagnosis, id).await {
                 Ok(split) => Ok(split),
                 Err(NotSplit::NoSuchReference(id)) => return Err(unknown(&id.to_string())),
                 Err(NotSplit::NoReference(why)) => Err(why.to_string()),
-                Err(NotSplit::Store(error)) => return Err(error.into()),
+                Err(NotSplit::Storage(error)) => return Err(error.into()),
             }),
             None => None,
         };

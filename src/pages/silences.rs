@@ -24,7 +24,7 @@ use crate::wire::text;
 /// Those that hold, and how to begin one.
 pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
     let t = viewer.text();
-    let silences = pages.pipeline.silences(false).await?;
+    let silences = pages.pipeline.alerts.silences(false).await?;
     let may = viewer.may(Role::Engineer);
     Ok(html! {
         @if may { p.actions.no-print { a.action href="/silences/new" { (t.silence_many) } } }
@@ -101,7 +101,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
     }
     let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let Word { by, reason, .. } = new.word.clone();
-    pages.pipeline.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
+    pages.pipeline.alerts.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
     Ok(see_other("/alerts"))
 }
 
@@ -132,7 +132,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
     let unknown = || Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = id.to_owned()));
     let number: Id = id.parse().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.silence(number).await?.ok_or_else(unknown)?))
+    Ok((number, pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?))
 }
 
 pub(super) async fn ask_end(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
@@ -157,7 +157,7 @@ pub(super) async fn end(
             return Ok(end_form(&viewer, &body, |deed| deed.again(&viewer, &word, &faults)));
         }
         let Word { by, reason, .. } = word;
-        pages.pipeline.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+        pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
         Ok(see_other("/alerts"))
     };
     answered(&viewer, ended.await)

@@ -47,9 +47,9 @@ impl Wanted {
 
 pub(in crate::pages) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Form(wanted): Form<Wanted>) -> Response {
     let started = async {
-        match pages.pipeline.check_wanted_diagnoses(wanted.which()) {
+        match pages.pipeline.diagnoses.check_wanted(wanted.which()) {
             Ok(order) => {
-                pages.pipeline.order_diagnoses(DiagnosisOrder::Start(order)).await?;
+                pages.pipeline.diagnoses.order(DiagnosisOrder::Start(order)).await?;
                 Ok(see_other("/diagnoses#orders"))
             }
             Err(faults) => {
@@ -65,7 +65,7 @@ pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, P
     let canceled = async {
         let unknown = || Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = id.clone()));
         let number: Id = id.parse().map_err(|_| unknown())?;
-        pages.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number)).await?;
+        pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
         Ok(see_other("/diagnoses#orders"))
     };
     answered(&viewer, canceled.await)
@@ -88,11 +88,11 @@ pub(super) fn faults(t: &Text, faults: &Faults) -> Markup {
 /// The newest orders with their progress.
 pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
     let t = viewer.text();
-    let orders = pages.pipeline.diagnosis_jobs(None, ORDERS).await?;
+    let orders = pages.pipeline.diagnoses.jobs(None, ORDERS).await?;
     let mut failed = Vec::new();
     for order in orders.iter().filter(|order| order.counts.failed > 0) {
         if let Ok(id) = order.id.parse()
-            && let Some(detail) = pages.pipeline.diagnosis_job(id, None, FAILURES).await?
+            && let Some(detail) = pages.pipeline.diagnoses.job(id, None, FAILURES).await?
         {
             failed.push(detail);
         }

@@ -42,7 +42,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
         before: filters.before.parse::<Id>().ok(),
         limit: ROWS as u32 + 1,
     };
-    let mut deliveries = pages.pipeline.deliveries(number, asked).await?;
+    let mut deliveries = pages.pipeline.hooks.deliveries(number, asked).await?;
     let more = deliveries.len() > ROWS;
     deliveries.truncate(ROWS);
     let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");

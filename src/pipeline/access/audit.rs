@@ -8,9 +8,7 @@ use std::net::IpAddr;
 use serde::Serialize;
 
 use crate::core::access::Role;
-use crate::core::name::normal_form;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Refused, Submission};
 use crate::store::{AuditRow, Id};
 
 tokio::task_local! {
@@ -61,19 +59,6 @@ impl Caller {
         match self.by {
             By::Presence | By::Setup => None,
             By::Token(token) | By::Session { token, .. } => Some(token),
-        }
-    }
-
-    /// Whether they may send what is measured where this was.
-    ///
-    /// # Errors
-    /// [`Refused::OtherStation`].
-    pub fn may_submit(&self, item: &Submission) -> Result<(), Refused> {
-        match (&self.station, item.station()) {
-            (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
-                Err(Refused::OtherStation { station: own.clone() })
-            }
-            _ => Ok(()),
         }
     }
 

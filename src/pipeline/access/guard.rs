@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
 use std::time::{Duration, Instant};
 
-use super::REREAD;
 use super::audit::{By, Caller, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
@@ -17,6 +16,9 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::store;
 use crate::store::{Id, SessionRow, Store, StoreError, TokenRow};
+
+/// How long a token that was revoked by the command line may still be used.
+const REREAD: Duration = Duration::from_secs(1);
 
 /// Why somebody is not let in.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Diagnosed;
 use crate::core::campaign::Campaign;
+use crate::wire::diagnosis::DiagnosisBody;
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
@@ -63,10 +63,10 @@ pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
 }
 
 impl Gist {
-    pub fn of(gyros: Vec<Seat>, diagnosed: &Diagnosed) -> Self {
+    pub fn of(gyros: Vec<Seat>, diagnosed: &Result<DiagnosisBody, String>) -> Self {
         let nothing =
             Self { verdict: REFUSED.to_owned(), gyros, effects: Vec::new(), impact: Vec::new(), signs: Vec::new() };
-        let Ok(d) = &**diagnosed else { return nothing };
+        let Ok(d) = diagnosed else { return nothing };
         let effects = d.effects.iter().map(|e| Named {
             effect: e.effect.clone(),
             class: e.class.clone(),

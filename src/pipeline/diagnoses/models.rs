@@ -3,12 +3,11 @@
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
-use tokio::sync::oneshot;
-
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
 use crate::pipeline::access::Actor;
-use crate::pipeline::{Accepted, Job, Pipeline, Refused};
+use crate::pipeline::diagnoses::error::DiagnosisError;
+use crate::pipeline::ingest::Accepted;
 use crate::store;
 use crate::store::{AccessChanges, Changes, Id, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
@@ -73,8 +72,8 @@ pub(crate) async fn adopt(
     book: &ModelBook,
     adoption: &Adoption,
     by: &Actor,
-) -> Result<Accepted, Refused> {
-    let unknown = || Refused::UnknownImu { imu: adoption.imu.clone() };
+) -> Result<Accepted, DiagnosisError> {
+    let unknown = || DiagnosisError::UnknownImu { imu: adoption.imu.clone() };
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()
@@ -95,32 +94,4 @@ pub(crate) async fn adopt(
     writer.commit(&changes).await?;
     book.note(&changes.models[0])?;
     Ok(Accepted::stored(id))
-}
-
-impl Pipeline {
-    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those before it.
-    ///
-    /// # Errors
-    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
-    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
-        let (reply, answer) = oneshot::channel();
-        self.offer(Job::Model { adoption: Box::new(adoption), by: Actor::by_caller(), reply })?;
-        answer.await.map_err(|_| Refused::Stopping)?
-    }
-
-    /// The model that the next campaign of an IMU is fitted with.
-    pub fn in_force(&self, imu: &str) -> InForce {
-        self.models.of(self.store.names().read().imus.number(imu))
-    }
-
-    /// The models of an IMU, newest first; none where no such IMU is known.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn models(&self, imu: &str) -> Result<Option<Vec<(ModelRow, InForce)>>, StoreError> {
-        let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
-        let rows = store::model::of_imu(&self.store, imu).await?;
-        let read = rows.into_iter().map(|row| read(&row).map(|in_force| (row, in_force)));
-        read.collect::<Result<_, _>>().map(Some)
-    }
 }

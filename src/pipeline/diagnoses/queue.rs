@@ -11,7 +11,8 @@ use std::time::Duration;
 use futures::{StreamExt, stream};
 use tokio::sync::watch;
 
-use super::{Diagnoser, Made, Outcome};
+use super::diagnoser::Diagnoser;
+use super::made::{Made, Outcome};
 use crate::pipeline::diagnoses::background::Awaited;
 use crate::store;
 use crate::store::{Id, Kind, StoreError};

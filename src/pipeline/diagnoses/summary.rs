@@ -4,27 +4,23 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::program;
-use crate::core::effects::{self, Effect};
-use crate::core::fault::Faults;
-use crate::core::message::text;
+use crate::core::effects::Effect;
 use crate::core::time::UtcMicros;
-use crate::message;
-use crate::pipeline::Pipeline;
 use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
+use crate::pipeline::diagnoses::made::program;
 use crate::store;
-use crate::store::{CampaignFilter, GistRow, Id, StoreError, Table, Tables};
+use crate::store::{CampaignFilter, GistRow, Id, Store, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,
-    SummaryBody, WhichBody,
+    SummaryBody,
 };
 use crate::wire::time;
 
 /// Of which campaigns, and of which effect.
 #[derive(Debug, Clone)]
 pub struct SummaryFilter {
-    campaigns: CampaignFilter,
-    effect: Option<Effect>,
+    pub(super) campaigns: CampaignFilter,
+    pub(super) effect: Option<Effect>,
 }
 
 /// A campaign in which something was seen.
@@ -292,36 +288,19 @@ fn closures(all: &[f64]) -> ClosuresBody {
     ClosuresBody { least: at(0), median: at(last / 2), greatest: at(last) }
 }
 
-impl Pipeline {
-    /// Checks of what a summary is to be: campaigns as an order names them, and an effect by its catalogue name.
-    ///
-    /// # Errors
-    /// Every fault by its place.
-    pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
-        let mut faults = Faults::default();
-        let campaigns = self.campaign_filter(asked, &mut faults);
-        let known = effect.and_then(Effect::from_id);
-        if let (Some(id), None) = (effect, known) {
-            faults.push("/effect", message!("unknown_effect", effect = text(id), effects = text(effects::known())));
-        }
-        faults.or(SummaryFilter { campaigns, effect: known })
-    }
-
-    /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn diagnosis_summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StoreError> {
-        let (mut tally, program) = (Tally { effect: filter.effect.map(Effect::id), ..Tally::default() }, program());
+impl SummaryFilter {
+    /// Campaigns that count no more are left out.
+    pub(super) async fn summary(&self, store: &Store) -> Result<SummaryBody, StoreError> {
+        let (mut tally, program) = (Tally { effect: self.effect.map(Effect::id), ..Tally::default() }, program());
         let add = |row: GistRow| {
             let damaged = |error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record));
             tally.add(&row, &serde_json::from_str(&row.gist).map_err(damaged)?, &program);
             Ok(())
         };
         // First: what is diagnosed in between then counts twice, and never not at all.
-        let waiting = store::diagnosis_digest::not_diagnosed(&self.store, &filter.campaigns).await?;
-        store::diagnosis_digest::each(&self.store, &filter.campaigns, add).await?;
-        let mut body = tally.into_body(&self.store.names().read());
+        let waiting = store::diagnosis_digest::not_diagnosed(store, &self.campaigns).await?;
+        store::diagnosis_digest::each(store, &self.campaigns, add).await?;
+        let mut body = tally.into_body(&store.names().read());
         body.campaigns.waiting = waiting;
         Ok(body)
     }

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::HashMap;
 
 use super::show;
+use super::show::DIGEST;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Alert};
 use crate::core::judge::Severity;
@@ -157,9 +158,6 @@ impl HookBook {
         self.heard.iter().filter(|((of, _), _)| *of == hook).map(|((_, alert), severity)| (*alert, *severity)).collect()
     }
 }
-
-/// The action of a delivery that is a digest.
-pub(crate) const DIGEST: &str = "digest";
 
 /// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and the end of what
 /// it has heard fire. `heard`: what it has heard.

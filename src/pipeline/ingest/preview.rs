@@ -4,9 +4,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::admit::{Ahead, Desk, Group, Memory};
+use super::document::ReadDocument;
+use super::outcome::Accepted;
+use super::refused::Refused;
 use crate::core::note::Note;
-use crate::pipeline::{Accepted, Actor, Id, Pipeline, ReadDocument, Refused};
-use crate::store::IdSource;
+use crate::pipeline::access::Actor;
+use crate::pipeline::ingest::Ingest;
+use crate::store::{Id, IdSource};
 
 /// Beyond every identifier of this century.
 const NEVER_STORED: i64 = i64::MAX - (1 << 40);
@@ -23,7 +27,7 @@ pub enum Foreseen {
     Contradicts(usize),
 }
 
-impl Pipeline {
+impl Ingest {
     /// What would become of each of these documents if they were stored now, in this order: admitted to a group that is
     /// then dropped. Each takes queries of its own. Somebody else may store something in between.
     pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {

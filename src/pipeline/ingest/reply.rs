@@ -80,7 +80,7 @@ mod tests {
     use std::task::{Context, Poll, Waker};
 
     use super::*;
-    use crate::pipeline::{Accepted, Id, Refused};
+    use crate::pipeline::{Accepted, Id, Refused, WriteError};
 
     fn stored(id: i64) -> Vec<Reply> {
         vec![Ok(Accepted::stored(Id(id)))]
@@ -130,7 +130,7 @@ mod tests {
         let otherwise = heard(|teller| {
             teller.foretell(stored(1));
             teller.foretell(stored(2));
-            teller.tell(vec![Err(Refused::Busy)]);
+            teller.tell(vec![Err(Refused::from(WriteError::Busy))]);
             None
         });
         assert_eq!(otherwise, (vec![Some(1), Some(2), None], Poll::Ready(Some((None, None)))));

@@ -4,16 +4,20 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::agreement::Told;
+use super::agreement::{Told, told};
+use super::record::Records;
+use super::stations::{StationEffect, station_effects};
 use super::status;
+use crate::config::Config;
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Pipeline;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
-use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
+use crate::store::{Figures, RecordHead, Span, Store, StoreError, StoredVerdict, Stretch, Tables};
+use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 
 /// How one gyro stands.
@@ -77,14 +81,28 @@ pub struct Glimpse {
     pub budget: [Option<f64>; 2],
 }
 
-impl Pipeline {
+/// Every gyro. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Fleet {
+    pub(super) store: Store,
+    pub(super) config: Arc<Config>,
+    pub(super) clock: Clock,
+    pub(super) records: Records,
+}
+
+impl Fleet {
     /// Every gyro, by serial.
-    pub async fn fleet(&self) -> Result<Vec<Standing>, StoreError> {
+    pub async fn all(&self) -> Result<Vec<Standing>, StorageError> {
         self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
     }
 
+    /// Every station that calibrated a gyro lately, by name.
+    pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
+        Ok(station_effects(&self.store, self.config.judging.method).await?)
+    }
+
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
-    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StoreError> {
+    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
         let mut newest = store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
@@ -130,7 +148,7 @@ impl Pipeline {
     }
 
     /// How gyros stand with these newest calibrations.
-    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
+    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StorageError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
         let sheets = store::record::verdict_sheets(&self.store, records.into_iter()).await?;
         let verdicts: HashMap<_, _> = sheets
@@ -138,7 +156,7 @@ impl Pipeline {
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
         let only = if let [(one, _)] = newest.as_slice() { Some(*one) } else { None };
-        let told = self.told(only).await?;
+        let told = told(&self.store, only).await?;
         let out_of_use = store::event::out_of_use(&self.store).await?;
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
@@ -155,14 +173,14 @@ impl Pipeline {
         &self,
         number: u32,
         newest: Option<Figures>,
-    ) -> Result<Option<(Standing, Vec<VerdictBody>)>, StoreError> {
+    ) -> Result<Option<(Standing, Vec<VerdictBody>)>, StorageError> {
         let stored = match &newest {
-            Some(figures) => self.stored_record(figures.record).await?,
+            Some(figures) => self.records.record(figures.record).await?,
             None => None,
         };
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
-        let told = self.told(Some(number)).await?.remove(&number).unwrap_or_default();
+        let told = told(&self.store, Some(number)).await?.remove(&number).unwrap_or_default();
         let out_of_use = store::event::out_of_use(&self.store).await?.get(&number).copied();
         let (verdicts, tables) = ((verdicts, told.as_slice()), self.store.names().read());
         let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
@@ -215,7 +233,7 @@ impl Pipeline {
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.
-    pub async fn glimpses(&self, of: &[&Standing], count: usize) -> Result<Vec<Glimpse>, StoreError> {
+    pub async fn glimpses(&self, of: &[&Standing], count: usize) -> Result<Vec<Glimpse>, StorageError> {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();

@@ -1,17 +1,18 @@
 //! The noise constants of the whole fleet, from its history.
 
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
-use crate::pipeline::Pipeline;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{Line, marks_of, sample_of};
+use crate::pipeline::queries::fleet::Fleet;
 use crate::store;
-use crate::store::{Span, StoreError};
+use crate::store::Span;
 
 /// Gyros whose histories are read at once.
 const AT_ONCE: usize = 64;
 
-impl Pipeline {
+impl Fleet {
     /// Fits correlation and walk to every gyro's stored history. Reads all of it.
-    pub async fn fleet_noise(&self) -> Result<FleetNoise, StoreError> {
+    pub async fn noise(&self) -> Result<FleetNoise, StorageError> {
         let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
         let method = self.config.judging.method;
         let mut all: Vec<Series> = Vec::with_capacity(gyros.len());

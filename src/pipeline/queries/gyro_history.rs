@@ -1,16 +1,18 @@
 //! One gyro's whole course: every calibration, bench result and event, and the levels it was held against.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
+use super::agreement::{Comparison, compare_methods};
 use super::fleet::level;
-use crate::config::JudgedMethod;
+use crate::config::{Config, JudgedMethod};
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::judge::{Coefficient, Event, Limits, Rule};
 use crate::core::time::UtcMicros;
-use crate::pipeline::Pipeline;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
 use crate::store;
-use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError, StoredVerdict};
+use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, Store, StoreError, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,9 +65,16 @@ fn end_of(event: &EventRow) -> UtcMicros {
     event.until.map_or(event.at, |until| until.max(event.at))
 }
 
-impl Pipeline {
+/// What was measured of one gyro, and what became of it. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Histories {
+    pub(super) store: Store,
+    pub(super) config: Arc<Config>,
+}
+
+impl Histories {
     /// A gyro's course, its baselines by `method`.
-    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StoreError> {
+    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StorageError> {
         let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let events = store::event::of_gyro(&self.store, gyro).await?;
         let benches = store::bench::of_gyro(&self.store, gyro, Span::EVER).await?;
@@ -78,6 +87,14 @@ impl Pipeline {
         let tests = self.tests(gyro, &events, &figures).await?;
         let baselines = baselines(&samples, &marks, &limits);
         Ok(Course { baselines, figures, benches, events, corrections, set_aside, tests, limits })
+    }
+
+    /// The results of a gyro by every method, within `span`; without one, those that were made to be compared.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StorageError> {
+        Ok(compare_methods(&self.store, &self.config.judging, gyro, span).await?)
     }
 
     async fn tests(&self, gyro: u32, events: &[EventRow], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {

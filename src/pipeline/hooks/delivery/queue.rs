@@ -9,12 +9,12 @@ use futures::future::BoxFuture;
 use futures::stream::FuturesUnordered;
 use tokio::sync::watch;
 
-use super::{Desk, OFF_DUTY};
+use super::context::{Desk, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, Outcome};
 use crate::alert::ladder::HORIZON;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Refused;
+use crate::pipeline::error::{StorageFault, WriteError};
 use crate::pipeline::hooks::delivery::circuit::Health;
 use crate::pipeline::hooks::delivery::message;
 use crate::pipeline::hooks::delivery::message::Addressee;
@@ -63,7 +63,7 @@ pub(super) struct Lane {
 
 impl Lane {
     pub fn new(desk: Arc<Desk>, hook: Id, stopping: watch::Receiver<bool>) -> Self {
-        let wake = desk.pipeline.wake.subscribe();
+        let wake = desk.hooks.wake.subscribe();
         Self {
             desk,
             hook,
@@ -106,7 +106,7 @@ impl Lane {
     /// The hook as it is now; none where it is told no more.
     async fn addressee(&mut self) -> Result<Option<Arc<Addressee>>, StoreError> {
         self.wake.borrow_and_update();
-        let Some(row) = store::hook::get(&self.desk.pipeline.store, self.hook).await?.filter(|row| row.enabled) else {
+        let Some(row) = store::hook::get(&self.desk.hooks.store, self.hook).await?.filter(|row| row.enabled) else {
             return Ok(None);
         };
         // Whoever has changed the hook has mended something.
@@ -150,7 +150,7 @@ impl Lane {
                 return Ok(OFF_DUTY);
             }
         }
-        let at_once = self.health.at_once(self.desk.pipeline.config.hooks.attempts_at_once, Instant::now());
+        let at_once = self.health.at_once(self.desk.hooks.config.hooks.attempts_at_once, Instant::now());
         while self.under_way.len() < at_once {
             if self.ready.is_empty() && self.look_again {
                 self.fetch().await?;
@@ -166,7 +166,7 @@ impl Lane {
     }
 
     fn is_on_duty(&self) -> bool {
-        store::other_servers::is_on_duty(&self.desk.pipeline.store, Duty::Deliveries)
+        store::other_servers::is_on_duty(&self.desk.hooks.store, Duty::Deliveries)
     }
 
     async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {
@@ -176,9 +176,9 @@ impl Lane {
         if self.under_way.len() >= at_once {
             return Ok(IDLE);
         }
-        let now = self.desk.pipeline.clock.now();
+        let now = self.desk.hooks.clock.now();
         // What has become due since it was last looked for is still to be fetched. The clock may have gone back.
-        let next = store::outbox::next_due(&self.desk.pipeline.store, self.hook, self.looked_at.min(now)).await?;
+        let next = store::outbox::next_due(&self.desk.hooks.store, self.hook, self.looked_at.min(now)).await?;
         // A millisecond more, so that it is due indeed.
         let until =
             next.map(|at| Duration::from_micros((at.0 - now.0).max(0).unsigned_abs()) + Duration::from_millis(1));
@@ -186,10 +186,10 @@ impl Lane {
     }
 
     async fn fetch(&mut self) -> Result<(), StoreError> {
-        let now = self.desk.pipeline.clock.now();
+        let now = self.desk.hooks.clock.now();
         let horizon = UtcMicros(now.0.saturating_add(HORIZON.as_micros() as i64));
         let limit = FETCH + self.held.len() as u32;
-        let due = store::outbox::due_of_hook(&self.desk.pipeline.store, self.hook, now, horizon, limit).await?;
+        let due = store::outbox::due_of_hook(&self.desk.hooks.store, self.hook, now, horizon, limit).await?;
         self.look_again = due.len() == limit as usize;
         self.looked_at = now;
         self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
@@ -211,7 +211,7 @@ impl Lane {
                 // What an address does that the hook has no longer says nothing of the one that it has.
                 let is_current = self.changed_at == Some(to.row.changed_at);
                 let hasten = is_current && self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
-                let at = self.desk.pipeline.clock.now();
+                let at = self.desk.hooks.clock.now();
                 let attempted = message::report(&to, &due, &attempt, at, &self.desk.ladder, hasten);
                 count(to.kind, &attempted, &attempt);
                 let desk = Arc::clone(&self.desk);
@@ -231,10 +231,10 @@ impl Lane {
     }
 
     async fn resend(&mut self, to: &Addressee) -> Result<(), StoreError> {
-        self.resend_at = Instant::now() + self.desk.pipeline.config.hooks.resend_every();
+        self.resend_at = Instant::now() + self.desk.hooks.config.hooks.resend_every();
         let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
         let mut firing: Vec<(String, AlertBody)> = Vec::new();
-        for (severity, body) in store::alerts::heard_firing(&self.desk.pipeline.store, self.hook).await? {
+        for (severity, body) in store::alerts::heard_firing(&self.desk.hooks.store, self.hook).await? {
             firing.push((severity, serde_json::from_str(&body).map_err(damaged)?));
         }
         if firing.is_empty() {
@@ -259,16 +259,15 @@ impl Desk {
     /// would be sent again. False where the writer has gone.
     async fn write_down(&self, mut found: Found) -> bool {
         loop {
-            match self.pipeline.write_down(found.clone()).await {
+            match self.hooks.write_down(found.clone()).await {
                 Ok(()) => return true,
-                Err(Refused::Stopping) => return false,
+                Err(WriteError::Stopping) => return false,
                 Err(error) => {
                     match &mut found {
                         Found::Attempted(attempted) => {
                             let delivery = attempted.delivery;
                             tracing::warn!(%error, %delivery, "an attempt cannot be written down; trying again");
-                            attempted.perhaps_written |=
-                                matches!(&error, Refused::Store(error) if matches!(**error, StoreError::Unanswered(_)));
+                            attempted.perhaps_written |= matches!(&error, WriteError::Storage(error) if error.fault() == StorageFault::Unanswered);
                         }
                         Found::Back(hook) => {
                             tracing::warn!(%error, %hook, "what waits cannot be hastened; trying again")

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::Newest;
+use super::newest::Newest;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Desk, Group, Table};
+use super::context::Desk;
+use super::group::{Group, Table};
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::{Accepted, Refused};

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::context::Desk;
+use super::group::{Group, Table};
 use super::memory::{Around, Remembered};
-use super::{Desk, Group, Table};
 use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, TimeDoubt, doubt};
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
@@ -316,26 +317,5 @@ impl Desk<'_> {
         group.changes.set_aside.stored.push(id);
         group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), note)));
         Ok(true)
-    }
-}
-
-impl Group {
-    /// As for a stored record, of one of this group.
-    fn set_new_aside(&mut self, id: Id, of: &[u32], note: &HistoryNote) -> bool {
-        let Some(record) = self.changes.records.iter_mut().find(|record| record.id == id) else { return false };
-        if record.verdicts.0.iter().any(|(gyro, _)| !of.contains(gyro)) {
-            return false;
-        }
-        record.voided = true;
-        record.notes = Some(history_note::with(record.notes.as_deref(), note).into());
-        let (aside, left) =
-            std::mem::take(&mut self.changes.history).into_iter().partition(|row| row.figures.record == id);
-        self.changes.history = left;
-        let aside: Vec<crate::store::HistoryRow> = aside;
-        for row in &aside {
-            self.rows.remove(&(row.gyro, row.figures.at));
-        }
-        self.changes.set_aside.history.extend(aside);
-        true
     }
 }

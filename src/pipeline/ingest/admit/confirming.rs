@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use super::{Desk, Group};
+use super::context::Desk;
+use super::group::Group;
 use crate::pipeline::ingest::submission::Confirmation;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
@@ -29,7 +30,7 @@ impl Desk<'_> {
         let mut rows = Vec::new();
         for (index, &(gyro, _)) in record.verdicts.0.iter().enumerate() {
             if let Some(existing) = self.row_at(Some(gyro), at, group).await? {
-                let serial = self.name_of(super::Table::Gyros, gyro, group);
+                let serial = self.name_of(super::group::Table::Gyros, gyro, group);
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
             let aside = store::history::voided(self.store, gyro, Span { from: at, to: at }).await?;

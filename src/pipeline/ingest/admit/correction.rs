@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use super::{Desk, Group, Table};
+use super::context::Desk;
+use super::group::{Group, Table};
 use crate::core::note::Note;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::same_content::says_the_same;
@@ -183,11 +184,5 @@ impl Desk<'_> {
             }
         }
         Ok(None)
-    }
-}
-
-impl Group {
-    pub(super) fn withdraws(&self, record: Id) -> bool {
-        self.changes.withdrawn.records.contains(&record)
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use super::Group;
+use super::group::Group;
 use crate::core::mounting::Slot;
 use crate::core::own_history::Shown;
 use crate::core::time::UtcMicros;

@@ -4,101 +4,46 @@ pub(crate) mod alerts;
 mod group;
 pub(crate) mod overlapped;
 pub(crate) mod postgres_turn;
+mod state;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::mpsc;
 
 use super::admit::{Memory, Newest};
-use super::reply::Teller;
 use crate::config::Config;
-use crate::core::alert_decision::Late;
-use crate::pipeline::access::{AccessOrder, Actor, Guard, Registrar, Secret};
+use crate::pipeline::access::{AccessOrder, Actor, Registrar, Secret};
 use crate::pipeline::alerts::AlertBook;
-use crate::pipeline::diagnoses::models::{ModelBook, adopt};
+use crate::pipeline::diagnoses::models::adopt;
 use crate::pipeline::diagnoses::{DiagnosisOrder, JobDesk};
+use crate::pipeline::error::StorageError;
 use crate::pipeline::hooks::{Found, HookBook, HookDesk, Order};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::ingest::submission::Submission;
-use crate::pipeline::ingest::writer::overlapped::UnderWay;
 use crate::pipeline::ingest::writer::postgres_turn::in_turn;
-use crate::pipeline::{Accepted, Job, Refused, Reply};
+use crate::pipeline::write_queue;
+use crate::pipeline::write_queue::Job;
+use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
 use crate::store;
 use crate::store::{Id, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 use group::{Told, answer, foretell};
+use state::{Item, StoreJob, items_of};
+
+pub(crate) use state::{After, Task};
 
 /// How long a transaction may take others' turn, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
 /// Items of one transaction, as many as are stored in a [`TURN`].
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
-pub(crate) struct Task {
-    store: Store,
-    writer: Writer,
-    clock: Clock,
-    config: Arc<Config>,
-    newest: Newest,
-    memory: Memory,
-    judge: Judge,
-    alerts: AlertBook,
-    /// Gyros whose methods are to agree.
-    benched: HashSet<u32>,
-    hooks: HookBook,
-    after: After,
-    /// A group that is being written while the next is made ready.
-    under_way: Option<UnderWay>,
-    /// Items from which on no more are added to a transaction among other servers.
-    items_at_once: usize,
-    /// What others have written could not be read: everything is read again before the next turn is used.
-    behind: bool,
-}
-
-/// A submission of a group.
-#[derive(Clone, Copy)]
-struct Item<'a> {
-    sent: &'a Submission,
-    by: &'a Actor,
-    /// Whether its answer is to hold the verdicts on it.
-    with_verdicts: bool,
-    /// How what is found late is told.
-    late: Late,
-}
-
-fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
-    let StoreJob { items, by, with_verdicts, late, .. } = job;
-    items.iter().map(|sent| Item { sent, by, with_verdicts: *with_verdicts, late: *late })
-}
-
-/// Who is told of what has been written.
-pub(crate) struct After {
-    /// Moves when a hook has changed or has something new to be told.
-    pub wake: watch::Sender<u64>,
-    pub models: ModelBook,
-    /// Moves when diagnoses have become due.
-    pub due: watch::Sender<u64>,
-    pub guard: Guard,
-}
-
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
+type Orders = Vec<(Order, Actor, write_queue::Reply<Id, HookError>)>;
 
-/// Submissions, and where their answers go.
-struct StoreJob {
-    items: Vec<Submission>,
-    by: Actor,
-    /// Whether they are answered with verdicts, and ahead of the disk.
-    with_verdicts: bool,
-    /// How what is found late is told.
-    late: Late,
-    teller: Teller,
-}
-
-type Findings = Vec<(Found, oneshot::Sender<Result<(), Refused>>)>;
+type Findings = Vec<(Found, write_queue::Reply<(), WriteError>)>;
 
 impl Task {
     pub async fn new(
@@ -216,7 +161,7 @@ impl Task {
                         continue;
                     }
                     Job::Probe(reply) => {
-                        let _gone = reply.send(self.writer.probe().await);
+                        let _gone = reply.send(self.writer.probe().await.map_err(WriteError::from));
                         continue;
                     }
                 };
@@ -274,7 +219,7 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
+    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
         let now = self.clock.now();
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
@@ -294,7 +239,7 @@ impl Task {
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
-    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, Refused> {
+    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
         let mut desk = JobDesk { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
         let done = desk.carry_out(order, by).await;
         self.after.due.send_modify(|moved| *moved += 1);
@@ -302,7 +247,7 @@ impl Task {
     }
 
     /// Changes who may use the service.
-    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, Refused> {
+    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, AccessError> {
         let known = store::access::tokens(&self.store).await?;
         let (guard, writer, now) = (&self.after.guard, &mut self.writer, self.clock.now());
         Registrar { guard, writer, now }.carry_out(order, by, &known).await
@@ -336,8 +281,8 @@ impl Task {
             }
             Err(error) => {
                 tracing::error!(%error, items = items.len(), "a group could not be stored");
-                let error = Arc::new(error);
-                replies.resize(items.len(), Err(Refused::Store(error)));
+                let error = WriteError::from(StorageError::from(error));
+                replies.resize(items.len(), Err(error.into()));
             }
         }
         answer(jobs, replies, Told::Now);

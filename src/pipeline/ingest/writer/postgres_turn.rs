@@ -3,8 +3,9 @@
 
 use std::time::Duration;
 
-use super::{HookBook, Newest, Task};
-use crate::pipeline::Refused;
+use super::state::Task;
+use super::{HookBook, Newest};
+use crate::pipeline::error::Unwritten;
 use crate::store;
 use crate::store::{Id, Missed, Moves, StoreError};
 
@@ -20,7 +21,7 @@ macro_rules! in_turn {
         loop {
             let done = match $task.begin().await {
                 Ok(()) => $work.await,
-                Err(error) => Err($crate::pipeline::Refused::from(error)),
+                Err(error) => Err(error.into()),
             };
             $task.writer.give_back().await;
             if !$crate::pipeline::ingest::writer::postgres_turn::to_be_tried_again(&done, &mut tries).await {
@@ -43,10 +44,10 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
     worth_it
 }
 
-pub(super) async fn to_be_tried_again<T>(done: &Result<T, Refused>, tries: &mut u32) -> bool {
-    match done {
-        Err(Refused::Store(error)) => another_try(error, tries).await,
-        _ => false,
+pub(super) async fn to_be_tried_again<T>(done: &Result<T, impl Unwritten>, tries: &mut u32) -> bool {
+    match done.as_ref().err().and_then(Unwritten::store_error) {
+        Some(error) => another_try(error, tries).await,
+        None => false,
     }
 }
 

@@ -8,8 +8,9 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{Page, Section, encoded, remark, symbol, written};
 use super::silences;
+use super::silences::LONGEST_SILENCE;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
@@ -22,15 +23,11 @@ use crate::pages::status;
 use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
-use crate::wire::time;
 
 /// Alerts on one page.
 const ROWS: usize = 60;
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;
-/// Longest silence, days.
-pub(super) const LONGEST_SILENCE: f64 = 365.0;
-
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Filters {
@@ -244,15 +241,6 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
             }
         }
     }
-}
-
-pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
-    html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
-}
-
-/// A time as the service writes it on the wire.
-pub(super) fn written(text: &str) -> Markup {
-    time::parse(text).map_or_else(|_| html! { (text) }, instant)
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -7,13 +7,12 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Section, instant};
+use super::layout::{Section, instant, name};
 use super::notes::noted;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
 use crate::core::message::text;
 use crate::message;
-use crate::pages::history::name;
 use crate::pipeline::store;
 use crate::pipeline::{Actor, Confirmation, Id, Submission};
 use crate::wire::history_note;

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::figure;
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, name, symbol};
 use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
@@ -164,8 +164,8 @@ fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup
         }
         @if let Some(figures) = facts.course.figures.last() {
             p.lead {
-                a href={ "/imus/" (encoded(history::name(tables.imus.name(figures.imu)))) } { (history::seat(figures, tables)) }
-                " · " (t.station) " " (history::name(tables.stations.name(figures.station)))
+                a href={ "/imus/" (encoded(name(tables.imus.name(figures.imu)))) } { (history::seat(figures, tables)) }
+                " · " (t.station) " " (name(tables.stations.name(figures.station)))
                 " · " (t.calibrated) " " (instant(figures.at))
                 @match facts.alerts.len() {
                     0 => {}
@@ -333,7 +333,7 @@ fn calibration(
         tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
             td { (history::seat(figures, tables)) }
-            td { (history::name(tables.stations.name(figures.station))) }
+            td { (name(tables.stations.name(figures.station))) }
             @for (measured, name) in sample.d.iter().zip(DRIFTS) {
                 td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
             }
@@ -367,7 +367,7 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
                         tr {
                             td { (instant(row.measured_at)) }
                             td { (t.method(row.method.name())) }
-                            td { (history::name(tables.stations.name(row.station))) }
+                            td { (name(tables.stations.name(row.station))) }
                             @for i in 0..2 { td.n data-label=(DRIFTS[i]) { (figure::drift(row.d[i], row.sd[i])) } }
                             @if may_void { td { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }

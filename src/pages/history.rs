@@ -1,11 +1,9 @@
 //! A gyro's course: its plot by one of the methods, and what happened to it.
 
-use std::sync::Arc;
-
 use maud::{Markup, html};
 
 use super::corrections;
-use super::layout::{DRIFTS, instant};
+use super::layout::{DRIFTS, instant, name};
 use super::plot::{ALONE, Band, Mark, Plot, Point, Series, Strip, millis, shown};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -76,10 +74,6 @@ impl Text {
 /// `IMU-07 G1`.
 pub(super) fn seat(figures: &Figures, tables: &Tables) -> String {
     format!("{} {}", name(tables.imus.name(figures.imu)), figures.slot.name())
-}
-
-pub(super) fn name(name: Option<&Arc<str>>) -> &str {
-    name.map_or("", |name| &**name)
 }
 
 pub(super) fn plot(

@@ -8,7 +8,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
-use super::alerts::written;
+use super::layout::written;
 use super::layout::{Page, Section};
 use super::viewer::Viewer;
 use crate::core::access::Role;

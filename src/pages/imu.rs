@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::Pages;
 use super::figure;
-use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
+use super::layout::{DRIFTS, Page, Section, encoded, instant, name, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::Viewer;
@@ -139,7 +139,7 @@ fn list(pages: &Pages, t: &Text, records: &[RecordHead]) -> Markup {
                 @let campaign = head.kind == Kind::Campaign;
                 tr {
                     td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                    td { (crate::pages::history::name(tables.stations.name(head.station))) }
+                    td { (name(tables.stations.name(head.station))) }
                     td {
                         @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
                         @else { (t.kind_record) }

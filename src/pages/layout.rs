@@ -1,5 +1,7 @@
 //! The frame of every page, and how pages and failures leave.
 
+use std::sync::Arc;
+
 use axum::http::StatusCode;
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY, VARY, X_CONTENT_TYPE_OPTIONS,
@@ -165,6 +167,16 @@ fn clock(utc: &str) -> String {
     format!("{} UTC", utc.get(start..start + 5).unwrap_or_default())
 }
 
+/// A time as the service writes it on the wire.
+pub(super) fn written(text: &str) -> Markup {
+    time::parse(text).map_or_else(|_| html! { (text) }, instant)
+}
+
+/// Who said something, and why.
+pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
+    html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
+}
+
 /// What is separated, in the order of the figures.
 pub(super) const DRIFTS: [&str; 3] = ["D_I", "D_S", "D_O"];
 
@@ -177,6 +189,10 @@ pub(super) fn symbol(name: &str) -> Markup {
         Some((letter, index)) => html! { var { (letter) sub { (index) } } },
         None => html! { var { (name) } },
     }
+}
+
+pub(super) fn name(name: Option<&Arc<str>>) -> &str {
+    name.map_or("", |name| &**name)
 }
 
 /// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.

@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::alerts::written;
 use super::figure::{self, short};
+use super::layout::written;
 use super::layout::{instant, symbol};
 use super::text::Text;
 use crate::pipeline::store;

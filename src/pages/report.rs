@@ -6,7 +6,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::gyro::{Facts, agreement, calibration_table, known};
-use super::layout::{Page, Section, instant, symbol};
+use super::layout::{Page, Section, instant, name, symbol};
 use super::viewer::Viewer;
 use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
 use crate::pages::history;
@@ -109,7 +109,7 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: 
             dt { (t.serial) } dd { (serial) }
             @if let Some(newest) = facts.course.figures.last() {
                 dt { (t.imu) } dd { (history::seat(newest, tables)) }
-                dt { (t.station) } dd { (history::name(tables.stations.name(newest.station))) }
+                dt { (t.station) } dd { (name(tables.stations.name(newest.station))) }
                 dt { (t.calibrated) } dd { (instant(newest.at)) }
             } @else { dt { (t.calibrated) } dd { (t.never_calibrated) } }
             dt { (t.records_word) } dd { (facts.course.figures.len()) }

@@ -7,9 +7,8 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::alerts::{LONGEST_SILENCE, remark, written};
 use super::form::{Deed, Word, answered, see_other};
-use super::layout::Section;
+use super::layout::{Section, remark, written};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
@@ -20,6 +19,9 @@ use crate::pipeline::{Id, Matchers, SilenceOrder};
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
 use crate::wire::text;
+
+/// Longest silence, days.
+pub(super) const LONGEST_SILENCE: f64 = 365.0;
 
 /// Those that hold, and how to begin one.
 pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {

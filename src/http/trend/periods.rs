@@ -3,13 +3,12 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Method, Request, Written, cut};
+use super::request::{Method, Request, Written, cut};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
 use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::events::EventBody;
-use crate::http::query::{bad, not_one_of};
 use crate::message;
 use crate::pipeline::store;
 use crate::pipeline::{Span, sample_of};
@@ -50,16 +49,6 @@ struct PeriodBody {
 }
 
 impl Request {
-    /// `every`, which goes with what counts only.
-    pub(super) fn period(name: Option<&str>, voided: bool) -> Result<Option<Period>, Problem> {
-        let Some(name) = name else { return Ok(None) };
-        let period = Period::from_name(name).ok_or_else(|| not_one_of("every", ["day", "week", "month"], name))?;
-        if voided {
-            return Err(bad(message!("every_counts_only")));
-        }
-        Ok(Some(period))
-    }
-
     /// One page of periods, and where the next begins.
     pub(super) async fn periods(
         &self,

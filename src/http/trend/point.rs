@@ -1,9 +1,26 @@
 //! One point of a trend.
 
-use super::{Point, Row};
+use super::body::Point;
 use crate::config::JudgedMethod;
 use crate::core::judge::{Coefficient, State as Judgement};
-use crate::pipeline::{BenchRow, Statuses, Tables, sample_of};
+use crate::pipeline::{BenchRow, Figures, Statuses, Tables, sample_of};
+
+/// A record or an event that an answer holds, and the status of the record.
+pub(super) type Seen = (i64, Option<&'static str>);
+
+/// A record of the gyro; whether it does not count any more, where that is asked for.
+pub(super) struct Row {
+    pub figures: Figures,
+    pub voided: Option<bool>,
+    pub set_aside: bool,
+}
+
+impl Row {
+    pub fn seen(&self, statuses: &Statuses, column: usize) -> Seen {
+        let judged = statuses.get(&self.figures, column).name();
+        (self.figures.record.0, Some(if self.voided == Some(true) { "voided" } else { judged }))
+    }
+}
 
 pub(super) fn separated_point<'t>(
     Row { figures, voided, set_aside }: &Row,

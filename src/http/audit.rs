@@ -13,8 +13,10 @@ use utoipa_axum::routes;
 use super::App;
 use super::answer::Answer;
 use super::query::{self, Parameters};
+use crate::core::access::AuditFilter;
+use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::{AuditFilter, AuditRow, Id};
+use crate::pipeline::AuditRow;
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
 

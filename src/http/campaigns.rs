@@ -21,12 +21,12 @@ use super::document::{Document, check_media_type, idempotency_key};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::message::Message;
 use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use crate::message;
-use crate::pipeline::{
-    Accepted, Asked, Caller, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
-};
+use crate::pipeline::{Accepted, Asked, Caller, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;

@@ -11,7 +11,8 @@ use super::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Actor, Confirmation, Id, Submission};
+use crate::core::id::Id;
+use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text};
 

@@ -15,11 +15,11 @@ use super::App;
 use super::answer::Answer;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::message;
 use crate::pipeline::store;
-use crate::pipeline::{
-    Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Id, Kind, Submission,
-};
+use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};

@@ -9,8 +9,9 @@ use axum::http::request::Parts;
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::core::id::Id;
 use crate::core::judge::State;
-use crate::pipeline::{Id, Judged};
+use crate::pipeline::Judged;
 use crate::wire::note::NoteBody;
 
 /// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.

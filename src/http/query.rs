@@ -9,9 +9,9 @@ use serde::de::DeserializeOwned;
 
 use super::App;
 use crate::core::message::{Message, list};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::Span;
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 use crate::wire::time;

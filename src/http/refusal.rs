@@ -1,9 +1,9 @@
 //! Which failure of which room leaves as which status, said once.
 
+use crate::core::kind::Kind;
 use crate::message;
 use crate::pipeline::{
-    AccessError, AlertError, DiagnosisError, HookError, Kind, Refused, StorageError, StorageFault, StoreError,
-    WriteError,
+    AccessError, AlertError, DiagnosisError, HookError, Refused, StorageError, StorageFault, StoreError, WriteError,
 };
 use crate::wire::problem::Problem;
 

@@ -4,10 +4,11 @@ use axum::http::StatusCode;
 
 use super::App;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Accepted, GyroEvent, Id, Submission};
+use crate::pipeline::{Accepted, GyroEvent, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;
 

@@ -14,9 +14,10 @@ use super::App;
 use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::message::{list, sent};
 use crate::message;
-use crate::pipeline::{AccessOrder, Id, NewToken, TokenRow};
+use crate::pipeline::{AccessOrder, NewToken, TokenRow};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 

@@ -15,12 +15,14 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
 use crate::core::message::Message;
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
+use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 

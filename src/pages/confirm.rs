@@ -11,10 +11,11 @@ use super::layout::{Section, instant, name};
 use super::notes::noted;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
 use crate::pipeline::store;
-use crate::pipeline::{Actor, Confirmation, Id, Submission};
+use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::history_note;
 use crate::wire::problem::Problem;
 

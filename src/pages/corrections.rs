@@ -13,12 +13,14 @@ use super::layout::{DRIFTS, Section, encoded, instant, name, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::store;
-use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
+use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Submission};
 use crate::wire::problem::Problem;
 
 /// What is to be voided, as it is shown to whoever is about to.

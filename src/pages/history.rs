@@ -9,11 +9,12 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Limits, Status};
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Baseline, BenchRow, Course, EventRow, Figures, Statuses, Tables, sample_of};
+use crate::pipeline::{Baseline, BenchRow, Course, EventRow, Statuses, Tables, sample_of};
 
 /// Changes of seat or station that are drawn at the most: two stations in turn would hide the plot behind lines.
 const MOST_CHANGES: usize = 30;

@@ -12,10 +12,10 @@ use super::layout::written;
 use super::layout::{Page, Section};
 use super::viewer::Viewer;
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity};
 use crate::core::message::text;
 use crate::message;
-use crate::pipeline::Id;
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
 

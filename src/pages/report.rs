@@ -9,9 +9,9 @@ use super::gyro::{Facts, agreement, calibration_table, known};
 use super::layout::{Page, Section, instant, name, symbol};
 use super::viewer::Viewer;
 use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
+use crate::core::kind::Kind;
 use crate::pages::history;
 use crate::pages::history::Shown;
-use crate::pipeline::Kind;
 use crate::wire::problem::Problem;
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.

@@ -43,8 +43,8 @@ use write_queue::{Job, WriteQueue};
 
 // What the store hands out passes through here: whoever asks the pipeline need not know the store.
 pub use crate::store::{
-    AlertFilter, AuditFilter, AuditRow, BenchRow, Beside, CorrectionRow, DeliveryState, EventRow, Figures,
-    GyroCorrection, Id, Kind, Matchers, ModelRow, Names, RecordHead, Span, StoreError, Tables, TokenRow,
+    AuditRow, BenchRow, Beside, CorrectionRow, EventRow, GyroCorrection, ModelRow, Names, RecordHead, StoreError,
+    Tables, TokenRow,
 };
 pub use access::{
     Access, AccessError, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn,

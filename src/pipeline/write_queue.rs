@@ -3,13 +3,13 @@
 use tokio::sync::{mpsc, oneshot};
 
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::pipeline::access::{AccessError, AccessOrder, Actor, Secret};
 use crate::pipeline::alerts::{AlertError, AlertOrder, SilenceOrder};
 use crate::pipeline::diagnoses::{Adoption, DiagnosisError, DiagnosisOrder, Made};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{Found, HookError, Order};
 use crate::pipeline::ingest::{Accepted, Submission, Teller};
-use crate::store::Id;
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.

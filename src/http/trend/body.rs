@@ -3,9 +3,9 @@
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::http::events::EventBody;
-use crate::pipeline::Id;
 use crate::wire::time::Stamp;
 
 /// The history of one coefficient, oldest first.

@@ -6,12 +6,13 @@ use utoipa::ToSchema;
 use super::request::{Method, Request, Written, cut};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::events::EventBody;
 use crate::message;
+use crate::pipeline::sample_of;
 use crate::pipeline::store;
-use crate::pipeline::{Span, sample_of};
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 

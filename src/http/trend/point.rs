@@ -2,8 +2,9 @@
 
 use super::body::Point;
 use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::{Coefficient, State as Judgement};
-use crate::pipeline::{BenchRow, Figures, Statuses, Tables, sample_of};
+use crate::pipeline::{BenchRow, Statuses, Tables, sample_of};
 
 /// A record or an event that an answer holds, and the status of the record.
 pub(super) type Seen = (i64, Option<&'static str>);

@@ -8,14 +8,16 @@ use utoipa::IntoParams;
 use super::point::Row;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::Coefficient;
 use crate::core::period::Period;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::query::{self, bad, not_one_of};
 use crate::message;
+use crate::pipeline::BenchRow;
 use crate::pipeline::store;
-use crate::pipeline::{BenchRow, Figures, Span};
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 

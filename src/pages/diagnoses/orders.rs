@@ -8,13 +8,14 @@ use serde::Deserialize;
 use super::fields::{beginning, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{answered, see_other};
 use crate::pages::layout::written;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DiagnosisOrder, Id};
+use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
 use crate::wire::problem::Problem;
 

@@ -9,14 +9,16 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::known;
+use crate::core::delivery::DeliveryState;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
+use crate::pipeline::{DeliveryPage, Order};
 use crate::wire::problem::Problem;
 
 /// Kinds of hooks, as the API names them.

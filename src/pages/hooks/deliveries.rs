@@ -6,10 +6,12 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{buttons, filter, known, state, written};
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::pages::Pages;
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DeliveryPage, DeliveryState, Id};
+use crate::pipeline::DeliveryPage;
 use crate::wire::hook::{DeliveryBody, HookBody};
 use crate::wire::problem::Problem;
 

@@ -8,8 +8,9 @@ use std::net::IpAddr;
 use serde::Serialize;
 
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AuditRow, Id};
+use crate::store::AuditRow;
 
 tokio::task_local! {
     static CALLER: Caller;

@@ -16,9 +16,11 @@ use std::net::IpAddr;
 
 use super::error::{StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
+use crate::core::access::AuditFilter;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{AuditFilter, AuditRow, Id, Store, TokenRow};
+use crate::store::{AuditRow, Store, TokenRow};
 use crate::system::Clock;
 
 pub use audit::{Actor, By, Caller};

@@ -7,8 +7,9 @@ use super::error::AccessError;
 use super::guard::Guard;
 use super::secret::Secret;
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::{AccessChanges, AuditRow, Beside, Changes, Id, SessionRow, TokenRow, Writer};
+use crate::store::{AccessChanges, AuditRow, Beside, Changes, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 
 /// A token to be made.

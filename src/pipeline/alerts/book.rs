@@ -6,11 +6,12 @@ use super::body::{Naming, Origin, text};
 use super::silences::Silences;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
-use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
+use crate::store::{AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
 
 /// Every alert by gyro, and those that the transaction under construction changes.
 #[derive(Debug)]

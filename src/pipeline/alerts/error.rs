@@ -1,9 +1,9 @@
 //! Why an order about an alert or a silence is not carried out.
 
+use crate::core::id::Id;
 use crate::core::message::{Message, text};
 use crate::message;
 use crate::pipeline::error::{WriteError, unwritten};
-use crate::store::Id;
 
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]

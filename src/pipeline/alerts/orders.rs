@@ -4,9 +4,11 @@ use super::book::{AlertBook, Pen};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
 use crate::core::alert_decision;
+use crate::core::alert_filter::Matchers;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::store::{AlertRow, AuditRow, Changes, Id, Matchers, Remark, SilenceRow};
+use crate::store::{AlertRow, AuditRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,12 @@
 //! Silences of many alerts: which alerts match, and how they read.
 
 use super::body::{Naming, Origin, finding_of};
+use crate::core::alert_filter::Matchers;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{AlertRow, Id, Matchers, Remark, SilenceRow, Store, StoreError};
+use crate::store::{AlertRow, Remark, SilenceRow, Store, StoreError};
 use crate::wire::silence::{EndedBody, MatchersBody, MatchingSilenceBody};
 use crate::wire::time;
 

@@ -5,12 +5,13 @@ use std::collections::HashMap;
 use super::body::Origin;
 use super::book::{AlertBook, Pen};
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Verdict, overdue};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::queries::agreement::Agreement;
-use crate::store::{AlertRow, Changes, Id};
+use crate::store::{AlertRow, Changes};
 
 /// Which item of a group has changed what is known of a gyro, and how that is told if it comes late.
 #[derive(Debug, Default)]

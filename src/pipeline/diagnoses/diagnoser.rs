@@ -8,6 +8,8 @@ use tokio::sync::{Semaphore, oneshot, watch};
 
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::diagnose;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
@@ -17,7 +19,7 @@ use crate::pipeline::diagnoses::models::{InForce, ModelBook};
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store;
-use crate::store::{Id, Kind, RecordRow, Store, StoreError};
+use crate::store::{RecordRow, Store, StoreError};
 use crate::system::Clock;
 use crate::telemetry;
 use crate::wire::campaign;

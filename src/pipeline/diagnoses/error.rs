@@ -1,10 +1,11 @@
 //! Why an order about diagnoses or a model is not carried out, and why a gap cannot be split.
 
 use crate::core::diagnose::NoReference;
+use crate::core::id::Id;
 use crate::core::message::{Message, text};
 use crate::message;
 use crate::pipeline::error::{StorageError, WriteError, unwritten};
-use crate::store::{Id, StoreError};
+use crate::store::StoreError;
 
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}", self.message())]

@@ -2,11 +2,12 @@
 
 use super::error::DiagnosisError;
 use super::made::{program, text};
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, CampaignFilter, Changes, Id, JobChanges, NewJob, Store, StoreError, Writer};
+use crate::store::{AccessChanges, CampaignFilter, Changes, JobChanges, NewJob, Store, StoreError, Writer};
 use crate::wire::diagnoses::WhichBody;
 
 /// Which campaigns somebody wants diagnosed.

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use crate::core::diagnose::METHOD;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Gist, Seat};
 use crate::pipeline::diagnoses::models::ModelBook;
 use crate::pipeline::error::WriteError;
-use crate::store::{Changes, DiagnosisRow, Id, JobChanges, NewDiagnosis, SettledTask, Writer};
+use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask, Writer};
 use crate::wire::diagnosis::DiagnosisBody;
 
 /// The answer, or why there is none.

@@ -5,11 +5,12 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::pipeline::access::Actor;
 use crate::pipeline::diagnoses::error::DiagnosisError;
 use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, Changes, Id, ModelRow, Store, StoreError, Writer};
+use crate::store::{AccessChanges, Changes, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
 

@@ -13,9 +13,11 @@ use tokio::sync::watch;
 
 use super::diagnoser::Diagnoser;
 use super::made::{Made, Outcome};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::background::Awaited;
 use crate::store;
-use crate::store::{Id, Kind, StoreError};
+use crate::store::StoreError;
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;

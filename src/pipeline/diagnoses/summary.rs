@@ -5,11 +5,12 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::core::effects::Effect;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
 use crate::pipeline::diagnoses::made::program;
 use crate::store;
-use crate::store::{CampaignFilter, GistRow, Id, Store, StoreError, Table, Tables};
+use crate::store::{CampaignFilter, GistRow, Store, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,
     SummaryBody,

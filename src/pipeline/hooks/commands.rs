@@ -7,6 +7,8 @@ use serde::Serialize;
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
 use crate::core::alert_decision::Status;
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::message;
@@ -16,8 +18,7 @@ use crate::pipeline::hooks::error::HookError;
 use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
 use crate::store;
 use crate::store::{
-    AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
-    Subject, Writer,
+    AttemptRow, AuditRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
 };
 use crate::wire::message::to_stored;
 use crate::wire::time;

@@ -7,11 +7,12 @@ use super::show;
 use super::show::DIGEST;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Alert};
+use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::News;
 use crate::store;
-use crate::store::{HookRow, Id, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
+use crate::store::{HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
 

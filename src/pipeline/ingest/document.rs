@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::core::kind::Kind;
 use crate::pipeline::ingest::same_content::{Sent, benches_agree, says_the_same};
 use crate::pipeline::ingest::submission::Submission;
-use crate::store::Kind;
 
 /// A document that can be stored, and how it would be compared with one that is there.
 #[derive(Debug, Clone)]

@@ -22,7 +22,8 @@ use super::error::WriteError;
 use super::write_queue::{Job, WriteQueue};
 use crate::config::Config;
 use crate::core::alert_decision::Late;
-use crate::store::{Id, Store};
+use crate::core::id::Id;
+use crate::store::Store;
 use crate::system::Clock;
 
 pub use document::{Origin, ReadDocument};

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::refused::Refused;
+use crate::core::id::Id;
 use crate::core::judge::Verdict;
 use crate::core::note::Note;
-use crate::store::Id;
 
 /// The answer to one submission.
 pub type Reply = Result<Accepted, Refused>;

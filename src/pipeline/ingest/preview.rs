@@ -7,10 +7,11 @@ use super::admit::{Ahead, Desk, Group, Memory};
 use super::document::ReadDocument;
 use super::outcome::Accepted;
 use super::refused::Refused;
+use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::pipeline::access::Actor;
 use crate::pipeline::ingest::Ingest;
-use crate::store::{Id, IdSource};
+use crate::store::IdSource;
 
 /// Beyond every identifier of this century.
 const NEVER_STORED: i64 = i64::MAX - (1 << 40);

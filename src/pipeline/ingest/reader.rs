@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::config::{Config, JudgedMethod, PlausibilityKeys};
 use crate::core::fault::{Fault, Faults};
 use crate::core::history_note::is_unset;
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covariance};
@@ -16,7 +17,7 @@ use crate::pipeline::ingest::fitted::{Fitted, ReadCampaign};
 use crate::pipeline::ingest::submission::{
     BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
 };
-use crate::store::{Kind, Store};
+use crate::store::Store;
 use crate::system::Clock;
 use crate::wire::answer::{MethodBody, SeparationBody};
 use crate::wire::bench::parse_bench_result;

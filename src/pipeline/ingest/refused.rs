@@ -1,9 +1,10 @@
 //! Why a submission is not taken.
 
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::message::{Message, list, text};
 use crate::message;
 use crate::pipeline::error::{WriteError, unwritten};
-use crate::store::{Id, Kind};
 use crate::wire::differences::Differences;
 
 #[derive(Debug, Clone, thiserror::Error)]

@@ -80,7 +80,8 @@ mod tests {
     use std::task::{Context, Poll, Waker};
 
     use super::*;
-    use crate::pipeline::{Accepted, Id, Refused, WriteError};
+    use crate::core::id::Id;
+    use crate::pipeline::{Accepted, Refused, WriteError};
 
     fn stored(id: i64) -> Vec<Reply> {
         vec![Ok(Accepted::stored(Id(id)))]

@@ -3,9 +3,11 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::pipeline::ingest::submission::anything;
 use crate::store;
-use crate::store::{Id, Kind, Store, StoreError};
+use crate::store::{Store, StoreError};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
 use crate::wire::differences::Differences;

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, Verdict};
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
@@ -14,7 +16,6 @@ use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::access::{Actor, Caller};
 use crate::pipeline::ingest::refused::Refused;
-use crate::store::{Id, Kind};
 use crate::system::sha256;
 use crate::wire::json::without_mark;
 

@@ -4,14 +4,17 @@ use std::collections::HashMap;
 
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::history::{Mark, Measured};
 use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status, Verdict, agreement};
 use crate::core::mounting::Slot;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::{Naming, Origin, finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
+use crate::store::{BenchRow, Changes, Store, StoreError, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,11 +3,14 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
 use crate::pipeline::queries::gyro_history::Histories;
 use crate::store;
-use crate::store::{Figures, Id, Span, StoreError};
+use crate::store::StoreError;
 use crate::words;
 
 /// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the

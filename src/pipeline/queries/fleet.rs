@@ -9,14 +9,16 @@ use super::record::Records;
 use super::stations::{StationEffect, station_effects};
 use super::status;
 use crate::config::Config;
+use crate::core::figures::Figures;
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
-use crate::store::{Figures, RecordHead, Span, Store, StoreError, StoredVerdict, Stretch, Tables};
+use crate::store::{RecordHead, Store, StoreError, StoredVerdict, Stretch, Tables};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 

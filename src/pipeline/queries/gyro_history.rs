@@ -6,13 +6,16 @@ use std::sync::Arc;
 use super::agreement::{Comparison, compare_methods};
 use super::fleet::level;
 use crate::config::{Config, JudgedMethod};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::judge::{Coefficient, Event, Limits, Rule};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
 use crate::store;
-use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, Store, StoreError, StoredVerdict};
+use crate::store::{BenchRow, EventRow, GyroCorrection, Store, StoreError, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]

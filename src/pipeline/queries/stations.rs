@@ -5,10 +5,12 @@ use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::gyro_window::{marks_of, sample_of};
 use crate::store;
-use crate::store::{Figures, Span, Store, StoreError, Stretch};
+use crate::store::{Store, StoreError, Stretch};
 
 /// Newest records of each gyro that count.
 const RECORDS: usize = 60;

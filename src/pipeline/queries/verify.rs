@@ -4,15 +4,17 @@
 //! decided again with the limits of the configuration in force: of a record that was judged with other limits, the verdicts
 //! cannot be compared, and are counted; so are those on records that count no more.
 
+use crate::core::figures::Figures;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
+use crate::core::time::Span;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::Line;
 use crate::pipeline::queries::record::{Records, Reread};
 use crate::store;
-use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
+use crate::store::{StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 
 /// What was computed again.

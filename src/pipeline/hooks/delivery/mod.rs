@@ -24,10 +24,11 @@ use tokio::sync::watch;
 use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 
 use crate::alert::deliver::Courier;
+use crate::core::id::Id;
 use crate::pipeline::hooks::Hooks;
 use crate::pipeline::hooks::delivery::context::{Desk, OFF_DUTY};
 use crate::store;
-use crate::store::{Duty, Id, StoreError};
+use crate::store::{Duty, StoreError};
 
 use crate::pipeline::hooks::delivery::queue::Lane;
 

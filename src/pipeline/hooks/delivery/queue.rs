@@ -13,6 +13,8 @@ use super::context::{Desk, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, Outcome};
 use crate::alert::ladder::HORIZON;
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::{StorageFault, WriteError};
 use crate::pipeline::hooks::delivery::circuit::Health;
@@ -20,7 +22,7 @@ use crate::pipeline::hooks::delivery::message;
 use crate::pipeline::hooks::delivery::message::Addressee;
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::store;
-use crate::store::{DeliveryState, DueDelivery, Duty, Id, Progress, StoreError};
+use crate::store::{DueDelivery, Duty, Progress, StoreError};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
 

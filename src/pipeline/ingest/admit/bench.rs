@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::context::Desk;
 use super::group::{Group, Table};
+use crate::core::id::Id;
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{BenchRow, Id, StoreError};
+use crate::store::{BenchRow, StoreError};
 
 impl Desk<'_> {
     pub(super) async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {

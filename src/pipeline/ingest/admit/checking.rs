@@ -6,6 +6,7 @@ use super::context::Desk;
 use super::group::{Group, Table};
 use super::memory::{Around, Remembered};
 use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, TimeDoubt, doubt};
+use crate::core::id::Id;
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
 use crate::core::note::Note;
@@ -13,7 +14,7 @@ use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
-use crate::store::{Id, StoreError};
+use crate::store::StoreError;
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.
@@ -226,7 +227,8 @@ impl Desk<'_> {
             let (then, sheet) = (head.calibrated_at, store::record::verdict_sheet(self.store, head.id).await?);
             for (gyro, _) in sheet.filter(|_| then < at).into_iter().flat_map(|sheet| sheet.0) {
                 let rows =
-                    store::history::oldest(self.store, gyro, crate::store::Span { from: then, to: then }, 1).await?;
+                    store::history::oldest(self.store, gyro, crate::core::time::Span { from: then, to: then }, 1)
+                        .await?;
                 if rows.iter().any(|row| row.record == head.id && row.slot == slot) {
                     return Ok(Some(gyro));
                 }
@@ -271,7 +273,7 @@ impl Desk<'_> {
         let mut earlier: BTreeMap<(UtcMicros, Id), bool> = BTreeMap::new();
         for number in &numbers {
             let stored =
-                store::history::oldest(self.store, *number, crate::store::Span::EVER, FALSE_RECORDS + 1).await?;
+                store::history::oldest(self.store, *number, crate::core::time::Span::EVER, FALSE_RECORDS + 1).await?;
             let stored =
                 stored.iter().filter(|row| !group.withdraws(row.record)).map(|row| ((row.at, row.record), true));
             earlier.extend(stored);

@@ -4,10 +4,11 @@ use serde_json::json;
 
 use super::context::Desk;
 use super::group::Group;
+use crate::core::time::Span;
 use crate::pipeline::ingest::submission::Confirmation;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{ConfirmationRow, HistoryRow, Span};
+use crate::store::{ConfirmationRow, HistoryRow};
 
 impl Desk<'_> {
     pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {

@@ -6,13 +6,16 @@ use serde_json::json;
 
 use super::context::Desk;
 use super::group::{Group, Table};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::note::Note;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{CorrectionRow, HistoryRow, Id, Kind, RecordRow, Span, StoreError};
+use crate::store::{CorrectionRow, HistoryRow, RecordRow, StoreError};
 
 impl Desk<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {

@@ -13,6 +13,11 @@ mod sending;
 
 use std::sync::Arc;
 
+use crate::core::figures::Figures;
+use crate::core::figures::PublishedFigures;
+use crate::core::figures::States;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
@@ -20,10 +25,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, GyroEvent, Submission};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{
-    EventRow, Figures, HistoryRow, Id, Kind, PublishedFigures, RecordRow, States, StoreError, StoredVerdict,
-    VerdictSheet,
-};
+use crate::store::{EventRow, HistoryRow, RecordRow, StoreError, StoredVerdict, VerdictSheet};
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::Checked;

@@ -2,7 +2,7 @@
 
 use super::context::Desk;
 use super::group::{Group, Sending};
-use crate::store::Id;
+use crate::core::id::Id;
 
 impl Desk<'_> {
     /// Takes down that an item under `place` is its sender's; gives the line that will say so.

@@ -3,14 +3,16 @@
 use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::history::{
     BASELINE_RECORDS, History, Mark, Measured, Need, Sample, Seat, baseline_since, reset_before,
 };
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::older_summary::{Past, RUN};
 use crate::store;
-use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
+use crate::store::{CorrectionRow, EventRow, Store, StoreError};
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]

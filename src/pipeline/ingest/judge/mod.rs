@@ -9,12 +9,16 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
+use crate::core::figures::Figures;
+use crate::core::figures::States;
+use crate::core::id::Id;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Naming;
 use crate::pipeline::ingest::judge::gyro_window::{Line, Source, read_ahead, sample_of};
-use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
+use crate::store::{Changes, Store, StoreError, StoredVerdict};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
 const LARGE_PART: usize = 100;

@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use crate::core::judge::{Older, Sample};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::store::Span;
 
 /// Records in a run.
 pub(super) const RUN: usize = 128;

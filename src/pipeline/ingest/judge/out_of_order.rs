@@ -4,14 +4,17 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use super::{Judge, Judged, Newest, Verdicts, states};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::history::{
     BASELINE_RECORDS, Mark, Need, Sample, Seat, baseline_of, baseline_since, seat_baseline_of,
 };
 use crate::core::judge::{Rule, Verdict, judge};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::gyro_window::{Line, Source, load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{Changes, HistoryRow, StoreError, StoredVerdict, VerdictSheet};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]

@@ -7,6 +7,7 @@ use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::state::Task;
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
@@ -17,7 +18,7 @@ use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::store;
-use crate::store::{AlertRow, Changes, Duty, Id, StoreError};
+use crate::store::{AlertRow, Changes, Duty, StoreError};
 use crate::wire::alert::AlertBody;
 
 impl Task {

@@ -5,13 +5,16 @@ use std::time::Instant;
 
 use super::state::{Item, Prepared, StoreJob, Tally, Task, items_of};
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::time::Span;
 use crate::pipeline::alerts::Causes;
 use crate::pipeline::ingest::admit::{Ahead, Desk, Group};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply, WriteError};
 use crate::store;
-use crate::store::{Changes, Id, Kind, Span, StoreError};
+use crate::store::{Changes, StoreError};
 use crate::telemetry;
 
 impl Task {

@@ -15,6 +15,7 @@ use tokio::sync::mpsc;
 
 use super::admit::{Memory, Newest};
 use crate::config::Config;
+use crate::core::id::Id;
 use crate::pipeline::access::{AccessOrder, Actor, Registrar, Secret};
 use crate::pipeline::alerts::AlertBook;
 use crate::pipeline::diagnoses::models::adopt;
@@ -27,7 +28,7 @@ use crate::pipeline::write_queue;
 use crate::pipeline::write_queue::Job;
 use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
 use crate::store;
-use crate::store::{Id, Store, StoreError, Writer};
+use crate::store::{Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 use group::{Told, answer, foretell};

@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use super::state::Task;
 use super::{HookBook, Newest};
+use crate::core::id::Id;
 use crate::pipeline::error::Unwritten;
 use crate::store;
-use crate::store::{Id, Missed, Moves, StoreError};
+use crate::store::{Missed, Moves, StoreError};
 
 /// Records of others that are looked at one by one; after more everything is read again.
 const FEW: u32 = 20_000;

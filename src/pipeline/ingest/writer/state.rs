@@ -8,6 +8,7 @@ use tokio::task::JoinHandle;
 
 use crate::config::Config;
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Status, Verdict};
 use crate::pipeline::access::{Actor, Guard};
 use crate::pipeline::alerts::AlertBook;
@@ -19,7 +20,7 @@ use crate::pipeline::ingest::judge::{Judge, Verdicts};
 use crate::pipeline::ingest::outcome::Reply;
 use crate::pipeline::ingest::reply::Teller;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
-use crate::store::{Changes, Id, Store, Writer, Written};
+use crate::store::{Changes, Store, Writer, Written};
 use crate::system::Clock;
 use crate::telemetry;
 

@@ -16,7 +16,7 @@ use super::query::{self, Parameters};
 use crate::core::access::AuditFilter;
 use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::AuditRow;
+use crate::pipeline::AuditEntry;
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
 
@@ -115,7 +115,7 @@ async fn get_audit(
     Ok((link, Answer(Audit { lines, next })).into_response())
 }
 
-fn line(row: AuditRow) -> Result<AuditLine, Problem> {
+fn line(row: AuditEntry) -> Result<AuditLine, Problem> {
     let damaged = |_| Problem::new(500, "title_damaged_database", message!("audit_not_json", id = row.id.to_string()));
     let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
     Ok(AuditLine {
@@ -132,7 +132,7 @@ fn line(row: AuditRow) -> Result<AuditLine, Problem> {
     })
 }
 
-fn as_csv(rows: &[AuditRow]) -> Option<Vec<u8>> {
+fn as_csv(rows: &[AuditEntry]) -> Option<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer
         .write_record(["id", "at", "who", "token", "source", "action", "subject", "before", "after", "agent"])

@@ -18,7 +18,6 @@ use super::telling::Telling;
 use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::store;
 use crate::pipeline::{Accepted, Caller, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
@@ -107,12 +106,12 @@ struct StoredBench {
 async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
     let no_such = || Problem::no_such_bench_result(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
-    let row = store::bench::get(app.pipeline.store(), number).await?.ok_or_else(no_such)?;
+    let row = app.pipeline.queries.records.bench(number).await?.ok_or_else(no_such)?;
     let damaged = || Problem::new(500, "title_damaged_database", message!("body_unreadable", id = id.to_string()));
     let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
     let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {
         DocumentKind::Campaign => {
-            let fitted = app.pipeline.reader.fitted_bench(&row).map_err(|_| damaged())?;
+            let fitted = app.pipeline.reader.fitted_bench(&row.body).map_err(|_| damaged())?;
             (to_raw_value(&fitted).map_err(|_| damaged())?, Some(body))
         }
         DocumentKind::Record | DocumentKind::Bench => (body, None),

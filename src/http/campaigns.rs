@@ -133,8 +133,8 @@ async fn post_campaign(
         return Ok((location, wanted.applied(), Json(answer)).into_response());
     }
     let stored = stored(&app, id).await?;
-    let notes = history_note::read(stored.row.notes.as_deref());
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states(), notes);
+    let notes = history_note::read(stored.item.notes.as_deref());
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.item.states.into_iter(), notes);
     let standing = standing(&app, id).await?.unless_valid();
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }
@@ -162,11 +162,11 @@ struct StoredCampaignBody {
         (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
 async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
-    let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
-    let campaign = RawValue::from_string(row.body.to_string())
+    let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
+    let campaign = RawValue::from_string(item.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
-    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(row.sent_by).await?);
-    let received_at = time::format(row.received_at);
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(item.sent_by).await?);
+    let received_at = time::format(item.received_at);
     Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
 }
 

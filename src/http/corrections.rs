@@ -18,8 +18,7 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Submission};
+use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, CorrectionItem, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
@@ -92,27 +91,26 @@ struct CorrectedBody {
     standing: StandingBody,
 }
 
-impl From<&CorrectionRow> for RemarkBody {
-    fn from(row: &CorrectionRow) -> Self {
+impl From<&CorrectionItem> for RemarkBody {
+    fn from(row: &CorrectionItem) -> Self {
         Self { at: time::format(row.at), author: row.author.clone(), reason: row.reason.clone() }
     }
 }
 
 /// How a stored item stands.
 pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
-    let said = store::correction::of_item(app.pipeline.store(), id).await?;
+    let status = app.pipeline.queries.records.status(id).await?;
+    let said = &status.corrections;
     let voided = said.iter().find(|row| row.item == id && row.replaced_by.is_none()).map(RemarkBody::from);
-    let link = |row: &CorrectionRow, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
+    let link = |row: &CorrectionItem, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
     let revised_by = said.iter().filter(|row| row.item == id).find_map(|row| Some(link(row, row.replaced_by?)));
     let revises = said.iter().find(|row| row.replaced_by == Some(id)).map(|row| link(row, row.item));
-    let store = app.pipeline.store();
-    let confirmed = store::set_aside::confirmation(store, id).await?;
     let confirmed =
-        confirmed.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
+        status.confirmation.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
     let state = match (&revised_by, &voided) {
         (Some(_), _) => "revised",
         (None, Some(_)) => "voided",
-        (None, None) if store::set_aside::is_set_aside(store, id).await? => "set_aside",
+        (None, None) if status.set_aside => "set_aside",
         (None, None) => "valid",
     };
     Ok(StandingBody { state, voided, revised_by, revises, confirmed })

@@ -18,8 +18,7 @@ use crate::core::message::{list, sent};
 use crate::core::record::Name;
 use crate::http::remark::{Said, gyro_named, submit};
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{Actor, EventRow, GyroEvent};
+use crate::pipeline::{Actor, EventItem, GyroEvent};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::{json, time};
@@ -51,7 +50,7 @@ pub struct EventBody {
 }
 
 impl EventBody {
-    pub fn of(event: &EventRow) -> Self {
+    pub fn of(event: &EventItem) -> Self {
         let resets = Rule::ALL.into_iter().filter(|rule| judges(*rule) && event.event.resets(*rule));
         Self {
             id: event.id.to_string(),
@@ -86,7 +85,7 @@ struct Events {
         (status = 200, description = "the events", body = Events),
         (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
 async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
-    let events = store::event::of_gyro(app.pipeline.store(), query::gyro(&app, &serial)?).await?;
+    let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
 
@@ -133,7 +132,7 @@ async fn post_event(
     let otherwise = message!("event_there");
     let (status, id) = submit(&app, event.clone(), otherwise).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
-    let row = EventRow { id, gyro: 0, at, event, until, test, fixed, reason, author, received_at: at };
+    let row = EventItem { id, at, event, until, test, fixed, reason, author };
     Ok((status, Json(EventBody::of(&row))))
 }
 

@@ -43,11 +43,7 @@ fn unwritten(error: &WriteError) -> Message {
     (status = 503, description = "not ready, and why", body = Problem, content_type = "application/problem+json")))]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
-    app.pipeline
-        .store()
-        .ping()
-        .await
-        .map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
+    app.pipeline.ping().await.map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {
         Ok(probed) => probed.map_err(|error| not_ready(message!("not_writing", why = unwritten(&error))))?,
         Err(_) => {

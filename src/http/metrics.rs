@@ -22,7 +22,7 @@ pub fn routes() -> OpenApiRouter<App> {
 #[utoipa::path(get, path = "/metrics", tag = "service",
     responses((status = 200, description = "the metrics", body = String, content_type = "text/plain")))]
 async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
-    let (database, log) = app.pipeline.store().sizes().await?;
+    let (database, log) = app.pipeline.sizes().await?;
     gauge!(telemetry::DATABASE).set(database as f64);
     gauge!(telemetry::LOG).set(log as f64);
     gauge!(telemetry::WAITING).set(app.pipeline.waiting().0 as f64);

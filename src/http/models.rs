@@ -11,7 +11,7 @@ use utoipa_axum::routes;
 use super::App;
 use super::document::Document;
 use crate::message;
-use crate::pipeline::{Accepted, Adoption, ModelRow};
+use crate::pipeline::{Accepted, AdoptedModel, Adoption};
 use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
@@ -50,15 +50,14 @@ async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Js
     let models = app.pipeline.diagnoses.models(&imu).await?;
     let models =
         models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
-    let adopted = |row: ModelRow, model: ModelBody| AdoptedBody {
-        id: row.id.to_string(),
-        adopted_at: time::format(row.adopted_at),
-        author: row.author,
-        reason: row.reason,
-        model,
+    let adopted = |adopted: AdoptedModel| AdoptedBody {
+        id: adopted.id.to_string(),
+        adopted_at: time::format(adopted.adopted_at),
+        author: adopted.author,
+        reason: adopted.reason,
+        model: ModelBody::from(&*adopted.model),
     };
-    let history: Vec<AdoptedBody> =
-        models.into_iter().map(|(row, read)| adopted(row, ModelBody::from(&*read.model))).collect();
+    let history: Vec<AdoptedBody> = models.into_iter().map(adopted).collect();
     let model = history.first().map_or_else(ModelBody::plain, |newest| newest.model.clone());
     Ok(Json(ImuModelBody { imu, model, history }))
 }

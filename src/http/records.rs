@@ -99,8 +99,8 @@ async fn post_record(
     let id = app.pipeline.ingest.settle(&accepted, Sent::Calibration(Kind::Record, &body)).await?;
     let stored = stored(&app, id).await?;
     let standing = standing(&app, id).await?.unless_valid();
-    let notes = history_note::read(stored.row.notes.as_deref());
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.row.verdicts.states(), notes);
+    let notes = history_note::read(stored.item.notes.as_deref());
+    let answer = AsWanted::of(wanted, stored.answer, id, stored.item.states.into_iter(), notes);
     let location = [(LOCATION, format!("/v1/records/{id}"))];
     Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }
@@ -131,14 +131,14 @@ struct StoredRecordBody {
 async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let no_such = || Problem::no_such_record(&id);
     let id: Id = id.parse().map_err(|_| no_such())?;
-    let StoredRecord { row, answer, .. } = stored(&app, id).await?;
-    if row.kind == Kind::Campaign {
+    let StoredRecord { item, answer, .. } = stored(&app, id).await?;
+    if item.kind == Kind::Campaign {
         return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
     }
-    let record = RawValue::from_string(row.body.to_string())
+    let record = RawValue::from_string(item.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
-    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(row.sent_by).await?);
-    let received_at = time::format(row.received_at);
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(item.sent_by).await?);
+    let received_at = time::format(item.received_at);
     Ok(Json(StoredRecordBody { answer, standing, received_at, sent_by, record }).into_response())
 }
 

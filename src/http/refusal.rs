@@ -3,7 +3,7 @@
 use crate::core::kind::Kind;
 use crate::message;
 use crate::pipeline::{
-    AccessError, AlertError, DiagnosisError, HookError, Refused, StorageError, StorageFault, StoreError, WriteError,
+    AccessError, AlertError, DiagnosisError, HookError, Refused, StorageError, StorageFault, WriteError,
 };
 use crate::wire::problem::Problem;
 
@@ -112,12 +112,6 @@ impl From<StorageError> for Problem {
     fn from(error: StorageError) -> Self {
         tracing::error!(%error, "a query failed");
         of_storage(&error)
-    }
-}
-
-impl From<StoreError> for Problem {
-    fn from(error: StoreError) -> Self {
-        StorageError::from(error).into()
     }
 }
 

@@ -17,7 +17,7 @@ use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::message::{list, sent};
 use crate::message;
-use crate::pipeline::{AccessOrder, NewToken, TokenRow};
+use crate::pipeline::{AccessOrder, NewToken, Token};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
@@ -42,8 +42,8 @@ struct TokenBody {
     token: Option<String>,
 }
 
-impl From<&TokenRow> for TokenBody {
-    fn from(row: &TokenRow) -> Self {
+impl From<&Token> for TokenBody {
+    fn from(row: &Token) -> Self {
         Self {
             id: row.id.to_string(),
             name: row.name.clone(),

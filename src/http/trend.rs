@@ -25,8 +25,7 @@ use super::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{BenchRow, Names, Statuses, Tables};
+use crate::pipeline::BenchItem;
 use crate::wire::problem::Problem;
 
 pub fn routes() -> OpenApiRouter<App> {
@@ -60,7 +59,7 @@ async fn get_trend(
 ) -> Result<Response, Problem> {
     let gyro = query::gyro(&app, &serial)?;
     let request = Request::read(&app, &asked, &headers)?;
-    let mut events = store::event::of_gyro(app.pipeline.store(), gyro).await?;
+    let mut events = app.pipeline.queries.histories.events(gyro).await?;
     // What took time is seen wherever it reaches into the stretch.
     events.retain(|event| event.at <= request.span.to && event.until.unwrap_or(event.at) >= request.span.from);
     let done: Vec<EventBody> = events.iter().map(EventBody::of).collect();
@@ -82,15 +81,14 @@ async fn get_trend(
         Method::Separated(method) => {
             let (rows, next) = request.history(&app, gyro).await?;
             let (column, figures) = (request.column(), rows.iter().map(|row| &row.figures));
-            let statuses = Statuses::of(app.pipeline.store(), gyro, figures, &[column]).await?;
+            let statuses = app.pipeline.queries.histories.statuses(gyro, figures, &[column]).await?;
             tag = etag(&request, &seen(&mut rows.iter().map(|row| row.seen(&statuses, column))), &next);
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
-            let names = app.pipeline.store().names();
-            written(&request, &serial, names, &done, next, |tables| {
-                rows.iter().map(|row| separated_point(row, (column, &statuses), method, tables)).collect()
-            })?
+            let names = app.pipeline.queries.names();
+            let points = rows.iter().map(|row| separated_point(row, (column, &statuses), method, &names));
+            written(&request, &serial, points.collect(), &done, next)?
         }
         Method::Bench(method) => {
             let (rows, next) = request.benches(&app, gyro, method).await?;
@@ -98,11 +96,9 @@ async fn get_trend(
             if is_known(&headers, &tag) {
                 return Ok(not_modified(&tag));
             }
-            let names = app.pipeline.store().names();
-            written(&request, &serial, names, &done, next, |tables| {
-                let flag = |row: &BenchRow| request.voided.then_some(row.voided);
-                rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient, tables)).collect()
-            })?
+            let flag = |row: &BenchItem| request.voided.then_some(row.voided);
+            let points = rows.iter().filter_map(|row| bench_point(row, flag(row), request.coefficient));
+            written(&request, &serial, points.collect(), &done, next)?
         }
     };
     Ok(answer(body, &tag, &uri))
@@ -111,17 +107,15 @@ async fn get_trend(
 fn written(
     request: &Request,
     serial: &str,
-    names: &Names,
+    points: Vec<Point<'_>>,
     events: &[EventBody],
     next: Option<String>,
-    points: impl for<'t> FnOnce(&'t Tables) -> Vec<Point<'t>>,
 ) -> Result<Written, Problem> {
-    let tables = names.read();
     let trend = Trend {
         serial,
         coefficient: request.coefficient.name(),
         unit: "deg/(h*g0)",
-        points: points(&tables),
+        points,
         events,
         next: next.clone(),
     };

@@ -68,7 +68,7 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
     let t = viewer.text();
     let serial = filters.serial.trim();
-    let gyro = pages.pipeline.store().names().read().gyros.number(serial);
+    let gyro = pages.pipeline.queries.names().gyro_number(serial);
     let filter = AlertFilter {
         standing: Standing::from_name(filters.state()),
         gyro,

@@ -55,7 +55,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
-    let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.row.id, PATIENCE).await? {
+    let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {
         Asked::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
         Asked::Waiting => return Ok(None),
         Asked::Answered(diagnosed) => match &*diagnosed {
@@ -104,10 +104,10 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
     html! {
         h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.note {
-            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.row.calibrated_at)) " · "
+            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.item.calibrated_at)) " · "
             (answer.calibration.dwells) " " (t.dwells) " · "
-            a href={ "/campaigns/" (stored.row.id) } { (t.campaign) } " · "
-            a href={ "/v1/campaigns/" (stored.row.id) "/diagnosis" } { "JSON" }
+            a href={ "/campaigns/" (stored.item.id) } { (t.campaign) } " · "
+            a href={ "/v1/campaigns/" (stored.item.id) "/diagnosis" } { "JSON" }
         }
         p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
         @if d.stands_out_by_pattern() { p { (t.by_pattern) } }

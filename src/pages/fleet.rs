@@ -14,7 +14,7 @@ use crate::core::judge::Status;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
-use crate::pipeline::{Glimpse, Standing, Tables, Violation, sample_of};
+use crate::pipeline::{Glimpse, Names, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;
 
 /// Gyros on one page, and values in one small line.
@@ -53,8 +53,8 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let t = viewer.text();
     let fleet = pages.pipeline.queries.fleet.all().await?;
     let all: Vec<Row> = {
-        let tables = pages.pipeline.store().names().read();
-        fleet.into_iter().map(|standing| Row::of(standing, &tables)).collect()
+        let names = pages.pipeline.queries.names();
+        fleet.into_iter().map(|standing| Row::of(standing, &names)).collect()
     };
     let mut found: Vec<&Row> = all.iter().filter(|row| filters.fit(row)).collect();
     found.sort_by(|a, b| b.urgency().partial_cmp(&a.urgency()).unwrap_or(std::cmp::Ordering::Equal));
@@ -84,11 +84,10 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
 }
 
 impl Row {
-    fn of(standing: Standing, tables: &Tables) -> Self {
+    fn of(standing: Standing, names: &Names<'_>) -> Self {
         let newest = standing.newest.as_ref();
-        let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name).to_owned();
-        let station =
-            newest.and_then(|figures| tables.stations.name(figures.station)).map_or("", |name| &**name).to_owned();
+        let imu = newest.map_or("", |figures| names.imu(figures.imu)).to_owned();
+        let station = newest.map_or("", |figures| names.station(figures.station)).to_owned();
         Self { standing, imu, station }
     }
 

@@ -1,7 +1,5 @@
 //! The frame of every page, and how pages and failures leave.
 
-use std::sync::Arc;
-
 use axum::http::StatusCode;
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, REFERRER_POLICY, VARY, X_CONTENT_TYPE_OPTIONS,
@@ -189,10 +187,6 @@ pub(super) fn symbol(name: &str) -> Markup {
         Some((letter, index)) => html! { var { (letter) sub { (index) } } },
         None => html! { var { (name) } },
     }
-}
-
-pub(super) fn name(name: Option<&Arc<str>>) -> &str {
-    name.map_or("", |name| &**name)
 }
 
 /// A name as one segment of a path, or a value within a query: every byte but RFC 3986's unreserved ones as %XX.

@@ -32,8 +32,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use crate::config::Config;
-pub(crate) use crate::store;
-use crate::store::{Store, Writer};
+use crate::store::{Store, StoreError, Writer};
 use crate::system::Clock;
 use diagnoses::Diagnoser;
 use diagnoses::background::Bustle;
@@ -41,19 +40,14 @@ use diagnoses::models::ModelBook;
 use ingest::writer;
 use write_queue::{Job, WriteQueue};
 
-// What the store hands out passes through here: whoever asks the pipeline need not know the store.
-pub use crate::store::{
-    AuditRow, BenchRow, Beside, CorrectionRow, EventRow, GyroCorrection, ModelRow, Names, RecordHead, StoreError,
-    Tables, TokenRow,
-};
 pub use access::{
-    Access, AccessError, AccessOrder, Actor, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret, SignedIn,
-    create_beside, revoke_beside,
+    Access, AccessError, AccessOrder, Actor, AuditEntry, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret,
+    SignedIn, Token, create_beside, revoke_beside,
 };
 pub use alerts::{AlertChange, AlertError, AlertOrder, AlertRecord, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    Adoption, Asked, Diagnosed, Diagnoses, DiagnosisError, DiagnosisOrder, InForce, NotSplit, SummaryFilter,
-    WantedDiagnoses,
+    AdoptedModel, Adoption, Asked, Diagnosed, Diagnoses, DiagnosisError, DiagnosisOrder, InForce, NotSplit,
+    SummaryFilter, WantedDiagnoses,
 };
 pub use error::{StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbox, OutboxError};
@@ -62,8 +56,9 @@ pub use ingest::{
     Ingest, Judged, Origin, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
 };
 pub use queries::{
-    Baseline, Compared, Comparison, Course, ExplainedHistory, Fleet, Glimpse, Histories, Queries, Records, Seats,
-    Standing, StationEffect, Statuses, StoredCampaign, StoredRecord, Tested, Verified, Violation, sample_of,
+    Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, EventItem, ExplainedHistory,
+    Fleet, Glimpse, Histories, ItemStatus, Names, Queries, RecordItem, RecordSummary, Records, Seats, Standing,
+    StationEffect, Statuses, StoredCampaign, StoredRecord, Tested, Verified, Violation, sample_of,
 };
 
 /// The rooms: each with its own types and errors. Cheap to clone.
@@ -142,8 +137,20 @@ impl Pipeline {
         })
     }
 
-    pub fn store(&self) -> &Store {
-        &self.store
+    /// Whether the database can be read.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn ping(&self) -> Result<(), StorageError> {
+        Ok(self.store.ping().await?)
+    }
+
+    /// Of the database and of its log, in bytes.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn sizes(&self) -> Result<(u64, u64), StorageError> {
+        Ok(self.store.sizes().await?)
     }
 
     /// Writes that wait, and how many may.

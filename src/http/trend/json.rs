@@ -98,6 +98,8 @@ impl<'t> Quoted<'t> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::id::Id;
+    use crate::core::time::UtcMicros;
 
     #[test]
     fn it_is_byte_for_byte_what_serde_writes() {

@@ -12,7 +12,6 @@ use crate::http::App;
 use crate::http::events::EventBody;
 use crate::message;
 use crate::pipeline::sample_of;
-use crate::pipeline::store;
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 
@@ -64,7 +63,7 @@ impl Request {
                 let Some(column) = self.coefficient.column().filter(|&column| column < 2) else {
                     return Ok((Vec::new(), None));
                 };
-                let rows = store::bench::of_gyro(app.pipeline.store(), gyro, self.span).await?;
+                let rows = app.pipeline.queries.histories.benches(gyro, self.span).await?;
                 rows.iter()
                     .filter(|row| row.method == method)
                     .for_each(|row| gatherer.push(row.measured_at, row.d[column]));
@@ -85,7 +84,7 @@ impl Request {
         let column = self.coefficient.column().unwrap_or_default();
         let mut span = self.span;
         loop {
-            let rows = store::history::oldest(app.pipeline.store(), gyro, span, ROWS).await?;
+            let rows = app.pipeline.queries.histories.oldest(gyro, span, ROWS).await?;
             // Where the published method is not defined, a mean of both methods would be a figure of neither.
             let of_method = rows.iter().filter(|row| method == JudgedMethod::Rigid || row.published.is_some());
             of_method.for_each(|row| gatherer.push(row.at, sample_of(row, method).d[column].value));

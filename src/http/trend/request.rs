@@ -16,8 +16,7 @@ use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::query::{self, bad, not_one_of};
 use crate::message;
-use crate::pipeline::BenchRow;
-use crate::pipeline::store;
+use crate::pipeline::BenchItem;
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 
@@ -142,10 +141,10 @@ impl Request {
 
     /// One page of rows, and where the next begins.
     pub async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Row>, Option<String>), Problem> {
-        let store = app.pipeline.store();
+        let histories = &app.pipeline.queries.histories;
         let counting = match self.newest {
-            true => store::history::newest(store, gyro, self.span, self.limit).await?,
-            false => store::history::oldest(store, gyro, self.span, self.limit + 1).await?,
+            true => histories.newest(gyro, self.span, self.limit).await?,
+            false => histories.oldest(gyro, self.span, self.limit + 1).await?,
         };
         let flag = |voided: bool| self.voided.then_some(voided);
         let row = |figures, voided, set_aside| Row { figures, voided: flag(voided), set_aside };
@@ -154,8 +153,8 @@ impl Request {
             // What lies beyond the last row of a page that is full belongs to a later page.
             let full = !self.newest && rows.len() > self.limit;
             let end = rows.last().filter(|_| full).map_or(self.span.to, |last| last.figures.at);
-            let voided = store::history::voided(store, gyro, Span { to: end, ..self.span }).await?;
-            let aside = store::set_aside::of_gyro(store, gyro).await?;
+            let voided = histories.voided(gyro, Span { to: end, ..self.span }).await?;
+            let aside = histories.set_aside(gyro).await?;
             let is_aside = |figures: &Figures| aside.iter().any(|(id, _)| *id == figures.record);
             rows.extend(voided.into_iter().map(|figures| row(figures, true, is_aside(&figures))));
             rows.sort_by_key(|row| (row.figures.at, row.figures.record));
@@ -178,8 +177,8 @@ impl Request {
         app: &App,
         gyro: u32,
         method: BenchMethod,
-    ) -> Result<(Vec<BenchRow>, Option<String>), Problem> {
-        let mut rows = store::bench::all_of_gyro(app.pipeline.store(), gyro, self.span).await?;
+    ) -> Result<(Vec<BenchItem>, Option<String>), Problem> {
+        let mut rows = app.pipeline.queries.histories.all_benches(gyro, self.span).await?;
         rows.retain(|row| row.method == method && (self.voided || !row.voided));
         let next = self.page(&mut rows, |row| row.measured_at);
         Ok((rows, next))

@@ -16,7 +16,7 @@ use std::net::IpAddr;
 
 use super::error::{StorageError, WriteError};
 use super::write_queue::{Job, WriteQueue};
-use crate::core::access::AuditFilter;
+use crate::core::access::{AuditFilter, Role};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store;
@@ -32,6 +32,50 @@ pub use secret::Secret;
 
 /// Under which name a browser keeps what it was given when it signed in.
 pub const SESSION_COOKIE: &str = "gyrowatch_session";
+
+/// A token, without its secret.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Token {
+    pub id: Id,
+    pub name: String,
+    pub role: Role,
+    /// The only station that it may send for.
+    pub station: Option<String>,
+    pub created_at: UtcMicros,
+    pub expires_at: Option<UtcMicros>,
+    pub revoked_at: Option<UtcMicros>,
+}
+
+impl From<TokenRow> for Token {
+    fn from(row: TokenRow) -> Self {
+        let TokenRow { id, name, role, station, created_at, expires_at, revoked_at, .. } = row;
+        Self { id, name, role, station, created_at, expires_at, revoked_at }
+    }
+}
+
+/// A line of the audit trail.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditEntry {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub who: String,
+    pub token: Option<Id>,
+    pub source: String,
+    /// The program that was used, by its own word.
+    pub agent: Option<String>,
+    pub action: String,
+    pub subject: String,
+    /// JSON.
+    pub before: Option<String>,
+    pub after: Option<String>,
+}
+
+impl From<AuditRow> for AuditEntry {
+    fn from(row: AuditRow) -> Self {
+        let AuditRow { id, at, who, token, source, agent, action, subject, before, after } = row;
+        Self { id, at, who, token, source, agent, action, subject, before, after }
+    }
+}
 
 /// Who may use the service, and what they did. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -94,8 +138,8 @@ impl Access {
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn tokens(&self) -> Result<Vec<TokenRow>, StorageError> {
-        Ok(store::access::tokens(&self.store).await?)
+    pub async fn tokens(&self) -> Result<Vec<Token>, StorageError> {
+        Ok(store::access::tokens(&self.store).await?.into_iter().map(Token::from).collect())
     }
 
     /// The audit trail, newest first.
@@ -107,7 +151,8 @@ impl Access {
         filter: &AuditFilter,
         before: Option<Id>,
         limit: u32,
-    ) -> Result<Vec<AuditRow>, StorageError> {
-        Ok(store::access::audit(&self.store, filter, before, limit).await?)
+    ) -> Result<Vec<AuditEntry>, StorageError> {
+        let rows = store::access::audit(&self.store, filter, before, limit).await?;
+        Ok(rows.into_iter().map(AuditEntry::from).collect())
     }
 }

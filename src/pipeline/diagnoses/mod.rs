@@ -17,12 +17,14 @@ pub(super) mod models;
 mod queue;
 mod summary;
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::access::Actor;
 use super::error::StorageError;
 use super::ingest::Accepted;
 use super::write_queue::{Job, WriteQueue};
+use crate::core::augmented::AugmentedModel;
 use crate::core::diagnose::{Reference, split};
 use crate::core::effects::{self, Effect};
 use crate::core::fault::Faults;
@@ -30,6 +32,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::text as shown_text;
 use crate::core::time::Span;
+use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::diagnoses::background::Awaited;
 use crate::pipeline::diagnoses::models::read;
@@ -55,6 +58,23 @@ pub use made::Diagnosed;
 pub(super) use made::Made;
 pub use models::{Adoption, InForce};
 pub use summary::SummaryFilter;
+
+/// A model that was adopted for an IMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AdoptedModel {
+    pub id: Id,
+    pub adopted_at: UtcMicros,
+    pub author: String,
+    pub reason: String,
+    pub model: Arc<AugmentedModel>,
+}
+
+impl AdoptedModel {
+    fn of(row: ModelRow, InForce { model, .. }: InForce) -> Self {
+        let ModelRow { id, adopted_at, author, reason, .. } = row;
+        Self { id, adopted_at, author, reason, model }
+    }
+}
 
 /// Diagnoses of stored campaigns, and the models in force for IMUs. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -107,10 +127,10 @@ impl Diagnoses {
     ///
     /// # Errors
     /// [`StorageError`].
-    pub async fn models(&self, imu: &str) -> Result<Option<Vec<(ModelRow, InForce)>>, StorageError> {
+    pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StorageError> {
         let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
         let rows = store::model::of_imu(&self.store, imu).await?;
-        let read = rows.into_iter().map(|row| read(&row).map(|in_force| (row, in_force)));
+        let read = rows.into_iter().map(|row| read(&row).map(|in_force| AdoptedModel::of(row, in_force)));
         Ok(Some(read.collect::<Result<_, _>>()?))
     }
 

@@ -14,7 +14,7 @@ use crate::pipeline::diagnoses::models::InForce;
 use crate::pipeline::ingest::fitted::{CampaignFit, Fitted, ReadCampaign};
 use crate::pipeline::ingest::submission::{BenchTest, CalibratedGyro, Calibration, anything, check_names, kept};
 use crate::store;
-use crate::store::{BenchRow, RecordRow, StoreError};
+use crate::store::{RecordRow, StoreError};
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
@@ -128,8 +128,8 @@ impl Reader {
     ///
     /// # Errors
     /// Every fault of the stored body.
-    pub fn fitted_bench(&self, row: &BenchRow) -> Result<BenchBody, Faults> {
-        let (campaign, outcome) = evaluated(&row.body, &InForce::default())?;
+    pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
+        let (campaign, outcome) = evaluated(body, &InForce::default())?;
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
             Outcome::Imu { .. } => {

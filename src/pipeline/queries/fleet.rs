@@ -98,6 +98,13 @@ impl Fleet {
         self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
     }
 
+    /// Gyros with numbers above `after`, and the last number looked at where there are more than `most`: one more is looked at.
+    pub async fn page(&self, after: u32, most: u32) -> Result<(Vec<Standing>, Option<u32>), StorageError> {
+        let rows = store::gyro::newest_of_gyros(&self.store, after, most + 1).await?;
+        let last = rows.last().filter(|_| rows.len() > most as usize).map(|(number, _)| *number);
+        Ok((self.standings(rows).await?, last))
+    }
+
     /// Every station that calibrated a gyro lately, by name.
     pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
         Ok(station_effects(&self.store, self.config.judging.method).await?)
@@ -171,14 +178,15 @@ impl Fleet {
     }
 
     /// How one gyro stands, and the verdicts on its newest record in words; none where there is no such gyro.
-    pub async fn standing_in_words(
-        &self,
-        number: u32,
-        newest: Option<Figures>,
-    ) -> Result<Option<(Standing, Vec<VerdictBody>)>, StorageError> {
+    pub async fn standing_in_words(&self, number: u32) -> Result<Option<(Standing, Vec<VerdictBody>)>, StorageError> {
+        let newest = store::history::newest(&self.store, number, Span::EVER, 1).await?.pop();
         let stored = match &newest {
-            Some(figures) => self.records.record(figures.record).await?,
+            Some(figures) => self.records.reread(figures.record).await?,
             None => None,
+        };
+        let said = match &stored {
+            Some(stored) => self.records.verdicts_in_words(&stored.row, &stored.calibration).await?.0,
+            None => Vec::new(),
         };
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
@@ -188,8 +196,7 @@ impl Fleet {
         let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
             return Ok(None);
         };
-        let said = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
-        let said = said.filter(|verdict| *verdict.serial == *standing.serial).collect();
+        let said = said.into_iter().filter(|verdict| *verdict.serial == *standing.serial).collect();
         Ok(Some((standing, said)))
     }
 

@@ -5,6 +5,7 @@ mod changes_explained;
 mod fleet;
 mod fleet_noise;
 mod gyro_history;
+mod items;
 mod record;
 mod stations;
 mod status;
@@ -22,6 +23,7 @@ pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
 pub use fleet::{Fleet, Glimpse, Seats, Standing, Violation};
 pub use gyro_history::{Baseline, Course, Histories, Tested};
+pub use items::{BenchItem, CorrectedResult, CorrectionItem, EventItem, ItemStatus, Names, RecordItem, RecordSummary};
 pub use record::{Records, StoredCampaign, StoredRecord};
 pub use stations::StationEffect;
 pub use status::Statuses;
@@ -30,6 +32,7 @@ pub use verify::Verified;
 /// What is stored, as it is asked for. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Queries {
+    store: Store,
     pub records: Records,
     pub fleet: Fleet,
     pub histories: Histories,
@@ -40,6 +43,12 @@ impl Queries {
         let (store, config, clock, reader) = (store.clone(), config.clone(), clock.clone(), reader.clone());
         let histories = Histories { store: store.clone(), config: config.clone() };
         let records = Records { store: store.clone(), config: config.clone(), reader };
-        Self { fleet: Fleet { store, config, clock, records: records.clone() }, records, histories }
+        let fleet = Fleet { store: store.clone(), config, clock, records: records.clone() };
+        Self { store, records, fleet, histories }
+    }
+
+    /// The names of what is stored. Not to be held for long: new names wait for it.
+    pub fn names(&self) -> Names<'_> {
+        Names(self.store.names().read())
     }
 }

@@ -16,6 +16,9 @@ use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::fitted::CampaignFit;
 use crate::pipeline::ingest::judge::gyro_window::Line;
 use crate::pipeline::ingest::submission::Calibration;
+use crate::pipeline::queries::items::{
+    BenchItem, ConfirmationItem, CorrectionItem, ItemStatus, Names, RecordItem, RecordSummary,
+};
 use crate::store;
 use crate::store::{AuditRow, RecordRow, Store, StoreError, StoredVerdict};
 use crate::system::sha256;
@@ -27,7 +30,7 @@ use crate::wire::sender::SenderBody;
 /// A stored record with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredRecord {
-    pub row: RecordRow,
+    pub item: RecordItem,
     pub answer: RecordAnswer,
     /// What each rule saw, verdict by verdict of the answer; none where judging again finds other figures.
     pub seen: Vec<Option<Verdict>>,
@@ -37,7 +40,7 @@ pub struct StoredRecord {
 /// A stored campaign with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredCampaign {
-    pub row: RecordRow,
+    pub item: RecordItem,
     pub answer: CampaignAnswer,
     /// As of [`StoredRecord`].
     pub seen: Vec<Option<Verdict>>,
@@ -71,7 +74,7 @@ impl Records {
         let separations = self.reader.separations(&calibration.gyros);
         let notes = history_note::read(row.notes.as_deref());
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
-        Ok(Some(StoredRecord { row, answer, seen, closures }))
+        Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
     }
 
     /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
@@ -85,7 +88,7 @@ impl Records {
         answer.id = Some(id.to_string());
         answer.notes.extend(history_note::read(row.notes.as_deref()));
         answer.verdicts = verdicts;
-        Ok(Some(StoredCampaign { row, answer, seen }))
+        Ok(Some(StoredCampaign { item: self.item(row), answer, seen }))
     }
 
     /// Who sent an item, by the line of the audit trail about it.
@@ -132,14 +135,47 @@ impl Records {
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    /// Whether a record, campaign or bench result counts: it has neither been voided nor revised, and is not set aside.
+    fn item(&self, row: RecordRow) -> RecordItem {
+        RecordItem::of(row, &Names(self.store.names().read()))
+    }
+
+    /// A record or campaign as it was sent.
     ///
     /// # Errors
-    /// [`StoreError`], where what was said of it cannot be read.
-    pub async fn counts(&self, id: Id) -> Result<bool, StorageError> {
-        let corrected =
-            store::correction::of_item(&self.store, id).await?.iter().any(|correction| correction.item == id);
-        Ok(!corrected && !store::set_aside::is_set_aside(&self.store, id).await?)
+    /// [`StorageError`].
+    pub async fn sent(&self, id: Id) -> Result<Option<RecordItem>, StorageError> {
+        Ok(store::record::get(&self.store, id).await?.map(|row| self.item(row)))
+    }
+
+    /// Records and campaigns of an IMU, newest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<RecordSummary>, StorageError> {
+        let heads = store::record::of_imu(&self.store, imu, most).await?;
+        let names = Names(self.store.names().read());
+        Ok(heads.iter().map(|head| RecordSummary::of(head, &names)).collect())
+    }
+
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn bench(&self, id: Id) -> Result<Option<BenchItem>, StorageError> {
+        let row = store::bench::get(&self.store, id).await?;
+        Ok(row.map(|row| BenchItem::of(row, &Names(self.store.names().read()))))
+    }
+
+    /// Whether a record, campaign or bench result counts, and what was said of it.
+    ///
+    /// # Errors
+    /// [`StorageError`], where what was said of it cannot be read.
+    pub async fn status(&self, id: Id) -> Result<ItemStatus, StorageError> {
+        let corrections = store::correction::of_item(&self.store, id).await?;
+        Ok(ItemStatus {
+            is_corrected: corrections.iter().any(|correction| correction.item == id),
+            corrections: corrections.into_iter().map(CorrectionItem::from).collect(),
+            set_aside: store::set_aside::is_set_aside(&self.store, id).await?,
+            confirmation: store::set_aside::confirmation(&self.store, id).await?.map(ConfirmationItem::from),
+        })
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on

@@ -135,7 +135,7 @@ impl Records {
                 verified.bench_results += 1;
                 let sent = match parse_bench_result(row.body.as_bytes(), f64::INFINITY) {
                     Ok(result) => Some(([result.d_i, result.d_s], [result.d_i_sd, result.d_s_sd], 1.0)),
-                    Err(_) => self.reader.fitted_bench(&row).ok().map(|fitted| {
+                    Err(_) => self.reader.fitted_bench(&row.body).ok().map(|fitted| {
                         let d = [fitted.d_i_deg_per_h_g0, fitted.d_s_deg_per_h_g0];
                         (d, [fitted.d_i_sd, fitted.d_s_sd], LEAST_OF_SD)
                     }),

@@ -1,7 +1,7 @@
 //! Alerts, and the steps by which they came to be what they are.
 
-use crate::core::alert_filter::AlertFilter;
 use crate::core::alert_decision::{Alert, Hushed, Standing, Status, Told};
+use crate::core::alert_filter::AlertFilter;
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::core::time::Span;
 use super::record::RecordAt;
 use crate::core::bench::BenchMethod;
 use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, cell, insert, on};

@@ -2,8 +2,8 @@
 
 use super::model::ModelRow;
 use super::record::RecordRow;
-use crate::core::kind::Kind;
 use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::core::time::Span;
 use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::store;
 use crate::store::db::{Whole, on};
 use crate::store::error::StoreError;

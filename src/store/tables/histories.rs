@@ -1,8 +1,8 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
 use super::history::{merged, unpack};
-use crate::core::time::Span;
 use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::store;
 use crate::store::db::{Sql, on};
 use crate::store::error::StoreError;

@@ -1,8 +1,8 @@
 //! The history of one gyro: a row a record, in order of time.
 
-use crate::core::time::Span;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Readers, Sql, Whole, cell, insert, on};

@@ -1,7 +1,7 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use crate::core::delivery::DeliveryState;
 use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, QueueState, Subject};
+use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::db::{Cells, Sql, Whole, on};

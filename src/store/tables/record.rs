@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::core::kind::Kind;
 use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
@@ -263,8 +263,7 @@ pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordHea
         sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).bind(json_of(waiting)).fetch_all(db).await?
     });
     let head = |(id, kind, Whole(station), at)| {
-        let kind =
-            kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
+        let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
         Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
     };
     rows.into_iter().map(head).collect()

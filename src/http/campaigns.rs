@@ -26,7 +26,9 @@ use crate::core::kind::Kind;
 use crate::core::message::Message;
 use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use crate::message;
-use crate::pipeline::{Accepted, Asked, Caller, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::pipeline::{
+    Accepted, Caller, DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
+};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -198,9 +200,9 @@ async fn get_diagnosis(
         }
     };
     match app.pipeline.diagnoses.of_campaign(number, patience).await? {
-        Asked::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
-        Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
-        Asked::Answered(diagnosed) => match (&*diagnosed, query.reference) {
+        DiagnosisAnswer::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
+        DiagnosisAnswer::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
+        DiagnosisAnswer::Answered(diagnosed) => match (&*diagnosed, query.reference) {
             (Ok(diagnosis), None) => Ok(Json(diagnosis).into_response()),
             (Ok(diagnosis), Some(reference)) => {
                 let mut diagnosis = diagnosis.clone();

@@ -21,7 +21,7 @@ use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
-use crate::pipeline::{Asked, StoredCampaign};
+use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
 use crate::wire::problem::Problem;
 
@@ -56,9 +56,9 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Aske
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
     let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {
-        Asked::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
-        Asked::Waiting => return Ok(None),
-        Asked::Answered(diagnosed) => match &*diagnosed {
+        DiagnosisAnswer::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
+        DiagnosisAnswer::Waiting => return Ok(None),
+        DiagnosisAnswer::Answered(diagnosed) => match &*diagnosed {
             Ok(diagnosis) => diagnosis.clone(),
             Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", Message::verbatim(why))),
         },

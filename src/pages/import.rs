@@ -23,7 +23,7 @@ use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::pages::upload_parts::{Piece, pieces};
-use crate::pipeline::{Accepted, Caller, Foreseen, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
+use crate::pipeline::{Accepted, Caller, Origin, Pipeline, Preview, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
@@ -50,7 +50,7 @@ pub(super) async fn preview(
         (text, read)
     })
     .await;
-    let prospects = foreseen(&pages.pipeline, read).await;
+    let prospects = previews(&pages.pipeline, read).await;
     off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &text)))).await
 }
 
@@ -65,19 +65,19 @@ enum Prospect {
 
 /// Every document with its line, and what storing it would come to: what is stored already may stand in the way of the first
 /// [`MOST_SHOWN`] that are sound.
-async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
+async fn previews(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
     let sound: Vec<(usize, &ReadDocument)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
     let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
-    let outcomes = pipeline.ingest.foresee(&documents).await;
+    let outcomes = pipeline.ingest.preview(&documents).await;
     let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
     let mut outcomes = outcomes.into_iter();
     let mut prospect = |read| match read {
         Err(faults) => Prospect::Faulty(faults),
         Ok(ReadDocument { submission, .. }) => match outcomes.next() {
-            Some(Foreseen::Refused(why)) => Prospect::Refused(why),
-            Some(Foreseen::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
-            Some(Foreseen::Taken { notes }) => Prospect::Sound(Box::new(submission), notes),
+            Some(Preview::Refused(why)) => Prospect::Refused(why),
+            Some(Preview::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
+            Some(Preview::Taken { notes }) => Prospect::Sound(Box::new(submission), notes),
             None => Prospect::Sound(Box::new(submission), [].into()),
         },
     };

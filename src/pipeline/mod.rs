@@ -35,8 +35,8 @@ use crate::config::Config;
 use crate::store::{Store, StoreError, Writer};
 use crate::system::Clock;
 use diagnoses::Diagnoser;
-use diagnoses::background::Bustle;
-use diagnoses::models::ModelBook;
+use diagnoses::background::IdleDetector;
+use diagnoses::models::ModelCache;
 use ingest::writer;
 use write_queue::{Job, WriteQueue};
 
@@ -46,18 +46,18 @@ pub use access::{
 };
 pub use alerts::{AlertChange, AlertError, AlertOrder, AlertRecord, AlertStep, Alerts, SilenceOrder};
 pub use diagnoses::{
-    AdoptedModel, Adoption, Asked, Diagnosed, Diagnoses, DiagnosisError, DiagnosisOrder, InForce, NotSplit,
+    AdoptedModel, Adoption, Diagnosed, Diagnoses, DiagnosisAnswer, DiagnosisError, DiagnosisOrder, InForce, NotSplit,
     SummaryFilter, WantedDiagnoses,
 };
 pub use error::{StorageError, StorageFault, WriteError};
 pub use hooks::{DeliveryPage, HookError, HookPatch, Hooks, NewHook, Order, Outbox, OutboxError};
 pub use ingest::{
-    Accepted, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Fitted, Foreseen, GyroEvent,
-    Ingest, Judged, Origin, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
+    Accepted, BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, Fitted, GyroEvent, Ingest,
+    Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
 };
 pub use queries::{
     Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, EventItem, ExplainedHistory,
-    Fleet, Glimpse, Histories, ItemStatus, Names, Queries, RecordItem, RecordSummary, Records, Seats, Standing,
+    Fleet, Histories, ItemStatus, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing,
     StationEffect, Statuses, StoredCampaign, StoredRecord, Tested, Verified, Violation, sample_of,
 };
 
@@ -112,9 +112,9 @@ impl Pipeline {
     }
 
     async fn assemble(store: Store, config: Arc<Config>, clock: Clock, queue: WriteQueue) -> Result<Self, StoreError> {
-        let models = ModelBook::load(&store).await?;
+        let models = ModelCache::load(&store).await?;
         let guard = Guard::start(store.clone(), config.access.clone(), config.server.is_behind_proxy()).await?;
-        let activity = Bustle::new();
+        let activity = IdleDetector::new();
         let weak = queue.downgrade();
         let diagnoser = Diagnoser::new(store.clone(), models.clone(), clock.clone(), weak, activity.clone());
         let reader = Reader { store: store.clone(), config: config.clone(), clock: clock.clone(), models };

@@ -9,7 +9,7 @@ use crate::pipeline::alerts::{AlertError, AlertOrder, SilenceOrder};
 use crate::pipeline::diagnoses::{Adoption, DiagnosisError, DiagnosisOrder, Made};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{Found, HookError, Order};
-use crate::pipeline::ingest::{Accepted, Submission, Teller};
+use crate::pipeline::ingest::{Accepted, ReplySender, Submission};
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.
@@ -20,7 +20,7 @@ pub(super) type Reply<T, E> = oneshot::Sender<Result<T, E>>;
 pub(super) enum Job {
     /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
     /// late is told.
-    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: Teller },
+    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: ReplySender },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: Reply<Id, HookError> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.

@@ -1,6 +1,6 @@
 //! Who may use the service: tokens, browsers that signed in with one, and the trail of what everybody did.
 //!
-//! The book of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be read
+//! The cache of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be read
 //! anew, so that what the command line wrote into the database counts at once; what it revoked counts within
 //! a second. As long as no token was ever made, a caller from this machine may do what an engineer may, unless a proxy was seen: behind
 //! one everybody comes from this machine. Administrators then show the setup secret of the start.
@@ -26,7 +26,7 @@ use crate::system::Clock;
 pub use audit::{Actor, By, Caller};
 pub use error::AccessError;
 pub use guard::{Denied, Guard};
-pub(super) use orders::Registrar;
+pub(super) use orders::AccessHandler;
 pub use orders::{AccessOrder, NewToken, SignedIn, create_beside, revoke_beside};
 pub use secret::Secret;
 

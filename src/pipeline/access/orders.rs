@@ -67,13 +67,13 @@ impl<'a> From<&'a TokenRow> for Audited<'a> {
 }
 
 /// The writer at work on orders about access.
-pub(in crate::pipeline) struct Registrar<'a> {
+pub(in crate::pipeline) struct AccessHandler<'a> {
     pub guard: &'a Guard,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,
 }
 
-impl Registrar<'_> {
+impl AccessHandler<'_> {
     /// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.
     pub async fn carry_out(
         &mut self,

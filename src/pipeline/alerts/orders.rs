@@ -1,6 +1,6 @@
 //! What people say of alerts, done by the one writer.
 
-use super::book::{AlertBook, Pen};
+use super::book::{AlertCache, Pen};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
 use crate::core::alert_decision;
@@ -46,7 +46,7 @@ pub enum SilenceOrder {
     End { silence: Id, by: String, reason: String },
 }
 
-impl AlertBook {
+impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is.
     pub fn obey(&mut self, order: &AlertOrder, pen: &mut Pen<'_>) -> Result<AlertRow, AlertError> {
         let unknown = || AlertError::UnknownAlert { id: order.alert };

@@ -12,10 +12,10 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
+use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
 use crate::pipeline::diagnoses::digest::seats;
 use crate::pipeline::diagnoses::made::{Diagnosed, Known, Made, Outcome, program};
-use crate::pipeline::diagnoses::models::{InForce, ModelBook};
+use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::write_queue::{Job, WeakWriteQueue};
 use crate::store;
@@ -33,7 +33,7 @@ const IN_MEMORY: usize = 32;
 
 /// What has become of the question.
 #[derive(Debug, Clone)]
-pub enum Asked {
+pub enum DiagnosisAnswer {
     NoSuchCampaign,
     /// It is being made; ask again.
     Waiting,
@@ -47,11 +47,11 @@ type UnderWay = HashMap<(Id, Option<Id>), watch::Receiver<Option<Diagnosed>>>;
 #[derive(Debug, Clone)]
 pub(in crate::pipeline) struct Diagnoser {
     pub(super) store: Store,
-    pub(super) models: ModelBook,
+    pub(super) models: ModelCache,
     pub(super) clock: Clock,
     /// Weak: the writer ends when nobody but this could send to it.
     queue: WeakWriteQueue,
-    pub(super) bustle: Bustle,
+    pub(super) idle: IdleDetector,
     /// How many are computed at the same time.
     pub(super) at_once: usize,
     turns: Arc<Semaphore>,
@@ -60,30 +60,35 @@ pub(in crate::pipeline) struct Diagnoser {
 }
 
 impl Diagnoser {
-    pub fn new(store: Store, models: ModelBook, clock: Clock, queue: WeakWriteQueue, bustle: Bustle) -> Self {
+    pub fn new(store: Store, models: ModelCache, clock: Clock, queue: WeakWriteQueue, idle: IdleDetector) -> Self {
         let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
         let turns = Arc::new(Semaphore::new(at_once));
-        Self { store, models, clock, queue, bustle, at_once, turns, under_way: Arc::default(), known: Arc::default() }
+        Self { store, models, clock, queue, idle, at_once, turns, under_way: Arc::default(), known: Arc::default() }
     }
 
     /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
-    pub(super) async fn diagnosis(&self, id: Id, awaited: Awaited, patience: Duration) -> Result<Asked, StoreError> {
+    pub(super) async fn diagnosis(
+        &self,
+        id: Id,
+        awaited: Awaited,
+        patience: Duration,
+    ) -> Result<DiagnosisAnswer, StoreError> {
         if let Some(diagnosed) = self.recall(id) {
-            return Ok(Asked::Answered(diagnosed));
+            return Ok(DiagnosisAnswer::Answered(diagnosed));
         }
         let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
-            return Ok(Asked::NoSuchCampaign);
+            return Ok(DiagnosisAnswer::NoSuchCampaign);
         };
         let in_force = self.models.of(Some(row.imu));
         if let Some(diagnosed) = self.kept(&row, &in_force).await? {
-            return Ok(Asked::Answered(diagnosed));
+            return Ok(DiagnosisAnswer::Answered(diagnosed));
         }
         let mut end = self.begin(&row, in_force, awaited)?;
         let ended = tokio::time::timeout(patience, end.wait_for(Option::is_some)).await;
-        let Ok(ended) = ended else { return Ok(Asked::Waiting) };
+        let Ok(ended) = ended else { return Ok(DiagnosisAnswer::Waiting) };
         let gone = || StoreError::Damaged(format!("the diagnosis of campaign {id} failed"));
         let diagnosed = ended.map_err(|_| gone())?.clone().ok_or_else(gone)?;
-        Ok(Asked::Answered(diagnosed))
+        Ok(DiagnosisAnswer::Answered(diagnosed))
     }
 
     /// As it was kept by this program against the model in force.

@@ -10,7 +10,7 @@ pub(super) const REFUSED: &str = "refused";
 
 /// Verdict, gyros and effects of one diagnosis, as they are kept beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Gist {
+pub(super) struct Digest {
     /// As the diagnosis names it, or [`REFUSED`].
     pub verdict: String,
     /// All of the campaign.
@@ -62,7 +62,7 @@ pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
     campaign.gyros.iter().map(seat).collect()
 }
 
-impl Gist {
+impl Digest {
     pub fn of(gyros: Vec<Seat>, diagnosed: &Result<DiagnosisBody, String>) -> Self {
         let nothing =
             Self { verdict: REFUSED.to_owned(), gyros, effects: Vec::new(), impact: Vec::new(), signs: Vec::new() };

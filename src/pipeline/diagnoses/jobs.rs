@@ -26,13 +26,13 @@ pub enum DiagnosisOrder {
 }
 
 /// The writer at work on orders.
-pub(crate) struct JobDesk<'a> {
+pub(crate) struct DiagnosisHandler<'a> {
     pub store: &'a Store,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,
 }
 
-impl JobDesk<'_> {
+impl DiagnosisHandler<'_> {
     /// Carries out one order; on disk when this returns. One that is already being worked off is not begun a second time.
     pub async fn carry_out(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
         match order {

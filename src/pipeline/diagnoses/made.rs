@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::core::diagnose::METHOD;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::diagnoses::digest::{Gist, Seat};
-use crate::pipeline::diagnoses::models::ModelBook;
+use crate::pipeline::diagnoses::digest::{Digest, Seat};
+use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::error::WriteError;
 use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask, Writer};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -64,13 +64,13 @@ pub(super) fn text(body: &impl serde::Serialize) -> String {
 impl Made {
     /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that wait for
     /// the campaign are told in the same.
-    pub async fn keep(&self, writer: &mut Writer, models: &ModelBook) -> Result<(), WriteError> {
+    pub async fn keep(&self, writer: &mut Writer, models: &ModelCache) -> Result<(), WriteError> {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();
         let failed = match outcome {
             Outcome::Known { known, .. } if models.of(Some(known.imu)).id != known.model => return Ok(()),
             Outcome::Known { known, gyros } => {
-                let gist = text(&Gist::of(gyros.clone(), &known.diagnosed));
+                let gist = text(&Digest::of(gyros.clone(), &known.diagnosed));
                 changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
                 known.diagnosed.as_ref().as_ref().err().cloned()
             }

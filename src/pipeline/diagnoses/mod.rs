@@ -49,10 +49,10 @@ use crate::wire::split::{SplitBody, residuals};
 use crate::wire::{cursor, json, text, time};
 use crate::words;
 
-pub use diagnoser::Asked;
 pub(super) use diagnoser::Diagnoser;
+pub use diagnoser::DiagnosisAnswer;
 pub use error::{DiagnosisError, NotSplit};
-pub(super) use jobs::JobDesk;
+pub(super) use jobs::DiagnosisHandler;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
 pub use made::Diagnosed;
 pub(super) use made::Made;
@@ -85,12 +85,12 @@ pub struct Diagnoses {
 }
 
 impl Diagnoses {
-    /// The diagnosis of a stored campaign against the model in force for its IMU; [`Asked::Waiting`] where it is not made
+    /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where it is not made
     /// within `patience`.
     ///
     /// # Errors
     /// [`StorageError`], where the campaign cannot be read.
-    pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<Asked, StorageError> {
+    pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<DiagnosisAnswer, StorageError> {
         Ok(self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await?)
     }
 

@@ -32,13 +32,13 @@ pub struct InForce {
 
 /// The newest model of each IMU, by its number.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct ModelBook(Arc<RwLock<HashMap<u32, InForce>>>);
+pub(crate) struct ModelCache(Arc<RwLock<HashMap<u32, InForce>>>);
 
-impl ModelBook {
+impl ModelCache {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
-        let book = Self::default();
-        book.read_again(store).await?;
-        Ok(book)
+        let cache = Self::default();
+        cache.read_again(store).await?;
+        Ok(cache)
     }
 
     /// Takes over what others have adopted.
@@ -47,8 +47,8 @@ impl ModelBook {
     }
 
     pub fn of(&self, imu: Option<u32>) -> InForce {
-        let book = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        imu.and_then(|imu| book.get(&imu)).cloned().unwrap_or_default()
+        let cache = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        imu.and_then(|imu| cache.get(&imu)).cloned().unwrap_or_default()
     }
 
     fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
@@ -70,7 +70,7 @@ pub(crate) async fn adopt(
     store: &Store,
     writer: &mut Writer,
     clock: &Clock,
-    book: &ModelBook,
+    cache: &ModelCache,
     adoption: &Adoption,
     by: &Actor,
 ) -> Result<Accepted, DiagnosisError> {
@@ -86,13 +86,13 @@ pub(crate) async fn adopt(
     let id = writer.next_id(now);
     let (author, reason) = (adoption.author.clone(), adoption.reason.clone());
     let audited = serde_json::json!({ "id": id.to_string(), "author": author, "reason": reason, "model": serde_json::from_str::<serde_json::Value>(&body).unwrap_or_default() });
-    let before = book.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
+    let before = cache.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
     let what = ("adopt model", format!("imus/{}/model", adoption.imu));
     let audit = vec![by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited))];
     let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
     let access = AccessChanges { audit, ..AccessChanges::default() };
     let changes = Changes { models: vec![row], access, ..Changes::default() };
     writer.commit(&changes).await?;
-    book.note(&changes.models[0])?;
+    cache.note(&changes.models[0])?;
     Ok(Accepted::stored(id))
 }

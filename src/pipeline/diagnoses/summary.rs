@@ -1,13 +1,13 @@
 //! What the diagnoses of many campaigns say together: which effects, in which gyros, at which stations, since when.
 //!
-//! One pass over the gists in order of time; what is held grows with gyros and findings, not with campaigns.
+//! One pass over the digests in order of time; what is held grows with gyros and findings, not with campaigns.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::core::effects::Effect;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
+use crate::pipeline::diagnoses::digest::{Digest, Named, REFUSED};
 use crate::pipeline::diagnoses::made::program;
 use crate::store;
 use crate::store::{CampaignFilter, GistRow, Store, StoreError, Table, Tables};
@@ -92,22 +92,22 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, row: &GistRow, gist: &Gist, program: &str) {
-        self.cover(row, gist, program);
-        if gist.verdict == REFUSED {
+    fn add(&mut self, row: &GistRow, digest: &Digest, program: &str) {
+        self.cover(row, digest, program);
+        if digest.verdict == REFUSED {
             return;
         }
         let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
         *self.imus.entry(row.imu).or_default() += 1;
-        for named in &gist.effects {
+        for named in &digest.effects {
             if self.effect.is_none_or(|wanted| wanted == named.effect) {
-                self.note(row.imu, seen, gist, named);
+                self.note(row.imu, seen, digest, named);
             }
         }
-        if self.effect.is_none() && matches!(gist.verdict.as_str(), "unexplained" | "partly_explained") {
-            self.doubt(row.imu, seen, gist);
+        if self.effect.is_none() && matches!(digest.verdict.as_str(), "unexplained" | "partly_explained") {
+            self.doubt(row.imu, seen, digest);
         }
-        for seat in &gist.gyros {
+        for seat in &digest.gyros {
             let course = self.courses.entry((row.imu, seat.serial.clone())).or_default();
             course.campaigns += 1;
             *course.stations.entry(row.station).or_default() += 1;
@@ -115,8 +115,8 @@ impl Tally {
         }
     }
 
-    fn cover(&mut self, row: &GistRow, gist: &Gist, program: &str) {
-        let of_verdict = match gist.verdict.as_str() {
+    fn cover(&mut self, row: &GistRow, digest: &Digest, program: &str) {
+        let of_verdict = match digest.verdict.as_str() {
             "no_gap" => &mut self.coverage.no_gap,
             "explained" => &mut self.coverage.explained,
             "partly_explained" => &mut self.coverage.partly_explained,
@@ -124,18 +124,18 @@ impl Tally {
             _ => &mut self.coverage.unexplained,
         };
         *of_verdict += 1;
-        self.coverage.diagnosed += u64::from(gist.verdict != REFUSED);
+        self.coverage.diagnosed += u64::from(digest.verdict != REFUSED);
         self.coverage.outdated += u64::from(row.program != program);
     }
 
     /// An effect that a campaign names. The campaign itself has not been added to the courses of its gyros yet.
-    fn note(&mut self, imu: u32, seen: Sighting, gist: &Gist, named: &Named) {
+    fn note(&mut self, imu: u32, seen: Sighting, digest: &Digest, named: &Named) {
         let new = || Overview { campaigns: 0, first: seen.at, last: seen.at };
         let overview = self.overview.entry(named.effect.clone()).or_insert_with(new);
         overview.campaigns += 1;
         overview.last = seen.at;
         for slot in &named.gyros {
-            let Some(serial) = gist.serial(slot) else { continue };
+            let Some(serial) = digest.serial(slot) else { continue };
             let course = self.courses.get(&(imu, serial.to_owned()));
             let key = (named.effect.clone(), imu, serial.to_owned());
             let finding = self.findings.entry(key).or_insert_with(|| Finding {
@@ -150,12 +150,12 @@ impl Tally {
                 closures: Vec::new(),
                 impact: BTreeMap::new(),
             });
-            finding.add(seen, slot, gist, named);
+            finding.add(seen, slot, digest, named);
         }
     }
 
-    fn doubt(&mut self, imu: u32, seen: Sighting, gist: &Gist) {
-        let doubt = self.doubts.entry((gist.verdict.clone(), imu)).or_insert_with(|| Doubt {
+    fn doubt(&mut self, imu: u32, seen: Sighting, digest: &Digest) {
+        let doubt = self.doubts.entry((digest.verdict.clone(), imu)).or_insert_with(|| Doubt {
             serials: BTreeSet::new(),
             signs: BTreeSet::new(),
             stations: BTreeSet::new(),
@@ -166,9 +166,9 @@ impl Tally {
         doubt.campaigns += 1;
         doubt.last = seen;
         doubt.stations.insert(seen.station);
-        for sign in &gist.signs {
+        for sign in &digest.signs {
             doubt.signs.insert(sign.kind.clone());
-            doubt.serials.extend(sign.gyros.iter().filter_map(|slot| gist.serial(slot)).map(str::to_owned));
+            doubt.serials.extend(sign.gyros.iter().filter_map(|slot| digest.serial(slot)).map(str::to_owned));
         }
     }
 
@@ -244,14 +244,14 @@ impl Tally {
 }
 
 impl Finding {
-    fn add(&mut self, seen: Sighting, slot: &str, gist: &Gist, named: &Named) {
+    fn add(&mut self, seen: Sighting, slot: &str, digest: &Digest, named: &Named) {
         self.campaigns += 1;
         self.last = seen;
         slot.clone_into(&mut self.slot);
         *self.stations.entry(seen.station).or_default() += 1;
         self.class.retain(|id| named.class.contains(id));
         self.closures.push(named.closure);
-        for shift in gist.impact.iter().filter(|shift| shift.slot == slot) {
+        for shift in digest.impact.iter().filter(|shift| shift.slot == slot) {
             let new = || LargestShiftBody {
                 coefficient: shift.coefficient.clone(),
                 shift: shift.shift,

@@ -15,7 +15,7 @@ use crate::message;
 use crate::pipeline::access::Actor;
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::error::HookError;
-use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
+use crate::pipeline::hooks::registry::{OutboxContext, Standing, Subscription, introduce};
 use crate::store;
 use crate::store::{
     AttemptRow, AuditRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
@@ -72,7 +72,7 @@ impl<'a> From<&'a HookRow> for Audited<'a> {
     }
 }
 
-/// What a lane has found out and is to be written down.
+/// What a delivery queue has found out and is to be written down.
 #[derive(Debug, Clone)]
 pub enum Found {
     Attempted(Attempted),
@@ -100,7 +100,7 @@ pub struct Attempted {
 }
 
 /// The writer at work on orders.
-pub(crate) struct HookDesk<'a> {
+pub(crate) struct HookHandler<'a> {
     pub store: &'a Store,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,
@@ -112,7 +112,7 @@ pub(crate) struct HookDesk<'a> {
     pub heard: HashMap<Id, Severity>,
 }
 
-impl HookDesk<'_> {
+impl HookHandler<'_> {
     /// Carries out one order; on disk, with its line in the audit trail, when this returns.
     pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
         let mut changes = Changes::default();
@@ -159,7 +159,7 @@ impl HookDesk<'_> {
         Ok(by.line(self.writer.next_id(self.now), self.now, (action, subject), before.as_ref(), after.as_ref()))
     }
 
-    /// Writes down what many lanes have found out, in one transaction.
+    /// Writes down what many delivery queues have found out, in one transaction.
     pub async fn write_down(&mut self, found: impl Iterator<Item = &Found>) -> Result<(), WriteError> {
         let mut changes = Changes::default();
         for found in found {
@@ -208,8 +208,8 @@ impl HookDesk<'_> {
         heard: &HashMap<Id, Severity>,
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
-        let mut scribe = Scribe { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Ear::of(row)?, heard, &self.alerts, &mut scribe);
+        let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
+        introduce(&Subscription::of(row)?, heard, &self.alerts, &mut context);
         Ok(())
     }
 

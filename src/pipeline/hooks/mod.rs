@@ -10,8 +10,8 @@ mod registry;
 mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
-pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookDesk};
-pub(super) use crate::pipeline::hooks::registry::{HookBook, Scribe, Standing};
+pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
+pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, Standing};
 pub use delivery::{Outbox, OutboxError};
 pub use error::HookError;
 pub use read::{HookPatch, NewHook};
@@ -95,7 +95,7 @@ impl Hooks {
         self.queue.ask(|reply| Job::Hook { order, by, reply }).await
     }
 
-    /// Writes down what a lane has found out; waits for room in the queue.
+    /// Writes down what a delivery queue has found out; waits for room with the writer.
     pub(super) async fn write_down(&self, found: Found) -> Result<(), WriteError> {
         self.queue.ask_in_turn(|reply| Job::Found { found, reply }).await
     }

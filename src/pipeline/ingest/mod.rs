@@ -17,7 +17,7 @@ pub(super) mod writer;
 use std::sync::Arc;
 
 use super::access::Actor;
-use super::diagnoses::background::Bustle;
+use super::diagnoses::background::IdleDetector;
 use super::error::WriteError;
 use super::write_queue::{Job, WriteQueue};
 use crate::config::Config;
@@ -29,10 +29,10 @@ use crate::system::Clock;
 pub use document::{Origin, ReadDocument};
 pub use fitted::{Fitted, ReadCampaign};
 pub use outcome::{Accepted, Judged, Reply};
-pub use preview::Foreseen;
+pub use preview::Preview;
 pub use reader::Reader;
 pub use refused::Refused;
-pub(super) use reply::Teller;
+pub(super) use reply::ReplySender;
 pub use same_content::Sent;
 pub use submission::{
     BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
@@ -45,7 +45,7 @@ pub struct Ingest {
     pub(super) config: Arc<Config>,
     pub(super) clock: Clock,
     pub(super) queue: WriteQueue,
-    pub(super) activity: Bustle,
+    pub(super) activity: IdleDetector,
 }
 
 impl Ingest {
@@ -81,7 +81,7 @@ impl Ingest {
         late: Late,
         mut put_into_words: impl FnMut(&Accepted) -> T,
     ) -> Result<(Accepted, T), Refused> {
-        self.activity.stir();
+        self.activity.note_activity();
         let (reply, listener) = reply::channel();
         self.queue.offer(Job::Store { items: vec![item], by: Actor::by_caller(), with_verdicts: true, late, reply })?;
         let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
@@ -93,7 +93,7 @@ impl Ingest {
     /// As [`Ingest::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in the queue; what it then returns waits
     /// for the disk, so that the next items can be made ready meanwhile.
     pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
-        self.activity.stir();
+        self.activity.note_activity();
         let count = items.len();
         let (reply, listener) = reply::channel();
         // Where the writer is gone, the reply is dropped with the job, and the answer says so.

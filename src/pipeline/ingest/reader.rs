@@ -11,7 +11,7 @@ use crate::core::record::{GyroParameters, Record};
 use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covariance};
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::diagnoses::models::{InForce, ModelBook};
+use crate::pipeline::diagnoses::models::{InForce, ModelCache};
 use crate::pipeline::ingest::document::{Origin, OriginKind, ReadDocument};
 use crate::pipeline::ingest::fitted::{Fitted, ReadCampaign};
 use crate::pipeline::ingest::submission::{
@@ -32,7 +32,7 @@ pub struct Reader {
     pub(in crate::pipeline) store: Store,
     pub(in crate::pipeline) config: Arc<Config>,
     pub(in crate::pipeline) clock: Clock,
-    pub(in crate::pipeline) models: ModelBook,
+    pub(in crate::pipeline) models: ModelCache,
 }
 
 impl Reader {

@@ -44,7 +44,7 @@ pub struct Compared {
 /// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a second record has
 /// confirmed that a requirement is not met.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct AlertFinding {
     pub coefficient: Coefficient,
     pub rule: Rule,
     pub status: Status,
@@ -53,13 +53,13 @@ pub(crate) struct Told {
 }
 
 /// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take several for each.
-pub(crate) async fn told(store: &Store, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Told>>, StoreError> {
-    let mut found: HashMap<u32, Vec<Told>> = HashMap::new();
+pub(crate) async fn told(store: &Store, gyro: Option<u32>) -> Result<HashMap<u32, Vec<AlertFinding>>, StoreError> {
+    let mut found: HashMap<u32, Vec<AlertFinding>> = HashMap::new();
     for rule in [Rule::Agreement, Rule::Requirement] {
         for row in store::alerts::unresolved(store, rule, gyro).await? {
             let finding = finding_of(&row)?;
             let load = finding.value.map_or(0.0, |value| value / finding.limit);
-            let told = Told { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
+            let told = AlertFinding { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
             found.entry(row.gyro).or_default().push(told);
         }
     }

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::agreement::{Told, told};
+use super::agreement::{AlertFinding, told};
 use super::record::Records;
 use super::stations::{StationEffect, station_effects};
 use super::status;
@@ -74,7 +74,7 @@ pub struct Seats {
 
 /// A gyro's last few values, and what they are held against.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Glimpse {
+pub struct RecentValues {
     /// Oldest first, by the judged method.
     pub samples: Vec<Sample>,
     /// Level of D_I and D_S that the newest is compared with; none before the baseline is complete.
@@ -206,7 +206,7 @@ impl Fleet {
         tables: &Tables,
         number: u32,
         newest: Option<Figures>,
-        (verdicts, told): (&[StoredVerdict], &[Told]),
+        (verdicts, told): (&[StoredVerdict], &[AlertFinding]),
         out_of_use: Option<(UtcMicros, Event)>,
     ) -> Option<Standing> {
         let serial = tables.gyros.name(number)?.clone();
@@ -219,8 +219,8 @@ impl Fleet {
         let overdue_days = late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value);
         let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
         // The alert of a rule that has been switched off since stands until the gyro's next item.
-        let asked = |told: &&Told| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
-        let disagreements: Vec<&Told> = told.iter().filter(asked).collect();
+        let asked = |told: &&AlertFinding| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
+        let disagreements: Vec<&AlertFinding> = told.iter().filter(asked).collect();
         let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
         let violations: Vec<Violation> =
@@ -242,7 +242,7 @@ impl Fleet {
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.
-    pub async fn glimpses(&self, of: &[&Standing], count: usize) -> Result<Vec<Glimpse>, StorageError> {
+    pub async fn recent_values(&self, of: &[&Standing], count: usize) -> Result<Vec<RecentValues>, StorageError> {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
@@ -255,10 +255,10 @@ impl Fleet {
         let of_baselines: Vec<Stretch> = (0..of.len()).map(newest_baseline).collect();
         // Some of the first may repeat one another.
         let baselines = store::histories::oldest(&self.store, &of_baselines, 4 * BASELINE_RECORDS).await?;
-        Ok((0..of.len()).map(|k| self.glimpse(of[k], marks[k], &rows[k], &baselines[k])).collect())
+        Ok((0..of.len()).map(|k| self.recent(of[k], marks[k], &rows[k], &baselines[k])).collect())
     }
 
-    fn glimpse(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> Glimpse {
+    fn recent(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> RecentValues {
         let method = self.config.judging.method;
         let samples = |rows: &[Figures]| -> Vec<Sample> { rows.iter().map(|row| sample_of(row, method)).collect() };
         let last = last_of(rows);
@@ -266,7 +266,7 @@ impl Fleet {
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
         let drifts = [limits.d_i, limits.d_s];
         let baseline = distinct(samples(baseline));
-        Glimpse {
+        RecentValues {
             samples: samples(rows),
             level: [0, 1].map(|column| {
                 let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
@@ -297,7 +297,7 @@ fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
     judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
-fn violations(verdicts: &[StoredVerdict], told: &[Told]) -> impl Iterator<Item = Violation> {
+fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
     let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
     beyond.map(|verdict| {
         let StoredVerdict { coefficient, rule, .. } = *verdict;
@@ -308,8 +308,8 @@ fn violations(verdicts: &[StoredVerdict], told: &[Told]) -> impl Iterator<Item =
 }
 
 impl Violation {
-    fn of(told: &Told) -> Self {
-        let Told { coefficient, rule, status, .. } = *told;
+    fn of(told: &AlertFinding) -> Self {
+        let AlertFinding { coefficient, rule, status, .. } = *told;
         Self { coefficient, rule, status }
     }
 }

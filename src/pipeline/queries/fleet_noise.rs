@@ -3,7 +3,7 @@
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
 use crate::core::time::Span;
 use crate::pipeline::error::StorageError;
-use crate::pipeline::ingest::judge::gyro_window::{Line, marks_of, sample_of};
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, marks_of, sample_of};
 use crate::pipeline::queries::fleet::Fleet;
 use crate::store;
 
@@ -22,7 +22,7 @@ impl Fleet {
             for (gyro, rows) in some.iter().zip(store::histories::oldest(&self.store, &ever, i32::MAX as usize).await?)
             {
                 let samples = rows.iter().map(|figures| sample_of(figures, method)).collect();
-                all.push(Line::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
+                all.push(GyroWindow::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
             }
         }
         Ok(fit_fleet(&all))

@@ -21,7 +21,7 @@ use crate::system::Clock;
 pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
 pub use agreement::{Compared, Comparison};
 pub use changes_explained::ExplainedHistory;
-pub use fleet::{Fleet, Glimpse, Seats, Standing, Violation};
+pub use fleet::{Fleet, RecentValues, Seats, Standing, Violation};
 pub use gyro_history::{Baseline, Course, Histories, Tested};
 pub use items::{BenchItem, CorrectedResult, CorrectionItem, EventItem, ItemStatus, Names, RecordItem, RecordSummary};
 pub use record::{Records, StoredCampaign, StoredRecord};

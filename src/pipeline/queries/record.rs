@@ -14,7 +14,7 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::Reader;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::fitted::CampaignFit;
-use crate::pipeline::ingest::judge::gyro_window::Line;
+use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::items::{
     BenchItem, ConfirmationItem, CorrectionItem, ItemStatus, Names, RecordItem, RecordSummary,
@@ -203,9 +203,9 @@ impl Records {
             let line = match gyro {
                 Some(gyro) if !counts => {
                     let figures = figures_of(&gyro.separation, row.id, row.calibrated_at, row.imu, row.station);
-                    Line::load_as_it_was(&self.store, *number, figures, method).await?
+                    GyroWindow::load_as_it_was(&self.store, *number, figures, method).await?
                 }
-                _ => Line::load(&self.store, *number, row.calibrated_at, need, method).await?,
+                _ => GyroWindow::load(&self.store, *number, row.calibrated_at, need, method).await?,
             };
             let mut again = line.judge_newest(&limits, Older::NONE);
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));

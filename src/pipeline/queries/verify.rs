@@ -11,7 +11,7 @@ use crate::core::name::normal_form;
 use crate::core::time::Span;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::admit::figures_of;
-use crate::pipeline::ingest::judge::gyro_window::Line;
+use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
 use crate::pipeline::queries::record::{Records, Reread};
 use crate::store;
 use crate::store::{StoreError, StoredVerdict, Table};
@@ -101,7 +101,7 @@ impl Records {
                 continue;
             }
             let (limits, method) = (self.config.judging.limits(again.imu.as_str(), serial), self.config.judging.method);
-            let line = Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
+            let line = GyroWindow::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
             let judged = line.judge_newest(&limits, Older::NONE);
             let states = crate::pipeline::ingest::judge::states(&judged);
             let expected: Vec<StoredVerdict> =

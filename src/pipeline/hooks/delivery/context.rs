@@ -9,7 +9,7 @@ use crate::pipeline::hooks::Hooks;
 /// How often while another server delivers, or the lease is only late in being renewed.
 pub(super) const OFF_DUTY: Duration = Duration::from_secs(1);
 
-pub(super) struct Desk {
+pub(super) struct DeliveryContext {
     pub hooks: Hooks,
     pub courier: Courier,
     pub ladder: Ladder,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::context::Desk;
+use super::context::DeliveryContext;
 use crate::alert::deliver::{Attempt, Destination, Outcome};
 use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
@@ -49,7 +49,7 @@ impl Addressee {
     }
 }
 
-impl Desk {
+impl DeliveryContext {
     /// Makes one attempt at a delivery.
     pub async fn attempt(&self, to: &Addressee, due: &DueDelivery) -> Attempt {
         let now = self.hooks.clock.now();

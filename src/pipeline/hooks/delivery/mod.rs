@@ -1,9 +1,9 @@
 //! The delivery worker: takes what waits in the outbox to the targets of hooks, at least once, in order per alert.
 //!
 //! ```text
-//! worker      one lane for every enabled hook                 a target that hangs holds up its own lane alone
-//! lane        what is due -> attempts, a few at a time        the store hands out the first of each alert's line only
-//! letter      a row of the outbox -> a signed request         the same bytes and `webhook-id` at every attempt
+//! worker      one queue for every enabled hook                a target that hangs holds up its own queue alone
+//! queue       what is due -> attempts, a few at a time        the store hands out the first of each alert's line only
+//! message     a row of the outbox -> a signed request         the same bytes and `webhook-id` at every attempt
 //! attempt     the status, or what went wrong
 //! order       to the one writer: done, dead, or when again    on disk before the next of the line is looked for
 //! ```
@@ -26,17 +26,17 @@ use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 use crate::alert::deliver::Courier;
 use crate::core::id::Id;
 use crate::pipeline::hooks::Hooks;
-use crate::pipeline::hooks::delivery::context::{Desk, OFF_DUTY};
+use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
 use crate::store;
 use crate::store::{Duty, StoreError};
 
-use crate::pipeline::hooks::delivery::queue::Lane;
+use crate::pipeline::hooks::delivery::queue::DeliveryQueue;
 
 /// How often the worker looks around when nothing wakes it.
 const ROUND: Duration = Duration::from_secs(5);
 /// At a stop, attempts under way get so long; what they were sent is sent again after the next start.
 const DRAIN: Duration = Duration::from_secs(5);
-/// Before a lane that broke down is started again.
+/// Before a queue that broke down is started again.
 const BREATH: Duration = Duration::from_secs(1);
 
 /// Why the worker cannot start.
@@ -69,9 +69,9 @@ impl Outbox {
         let courier =
             Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?;
         let (stop, stopping) = watch::channel(false);
-        let desk = Arc::new(Desk { hooks: hooks.clone(), courier, ladder: config.ladder() });
-        desk.hooks.pulse.beat();
-        let task = tokio::spawn(Worker { desk, stopping, lanes: JoinSet::new(), hooks: HashMap::new() }.run());
+        let context = Arc::new(DeliveryContext { hooks: hooks.clone(), courier, ladder: config.ladder() });
+        context.hooks.pulse.beat();
+        let task = tokio::spawn(Worker { context, stopping, queues: JoinSet::new(), hooks: HashMap::new() }.run());
         Ok(Self { stop, task })
     }
 
@@ -85,45 +85,45 @@ impl Outbox {
 }
 
 struct Worker {
-    desk: Arc<Desk>,
+    context: Arc<DeliveryContext>,
     stopping: watch::Receiver<bool>,
-    lanes: JoinSet<()>,
+    queues: JoinSet<()>,
     hooks: HashMap<TaskId, Id>,
 }
 
 impl Worker {
     async fn run(mut self) {
-        let mut wake = self.desk.hooks.wake.subscribe();
+        let mut wake = self.context.hooks.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
-            self.desk.hooks.pulse.beat();
-            let is_on_duty = store::other_servers::is_on_duty(&self.desk.hooks.store, Duty::Deliveries);
+            self.context.hooks.pulse.beat();
+            let is_on_duty = store::other_servers::is_on_duty(&self.context.hooks.store, Duty::Deliveries);
             if !is_on_duty {
                 // What was under way is sent again by whoever delivers now.
-                self.lanes.shutdown().await;
+                self.queues.shutdown().await;
                 self.hooks.clear();
             } else if let Err(error) = self.open_lanes().await {
                 tracing::warn!(%error, "the hooks cannot be read; trying again");
             }
             tokio::select! {
-                Some(ended) = self.lanes.join_next_with_id() => self.clear_away(ended).await,
+                Some(ended) = self.queues.join_next_with_id() => self.clear_away(ended).await,
                 _ = wake.changed() => {}
                 _ = self.stopping.changed() => {}
                 () = tokio::time::sleep(if is_on_duty { ROUND } else { OFF_DUTY }) => {}
             }
         }
-        let drained = async { while self.lanes.join_next().await.is_some() {} };
+        let drained = async { while self.queues.join_next().await.is_some() {} };
         if tokio::time::timeout(DRAIN, drained).await.is_err() {
             tracing::info!("attempts still under way were given up; they are made again after the next start");
-            self.lanes.shutdown().await;
+            self.queues.shutdown().await;
         }
     }
 
-    /// Every enabled hook has a lane; a lane ends by itself when its hook is disabled or deleted.
+    /// Every enabled hook has a queue; a queue ends by itself when its hook is disabled or deleted.
     async fn open_lanes(&mut self) -> Result<(), StoreError> {
-        for hook in store::hook::all(&self.desk.hooks.store).await? {
+        for hook in store::hook::all(&self.context.hooks.store).await? {
             if hook.enabled && !self.hooks.values().any(|open| *open == hook.id) {
-                let lane = Lane::new(Arc::clone(&self.desk), hook.id, self.stopping.clone());
-                let task = self.lanes.spawn(lane.run());
+                let queue = DeliveryQueue::new(Arc::clone(&self.context), hook.id, self.stopping.clone());
+                let task = self.queues.spawn(queue.run());
                 self.hooks.insert(task.id(), hook.id);
             }
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::context::Desk;
+use super::context::Admission;
 use super::group::{Group, Table};
 use crate::core::id::Id;
 use crate::pipeline::ingest::same_content::benches_agree;
@@ -11,7 +11,7 @@ use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{BenchRow, StoreError};
 
-impl Desk<'_> {
+impl Admission<'_> {
     pub(super) async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
         if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
             return Ok(there);

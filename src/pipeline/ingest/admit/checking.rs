@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::context::Desk;
+use super::context::Admission;
 use super::group::{Group, Table};
 use super::memory::{Around, Remembered};
 use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, TimeDoubt, doubt};
@@ -70,7 +70,7 @@ pub(super) fn shown(gyro: &CalibratedGyro) -> Shown {
     Shown { d: [rigid.d_i, rigid.d_s, rigid.d_o], sd, scale: Some(gyro.separation.scale_factor) }
 }
 
-impl Desk<'_> {
+impl Admission<'_> {
     /// Holds a calibration that is about to be entered against what is known. Earlier records whose times turn out to be in doubt are
     /// set aside in the group.
     pub(super) async fn check(&mut self, sent: &Calibration, group: &mut Group) -> Result<Checked, StoreError> {

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::context::Desk;
+use super::context::Admission;
 use super::group::Group;
 use crate::core::time::Span;
 use crate::pipeline::ingest::submission::Confirmation;
@@ -10,7 +10,7 @@ use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{ConfirmationRow, HistoryRow};
 
-impl Desk<'_> {
+impl Admission<'_> {
     pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.id;
         let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;

@@ -9,7 +9,7 @@ use crate::pipeline::access::Actor;
 use crate::store::{IdSource, Store};
 
 /// What admission may ask.
-pub(crate) struct Desk<'a> {
+pub(crate) struct Admission<'a> {
     pub store: &'a Store,
     pub ids: &'a mut IdSource,
     /// None where the database is to be asked each time.

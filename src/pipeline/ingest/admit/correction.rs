@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use super::context::Desk;
+use super::context::Admission;
 use super::group::{Group, Table};
 use crate::core::id::Id;
 use crate::core::kind::Kind;
@@ -17,7 +17,7 @@ use crate::pipeline::{Accepted, Refused};
 use crate::store;
 use crate::store::{CorrectionRow, HistoryRow, RecordRow, StoreError};
 
-impl Desk<'_> {
+impl Admission<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.item.id();
         let said = self.said_before(id, group).await?;

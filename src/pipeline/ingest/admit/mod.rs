@@ -29,14 +29,14 @@ use crate::store::{EventRow, HistoryRow, RecordRow, StoreError, StoredVerdict, V
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::Checked;
-pub(crate) use context::Desk;
+pub(crate) use context::Admission;
 pub(crate) use group::Group;
 use group::Table;
 pub(crate) use memory::Memory;
 use memory::Remembered;
 pub(crate) use newest::Newest;
 
-impl Desk<'_> {
+impl Admission<'_> {
     /// Takes one item into the group. Verdicts are added when the whole group is judged.
     pub async fn admit(&mut self, item: &Submission, group: &mut Group) -> Result<Accepted, Refused> {
         match item {

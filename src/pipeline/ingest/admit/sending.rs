@@ -1,10 +1,10 @@
 //! Who sent what is new: one line of the audit trail for all that one sender has in a group.
 
-use super::context::Desk;
+use super::context::Admission;
 use super::group::{Group, Sending};
 use crate::core::id::Id;
 
-impl Desk<'_> {
+impl Admission<'_> {
     /// Takes down that an item under `place` is its sender's; gives the line that will say so.
     pub(super) fn sent(&mut self, place: &str, id: Id, group: &mut Group) -> Id {
         if let Some(known) = group.sendings.iter_mut().find(|sending| sending.by == *self.by) {

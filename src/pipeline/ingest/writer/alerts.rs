@@ -13,7 +13,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
 use crate::pipeline::error::WriteError;
-use crate::pipeline::hooks::{Scribe, Standing};
+use crate::pipeline::hooks::{OutboxContext, Standing};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
@@ -58,7 +58,7 @@ impl Task {
         if news.is_empty() {
             return Ok(());
         }
-        self.hooks.tell(&news, &mut Scribe { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+        self.hooks.tell(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
     /// Every alert as it stands.
@@ -153,7 +153,7 @@ impl Task {
             return Ok(());
         }
         let news = self.alerts.write(changes);
-        self.hooks.tell_digest(&news, &mut Scribe { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+        self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
     async fn commit_or_forget(&mut self, noted: Result<(), StoreError>, changes: &Changes) -> Result<(), WriteError> {

@@ -9,7 +9,7 @@ use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::time::Span;
 use crate::pipeline::alerts::Causes;
-use crate::pipeline::ingest::admit::{Ahead, Desk, Group};
+use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply, WriteError};
@@ -25,7 +25,7 @@ impl Task {
         let (now, service) = (self.clock.now(), Actor::by_caller());
         let ahead = Ahead::read(&self.store, &self.newest, items.iter().map(|item| item.sent)).await?;
         self.read_histories(items).await?;
-        let mut desk = Desk {
+        let mut admission = Admission {
             store: &self.store,
             ids: self.writer.ids(),
             newest: Some(&self.newest),
@@ -37,8 +37,8 @@ impl Task {
             by: &service,
         };
         for item in items {
-            desk.by = item.by;
-            replies.push(desk.admit(item.sent, &mut group).await);
+            admission.by = item.by;
+            replies.push(admission.admit(item.sent, &mut group).await);
         }
         let judging = Instant::now();
         group.audit_sendings(now);

@@ -16,12 +16,12 @@ use tokio::sync::mpsc;
 use super::admit::{Memory, Newest};
 use crate::config::Config;
 use crate::core::id::Id;
-use crate::pipeline::access::{AccessOrder, Actor, Registrar, Secret};
-use crate::pipeline::alerts::AlertBook;
+use crate::pipeline::access::{AccessHandler, AccessOrder, Actor, Secret};
+use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::adopt;
-use crate::pipeline::diagnoses::{DiagnosisOrder, JobDesk};
+use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder};
 use crate::pipeline::error::StorageError;
-use crate::pipeline::hooks::{Found, HookBook, HookDesk, Order};
+use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order};
 use crate::pipeline::ingest::judge::Judge;
 use crate::pipeline::ingest::writer::postgres_turn::in_turn;
 use crate::pipeline::write_queue;
@@ -55,9 +55,9 @@ impl Task {
         after: After,
     ) -> Result<Self, StoreError> {
         let newest = Newest::load(&store).await?;
-        let hooks = HookBook::load(&store).await?;
+        let hooks = HookCache::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
-        let alerts = AlertBook::load(&store, config.alerts.policy(), clock.now()).await?;
+        let alerts = AlertCache::load(&store, config.alerts.policy(), clock.now()).await?;
         let benched = store::bench::gyros_on_benches(&store).await?.into_iter().collect();
         Ok(Self {
             store,
@@ -201,7 +201,7 @@ impl Task {
         }
     }
 
-    /// What people order has one transaction each, what lanes have found out shares one.
+    /// What people order has one transaction each, what delivery queues have found out shares one.
     async fn carry_out(&mut self, orders: Orders, findings: Findings) {
         let is_gone = |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.gone.is_some());
         let changed = !orders.is_empty() || findings.iter().any(|(found, _)| is_gone(found));
@@ -210,7 +210,7 @@ impl Task {
             let _gone = reply.send(done);
         }
         if !findings.is_empty() {
-            let written = in_turn!(self, self.hook_desk(None).write_down(findings.iter().map(|(found, _)| found)));
+            let written = in_turn!(self, self.hook_handler(None).write_down(findings.iter().map(|(found, _)| found)));
             for (_, reply) in findings {
                 let _gone = reply.send(written.clone());
             }
@@ -224,11 +224,11 @@ impl Task {
         let now = self.clock.now();
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
-        self.hook_desk(Some(order)).carry_out(order, by).await
+        self.hook_handler(Some(order)).carry_out(order, by).await
     }
 
     /// `order`: what it is about to carry out; none where no hook is to hear anything new.
-    fn hook_desk(&mut self, order: Option<&Order>) -> HookDesk<'_> {
+    fn hook_handler(&mut self, order: Option<&Order>) -> HookHandler<'_> {
         let now = self.clock.now();
         let old_secret_until = self.config.hooks.old_secret_until(now);
         let (alerts, heard) = match order {
@@ -236,13 +236,13 @@ impl Task {
             Some(Order::Change(hook, _)) => (self.standings(now), self.hooks.has_heard(*hook)),
             Some(Order::Delete(_) | Order::Test(_) | Order::Redeliver(_)) | None => Default::default(),
         };
-        HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until, alerts, heard }
+        HookHandler { store: &self.store, writer: &mut self.writer, now, old_secret_until, alerts, heard }
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
     async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
-        let mut desk = JobDesk { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
-        let done = desk.carry_out(order, by).await;
+        let mut admission = DiagnosisHandler { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
+        let done = admission.carry_out(order, by).await;
         self.after.due.send_modify(|moved| *moved += 1);
         done
     }
@@ -251,13 +251,13 @@ impl Task {
     async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, AccessError> {
         let known = store::access::tokens(&self.store).await?;
         let (guard, writer, now) = (&self.after.guard, &mut self.writer, self.clock.now());
-        Registrar { guard, writer, now }.carry_out(order, by, &known).await
+        AccessHandler { guard, writer, now }.carry_out(order, by, &known).await
     }
 
     /// Hooks have changed, or have something new to be told.
     async fn look_at_hooks(&mut self) {
-        match HookBook::load(&self.store).await {
-            Ok(book) => self.hooks = book,
+        match HookCache::load(&self.store).await {
+            Ok(hooks) => self.hooks = hooks,
             Err(error) => tracing::error!(%error, "the hooks cannot be read; those known before are told"),
         }
         self.after.wake.send_modify(|moved| *moved += 1);

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use super::state::Task;
-use super::{HookBook, Newest};
+use super::{HookCache, Newest};
 use crate::core::id::Id;
 use crate::pipeline::error::Unwritten;
 use crate::store;
@@ -84,7 +84,7 @@ impl Task {
             self.learn_touched(version).await?;
         }
         if missed.outbox {
-            self.hooks = HookBook::load(&self.store).await?;
+            self.hooks = HookCache::load(&self.store).await?;
         }
         if missed.models {
             self.after.models.read_again(&self.store).await?;

@@ -11,14 +11,14 @@ use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Status, Verdict};
 use crate::pipeline::access::{Actor, Guard};
-use crate::pipeline::alerts::AlertBook;
-use crate::pipeline::diagnoses::models::ModelBook;
-use crate::pipeline::hooks::HookBook;
+use crate::pipeline::alerts::AlertCache;
+use crate::pipeline::diagnoses::models::ModelCache;
+use crate::pipeline::hooks::HookCache;
 use crate::pipeline::ingest::admit::{Memory, Newest};
 use crate::pipeline::ingest::judge;
 use crate::pipeline::ingest::judge::{Judge, Verdicts};
 use crate::pipeline::ingest::outcome::Reply;
-use crate::pipeline::ingest::reply::Teller;
+use crate::pipeline::ingest::reply::ReplySender;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store::{Changes, Store, Writer, Written};
 use crate::system::Clock;
@@ -32,10 +32,10 @@ pub(crate) struct Task {
     pub(super) newest: Newest,
     pub(super) memory: Memory,
     pub(super) judge: Judge,
-    pub(super) alerts: AlertBook,
+    pub(super) alerts: AlertCache,
     /// Gyros whose methods are to agree.
     pub(super) benched: HashSet<u32>,
-    pub(super) hooks: HookBook,
+    pub(super) hooks: HookCache,
     pub(super) after: After,
     /// A group that is being written while the next is made ready.
     pub(super) under_way: Option<UnderWay>,
@@ -65,7 +65,7 @@ pub(super) fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
 pub(crate) struct After {
     /// Moves when a hook has changed or has something new to be told.
     pub wake: watch::Sender<u64>,
-    pub models: ModelBook,
+    pub models: ModelCache,
     /// Moves when diagnoses have become due.
     pub due: watch::Sender<u64>,
     pub guard: Guard,
@@ -79,7 +79,7 @@ pub(super) struct StoreJob {
     pub(super) with_verdicts: bool,
     /// How what is found late is told.
     pub(super) late: Late,
-    pub(super) teller: Teller,
+    pub(super) teller: ReplySender,
 }
 
 /// What a group comes to, before it is written.

@@ -207,7 +207,7 @@ impl Chunk {
             taken.push(room);
             let read = text
                 .and_then(|bytes| pipeline.reader.document(&bytes).map_err(|faults| problem_of(&bytes, faults)))
-                .and_then(|read| Ok(read.submission.may_be_sent_by(&caller).map(|()| read)?));
+                .and_then(|read| Ok(read.submission.may_be_sent_by(caller).map(|()| read)?));
             let (problem, origin) = match read {
                 Ok(ReadDocument { submission, origin }) => {
                     items.push(submission);

@@ -112,7 +112,7 @@ fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocum
         Form::Csv => pipeline.reader.campaign_document(piece.text.as_bytes(), Form::Csv),
     }?;
     let refused = |refused: Refused| Fault { pointer: "/station".into(), message: refused.message() };
-    document.submission.may_be_sent_by(&caller).map_err(refused)?;
+    document.submission.may_be_sent_by(caller).map_err(refused)?;
     Ok(document)
 }
 

@@ -66,7 +66,7 @@ impl Records {
     /// A stored record and what is answered to it.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
+    /// [`StorageError`], for one where the body is not what was hashed when it came.
     pub async fn record(&self, id: Id) -> Result<Option<StoredRecord>, StorageError> {
         let Some(Reread { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
@@ -80,7 +80,7 @@ impl Records {
     /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
+    /// [`StorageError`], for one where the body is not what was hashed when it came.
     pub async fn campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StorageError> {
         let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
@@ -94,7 +94,7 @@ impl Records {
     /// Who sent an item, by the line of the audit trail about it.
     ///
     /// # Errors
-    /// [`StoreError`].
+    /// [`StorageError`].
     pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StorageError> {
         let Some(line) = line else { return Ok(None) };
         let body = |line: AuditRow| SenderBody {

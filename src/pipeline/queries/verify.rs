@@ -40,7 +40,7 @@ impl Records {
     /// Computes everything again. Takes as long as there are records: about a millisecond a campaign, less a record.
     ///
     /// # Errors
-    /// [`StoreError`] where something cannot be read at all; what differs is in [`Verified::faults`].
+    /// [`StorageError`] where something cannot be read at all; what differs is in [`Verified::faults`].
     pub async fn verify(&self) -> Result<Verified, StorageError> {
         let mut verified = Verified::default();
         for id in store::record::ids(&self.store).await? {

@@ -24,6 +24,7 @@ use gyrowatch::core::calibrate::{GyroCalibration, calibrate};
 use gyrowatch::core::model::Terms;
 use gyrowatch::http::{self, App};
 use gyrowatch::pipeline::Pipeline;
+use gyrowatch::routes::Routes;
 use gyrowatch::store;
 use gyrowatch::system::{self, Clock};
 use gyrowatch::wire::campaign::parse_json;
@@ -273,7 +274,7 @@ impl Running {
         let address = listener.local_addr().expect("an address");
         let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
         let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::new(pipeline) };
-        let router = http::router(app, axum::Router::new());
+        let router = http::router(app, Routes::default());
         let served = tokio::spawn(async move {
             let stop = async move { drop(stopped.await) };
             http::server::serve(listener, None, router, &config.server, stop).await;

@@ -348,7 +348,7 @@ impl Service {
             let (pipeline, _) = Pipeline::start(store, writer, config.clone(), clock.clone()).await.unwrap();
             let pipeline = Arc::new(pipeline);
             let pages = Pages { config: config.clone(), clock: clock.clone(), pipeline: pipeline.clone() };
-            http::router(App { config, clock, pipeline }, pages::router(pages))
+            http::router(App { config, clock, pipeline }, pages::routes().with_state(pages))
         });
         Self { runtime, router, dir, asked: 0 }
     }

@@ -11,7 +11,7 @@ use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::separate::Separation;
 use gyrowatch::wire::answer::MethodBody;
 use gyrowatch::wire::calibration::CampaignAnswer;
-use gyrowatch::wire::campaign::parse;
+use gyrowatch::wire::document::parse;
 
 fn read(name: &str) -> Campaign {
     let path = format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"));

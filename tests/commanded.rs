@@ -13,7 +13,8 @@ use gyrowatch::core::record::Plausibility;
 use gyrowatch::core::units::EARTH_RATE_DEG_H;
 use gyrowatch::simulate::scenario::{Scenario, StandardErrors, StatedE};
 use gyrowatch::simulate::{programme::Order, programme::Positions, simulate};
-use gyrowatch::wire::campaign::{parse, parse_json, to_json};
+use gyrowatch::wire::campaign::{parse_json, to_json};
+use gyrowatch::wire::document::parse;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 const CAMPAIGNS: u64 = 330;

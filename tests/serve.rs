@@ -139,3 +139,17 @@ async fn every_answer_says_what_browsers_and_traces_need() {
     let id = wrong.headers["x-request-id"].to_str().unwrap();
     assert!(log.lines().any(|line| line.contains("a wrong token") && line.contains(id)), "{log}");
 }
+
+#[tokio::test]
+async fn connections_beyond_the_limit_wait_until_there_is_room() {
+    let server = Server::start_with(&[("GYROWATCH_SERVER__MAX_CONNECTIONS", "2")]).await;
+    let request = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let (first, _second) = (server.open_and_send("").await, server.open_and_send("").await);
+    let mut third = server.open_and_send(request).await;
+    let mut text = [0; 12];
+    let early = tokio::time::timeout(Duration::from_millis(500), third.read_exact(&mut text)).await;
+    assert!(early.is_err(), "it was answered beside two others");
+    drop(first);
+    tokio::time::timeout(Duration::from_secs(5), third.read_exact(&mut text)).await.expect("there is room").unwrap();
+    assert_eq!(&text, b"HTTP/1.1 200");
+}

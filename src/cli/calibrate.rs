@@ -11,8 +11,8 @@ use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::{Campaign, TestKind};
 use crate::core::mounting::Slot;
 use crate::wire::calibration::{CampaignAnswer, GyroFitBody};
-use crate::wire::campaign::parse;
 use crate::wire::document::DocumentKind;
+use crate::wire::document::parse;
 
 /// Dwells with the largest standardised residuals that the table shows.
 const SHOWN_RESIDUALS: usize = 5;

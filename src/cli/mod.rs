@@ -9,6 +9,7 @@ mod blindcheck;
 mod calibrate;
 mod client;
 mod codes;
+mod common;
 mod config;
 mod copy;
 mod demo;
@@ -33,15 +34,13 @@ use std::error::Error;
 use std::io;
 use std::process::ExitCode;
 
-use anyhow::Context;
 use clap::{Parser, Subcommand};
 
 use crate::core::fault::Faults;
-use crate::core::time::UtcMicros;
 use crate::pipeline::AccessError;
 use crate::wire::problem::summary;
-use crate::wire::time;
 use crate::words;
+use common::{Usage, block_on, instant};
 
 /// Separates, judges and diagnoses the drift coefficients of liquid-floated gyros from calibrations of their IMU.
 #[derive(Debug, Parser)]
@@ -128,26 +127,10 @@ fn in_words(error: &anyhow::Error) -> String {
     error.chain().map(said).collect::<Vec<_>>().join(": ")
 }
 
-/// A time in an argument.
-fn instant(text: &str) -> Result<UtcMicros, String> {
-    time::parse(text).map_err(|why| words::asked().words(&why))
-}
-
 /// What clap ends with, too.
 const WRONG_USAGE: u8 = 2;
-
-/// Arguments that do not go together in a way that clap cannot be told.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-struct Usage(String);
 
 /// Whoever reads our output has seen enough (`gyrowatch … | head`): not an error.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|e| e.kind() == io::ErrorKind::BrokenPipe)
-}
-
-/// Runs a subcommand that waits for the network. One thread is plenty: the service is where the work is.
-fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
-    runtime.block_on(work)
 }

@@ -29,3 +29,22 @@ fn send(socket: &OsStr, state: &str) -> io::Result<()> {
     UnixDatagram::unbound()?.send_to_addr(state.as_bytes(), &address)?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sockets_in_files_and_abstract_ones_are_told() {
+        let dir = tempfile::TempDir::new().unwrap();
+        let (file, name) = (dir.path().join("notify"), format!("gyrowatch-notify-{}", std::process::id()));
+        let in_file = UnixDatagram::bind(&file).unwrap();
+        let without_file = UnixDatagram::bind_addr(&SocketAddr::from_abstract_name(&name).unwrap()).unwrap();
+        for (socket, told) in [(file.into_os_string(), in_file), (format!("@{name}").into(), without_file)] {
+            send(&socket, READY).unwrap();
+            let mut text = [0; 16];
+            let length = told.recv(&mut text).unwrap();
+            assert_eq!(&text[..length], READY.as_bytes());
+        }
+    }
+}

@@ -117,7 +117,7 @@ async fn serve_with(
     let pipeline = Arc::new(pipeline);
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::clone(&pipeline) };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
-    let router = http::router(app, pages::router(pages));
+    let router = http::router(app, pages::routes().with_state(pages));
     tracing::info!(%address, database = %config.database.options().shown(), "listening");
     let scheme = if tls.is_some() { "https" } else { "http" };
     println!("gyrowatch listens on {scheme}://{address}");
@@ -168,4 +168,22 @@ fn start_log(log: &Log) -> anyhow::Result<()> {
         LogFormat::Json => builder.json().try_init(),
     };
     started.map_err(|error| anyhow::anyhow!("cannot start the log: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_the_documentation_is_that_of_the_service() {
+        let config = Config::defaults();
+        let (api, pages) = (http::routes(&config.server), pages::routes());
+        let rows = api.rules().iter().chain(pages.rules()).map(|rule| {
+            let role = rule.least.map_or("-", |role| role.name());
+            format!("| {} | `{}` | {role} |\n", rule.method, rule.path)
+        });
+        let expected: String = rows.collect();
+        let (_, documented) = include_str!("../../docs/routes.md").split_once("|---|---|---|\n").unwrap();
+        assert!(documented == expected, "docs/routes.md has to say\n{expected}");
+    }
 }

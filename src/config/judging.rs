@@ -11,6 +11,7 @@ use crate::words::Language;
 
 use super::ConfigError;
 use super::requirement::SlotRequirements;
+use super::rules::OverriddenCoefficient;
 use super::rules::RuleKeys;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -68,14 +69,6 @@ pub struct Override {
     pub requirement: SlotRequirements,
     #[serde(default)]
     pub rules: RuleKeys,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum OverriddenCoefficient {
-    #[serde(rename = "D_I")]
-    DI,
-    #[serde(rename = "D_S")]
-    DS,
 }
 
 impl Judging {

@@ -2,6 +2,7 @@
 
 mod access;
 mod alerts;
+mod error;
 mod hooks;
 mod judging;
 mod requirement;
@@ -24,6 +25,7 @@ use crate::store::{Options, Secrets};
 
 pub use access::Access;
 pub use alerts::Alerts;
+pub use error::ConfigError;
 pub use hooks::Hooks;
 pub use judging::{JudgedMethod, Judging, Override};
 pub use requirement::SlotRequirements;
@@ -187,14 +189,6 @@ pub enum LogFormat {
 pub struct Log {
     pub format: LogFormat,
     pub filter: String,
-}
-
-#[derive(Debug, thiserror::Error)]
-pub enum ConfigError {
-    #[error("configuration cannot be read: {0}")]
-    Unreadable(#[from] config::ConfigError),
-    #[error("configuration key {key}: {detail}")]
-    Key { key: String, detail: String },
 }
 
 impl Config {

@@ -5,8 +5,6 @@ use serde::de::IgnoredAny;
 
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
 
-use super::judging::OverriddenCoefficient;
-
 /// Limits in deg/(h g0). What is left out stays as the budget, or the layer before, has it.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -129,4 +127,12 @@ impl RuleKeys {
             _ => None,
         }
     }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum OverriddenCoefficient {
+    #[serde(rename = "D_I")]
+    DI,
+    #[serde(rename = "D_S")]
+    DS,
 }

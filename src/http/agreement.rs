@@ -4,24 +4,18 @@ use axum::Json;
 use axum::extract::{Path, State};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::query::{self, Parameters};
 use crate::pipeline::{Compared, Comparison};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_agreement))
-}
-
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct AgreementQuery {
+pub struct AgreementQuery {
     /// Oldest instant, RFC 3339, itself included. With `from` or `to`, all results in between are compared.
     from: Option<String>,
     /// Newest instant, itself included.
@@ -31,7 +25,7 @@ struct AgreementQuery {
 /// Results of every method. Without `from` and `to`: the separation nearest in time to the newest bench result, and of each
 /// bench method the nearest result before and after it (or the two nearest, where all lie on one side).
 #[derive(Serialize, ToSchema)]
-struct Agreement {
+pub struct Agreement {
     serial: String,
     /// `deg/(h*g0)`.
     unit: &'static str,
@@ -72,12 +66,9 @@ struct RangeBody {
 
 /// Results of every method for the gyro side by side, and their range.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/agreement", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro"), AgreementQuery),
-    responses(
-        (status = 200, description = "the results", body = Agreement),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_agreement(
+    params(AgreementQuery),
+    responses((status = 200, description = "the results", body = Agreement)))]
+pub async fn get_agreement(
     State(app): State<App>,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<AgreementQuery>,

@@ -7,10 +7,8 @@ use axum::http::{HeaderMap, HeaderValue, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, not_one_of};
 use crate::core::alert_decision::Standing;
@@ -26,22 +24,13 @@ use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::{alert_csv, cursor, json, text, time};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_alerts))
-        .routes(routes!(get_alert))
-        .routes(routes!(post_acknowledge))
-        .routes(routes!(post_unacknowledge))
-        .routes(routes!(post_silence))
-}
-
 const DEFAULT_ALERTS: usize = 100;
 const MOST_ALERTS: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct AlertsQuery {
+pub struct AlertsQuery {
     /// `firing`, `acknowledged`, `silenced` or `resolved`.
     state: Option<String>,
     /// Of one gyro.
@@ -80,12 +69,13 @@ struct ListedAlert {
 }
 
 /// Alerts, the newest first. An alert lasts: when it fires again it is the same alert.
-#[utoipa::path(get, path = "/v1/alerts", tag = "alerts", params(AlertsQuery), responses(
-    (status = 200, description = "the alerts", content((Alerts = "application/json"), (String = "text/csv")),
+#[utoipa::path(get, path = "/v1/alerts", tag = "alerts",
+    params(AlertsQuery),
+    responses(
+        (status = 200, description = "the alerts", content((Alerts = "application/json"), (String = "text/csv")),
         headers(("Link" = String, description = "the next page"))),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-    (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_alerts(
+        (status = 404, description = "no such gyro")))]
+pub async fn get_alerts(
     State(app): State<App>,
     Parameters(asked): Parameters<AlertsQuery>,
     uri: Uri,
@@ -156,7 +146,7 @@ fn one_of<T, const N: usize>(
 
 /// One alert and what became of it.
 #[derive(Serialize, ToSchema)]
-struct AlertDetail {
+pub struct AlertDetail {
     #[serde(flatten)]
     alert: AlertBody,
     /// Its newest thousand steps, oldest first.
@@ -188,11 +178,8 @@ impl From<AlertStep> for StepBody {
 
 /// One alert with its history.
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
-    params(("id" = String, Path, description = "identifier of the alert")),
-    responses(
-        (status = 200, description = "the alert", body = AlertDetail),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json")))]
-async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
+    responses((status = 200, description = "the alert", body = AlertDetail)))]
+pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
     let found = app.pipeline.alerts.get(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
     Ok(Json(AlertDetail { alert: found.alert, history: found.steps.into_iter().map(StepBody::from).collect() }))
 }
@@ -229,16 +216,10 @@ struct SilenceOrder {
 
 /// Somebody knows: no more repeats until it resolves or grows more severe. Both are still told.
 #[utoipa::path(post, path = "/v1/alerts/{id}/acknowledge", tag = "alerts", request_body = AcknowledgeBody,
-    params(("id" = String, Path, description = "identifier of the alert")),
     responses(
         (status = 200, description = "the alert, acknowledged", body = AlertBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it is resolved", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_acknowledge(
+        (status = 409, description = "it is resolved")))]
+pub async fn post_acknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -248,15 +229,8 @@ async fn post_acknowledge(
 
 /// Nobody knows, after all: repeats go on.
 #[utoipa::path(post, path = "/v1/alerts/{id}/unacknowledge", tag = "alerts", request_body = AcknowledgeBody,
-    params(("id" = String, Path, description = "identifier of the alert")),
-    responses(
-        (status = 200, description = "the alert, not acknowledged", body = AlertBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_unacknowledge(
+    responses((status = 200, description = "the alert, not acknowledged", body = AlertBody)))]
+pub async fn post_unacknowledge(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -275,15 +249,8 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
 #[utoipa::path(post, path = "/v1/alerts/{id}/silence", tag = "alerts", request_body = SilenceOrder,
-    params(("id" = String, Path, description = "identifier of the alert")),
-    responses(
-        (status = 200, description = "the alert, silenced", body = AlertBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such alert", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_silence(
+    responses((status = 200, description = "the alert, silenced", body = AlertBody)))]
+pub async fn post_silence(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,

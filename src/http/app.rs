@@ -1,4 +1,4 @@
-//! What every handler may use.
+//! What handlers work with.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::config::Config;
 use crate::pipeline::Pipeline;
 use crate::system::Clock;
 
-/// Cheap to clone.
+/// What every handler may use. Cheap to clone.
 #[derive(Clone)]
 pub struct App {
     pub config: Arc<Config>,

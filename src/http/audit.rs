@@ -7,11 +7,9 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
 use super::answer::Answer;
+use super::app::App;
 use super::query::{self, Parameters};
 use crate::core::access::AuditFilter;
 use crate::core::id::Id;
@@ -20,16 +18,12 @@ use crate::pipeline::AuditEntry;
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_audit))
-}
-
 const MOST_LINES: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct AuditQuery {
+pub struct AuditQuery {
     /// Not before this time, RFC 3339.
     from: Option<String>,
     /// Not after this time, RFC 3339.
@@ -80,12 +74,12 @@ struct Audit {
 }
 
 /// The audit trail, newest first. It is only ever added to.
-#[utoipa::path(get, path = "/v1/audit", tag = "access", params(AuditQuery),
+#[utoipa::path(get, path = "/v1/audit", tag = "access",
+    params(AuditQuery),
     responses(
         (status = 200, description = "the lines", content((Audit = "application/json"), (String = "text/csv")),
-            headers(("Link" = Option<String>, description = "where it goes on"))),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_audit(
+            headers(("Link" = Option<String>, description = "where it goes on")))))]
+pub async fn get_audit(
     State(app): State<App>,
     headers: HeaderMap,
     uri: Uri,

@@ -5,24 +5,18 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
+use super::remark::{self, Said};
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::message::text;
 use crate::core::record::Name;
-use crate::http::remark::{Said, gyro_named, submit};
 use crate::message;
 use crate::pipeline::{Actor, GyroEvent};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_baseline))
-}
 
 /// Why and from when on a new baseline counts.
 #[derive(Deserialize, ToSchema)]
@@ -88,7 +82,7 @@ impl FixedBody {
 
 /// A baseline mark as it is stored.
 #[derive(Serialize, ToSchema)]
-struct BaselineAnswer {
+pub struct BaselineAnswer {
     id: String,
     serial: String,
     at: String,
@@ -100,24 +94,16 @@ struct BaselineAnswer {
 
 /// Starts a new baseline (after a repair or re-installation). What it changes is judged again.
 #[utoipa::path(post, path = "/v1/gyros/{serial}/baseline", tag = "gyros", request_body = BaselineBody,
-    params(("serial" = String, Path, description = "serial number of the gyro")),
     responses(
         (status = 201, description = "the baseline is set", body = BaselineAnswer),
         (status = 200, description = "was set before, in the same words", body = BaselineAnswer),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "another baseline begins at that very time, for another reason or at other levels", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_baseline(
+        (status = 409, description = "another baseline begins at that very time, for another reason or at other levels")))]
+pub async fn post_baseline(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,
 ) -> Result<(StatusCode, Json<BaselineAnswer>), Problem> {
-    let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let otherwise = message!("baseline_there");
-    let (status, id) = submit(&app, event.clone(), otherwise).await?;
+    let (status, id, event) = remark::post(&app, &serial, &body, read, message!("baseline_there")).await?;
     let GyroEvent { at, fixed, reason, author, .. } = event;
     let (id, at, fixed) = (id.to_string(), time::format(at), FixedBody::of(&fixed));
     Ok((status, Json(BaselineAnswer { id, serial, at, reason, author, fixed })))

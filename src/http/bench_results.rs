@@ -1,34 +1,28 @@
 //! `/v1/bench-results`: what single-gyro benches measured.
 
+use axum::Json;
 use axum::extract::{Path, State};
+use axum::http::StatusCode;
 use axum::http::header::LOCATION;
-use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
 use serde::Serialize;
 use serde_json::value::{RawValue, to_raw_value};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::corrections::{StandingBody, standing};
-use super::document::{Document, idempotency_key};
+use super::document::Document;
+use super::document_post::{DocumentPost, IdempotencyKey};
 use super::telling::Telling;
-use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::{Accepted, Caller, Sent, Submission};
+use crate::pipeline::{Accepted, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::problem::Problem;
 use crate::wire::sender::SenderBody;
 use crate::wire::time;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_bench_result)).routes(routes!(get_bench_result))
-}
 
 /// The answer to a bench result.
 #[derive(Serialize, ToSchema)]
@@ -39,37 +33,21 @@ struct BenchAnswer {
 
 /// Stores a bench result; the same rules as for records.
 #[utoipa::path(post, path = "/v1/bench-results", tag = "bench results", request_body = BenchBody,
-    params(
-        ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
-        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
-        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows")),
+    params(IdempotencyKey, Telling),
     responses(
         (status = 201, description = "stored", body = BenchAnswer, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "was stored before with the same content", body = BenchAnswer),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "the same gyro, time and method with other content", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
-        (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_bench_result(
+        (status = 409, description = "the same gyro, time and method with other content")))]
+pub async fn post_bench_result(
     State(app): State<App>,
-    Extension(caller): Extension<Caller>,
-    headers: HeaderMap,
-    telling: Telling,
-    body: Document,
+    post: DocumentPost,
+    Document(bytes): Document,
 ) -> Result<Response, Problem> {
-    let bytes = body.0;
     let read = app.pipeline.reader.bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
-    bench.idempotency_key = idempotency_key(&headers)?;
+    bench.idempotency_key = post.key()?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
-    let submission = Submission::Bench(Box::new(bench));
-    submission.may_be_sent_by(&caller)?;
-    let late = telling.late_or(Late::Quiet);
-    let (accepted, ()) = app.pipeline.ingest.submit_late(submission, late, |_| ()).await?;
-    telling.end(&app, late).await;
+    let (accepted, ()) = post.submit(&app, Submission::Bench(Box::new(bench)), |_| ()).await?;
     let status = match accepted {
         Accepted::Stored { .. } => StatusCode::CREATED,
         Accepted::There { .. } => StatusCode::OK,
@@ -81,7 +59,7 @@ async fn post_bench_result(
 
 /// A stored bench result.
 #[derive(Serialize, ToSchema)]
-struct StoredBench {
+pub struct StoredBench {
     id: String,
     #[serde(flatten)]
     standing: StandingBody,
@@ -99,11 +77,8 @@ struct StoredBench {
 
 /// A stored bench result, as it was sent or as it was fitted.
 #[utoipa::path(get, path = "/v1/bench-results/{id}", tag = "bench results",
-    params(("id" = String, Path, description = "identifier of the bench result")),
-    responses(
-        (status = 200, description = "the bench result", body = StoredBench),
-        (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json")))]
-async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
+    responses((status = 200, description = "the bench result", body = StoredBench)))]
+pub async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
     let no_such = || Problem::no_such_bench_result(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
     let row = app.pipeline.queries.records.bench(number).await?.ok_or_else(no_such)?;

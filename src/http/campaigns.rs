@@ -2,33 +2,28 @@
 
 use std::time::Duration;
 
+use axum::Json;
 use axum::extract::{FromRequest, Path, Request, State};
-use axum::http::header::{LOCATION, RETRY_AFTER};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
+use axum::http::header::RETRY_AFTER;
 use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
-use super::answer::{Answer, JustJudged};
-use super::corrections::{Standing, StandingBody, standing};
-use super::document::{Document, check_media_type, idempotency_key};
+use super::app::App;
+use super::corrections::{StandingBody, standing};
+use super::document::{Document, check_media_type};
+use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
+use super::prefer_header::{AsWanted, Wanted};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
-use crate::core::alert_decision::Late;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::message::Message;
-use crate::http::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use crate::message;
-use crate::pipeline::{
-    Accepted, Caller, DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission,
-};
+use crate::pipeline::{DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -41,12 +36,8 @@ use crate::wire::split::SplitBody;
 use crate::wire::time;
 use crate::words;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_campaign)).routes(routes!(get_campaign)).routes(routes!(get_diagnosis))
-}
-
 /// A campaign as JSON or CSV.
-struct Dwells(Bytes, Form);
+pub struct Dwells(Bytes, Form);
 
 impl<S: Send + Sync> FromRequest<S> for Dwells {
     type Rejection = Response;
@@ -63,34 +54,17 @@ impl<S: Send + Sync> FromRequest<S> for Dwells {
 /// Fits model (6) to the dwells, separates, stores and judges; the same rules as for records.
 ///
 /// A raw single-gyro bench test (`"test": "torque_feedback"` or `"turntable_servo"`) becomes a bench result.
-#[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns",
-    request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
-    params(
-        ("Idempotency-Key" = Option<String>, Header, description = "one key a request, repeated when it is sent again"),
-        ("notify" = Option<String>, Query, description = "who is told of what is found later than `alerts.backfill_days`: `all`, `digest` or `none`; as of an import"),
-        ("more" = Option<bool>, Query, description = "with `notify=digest`: more of the same import follows"),
-        ("Prefer" = Option<String>, Header, description = "`return=minimal`: the answer is the identifier and how many verdicts there are of each state")),
+#[utoipa::path(post, path = "/v1/campaigns", tag = "campaigns", request_body(content((CampaignBody = "application/json"), (String = "text/csv"))),
+    params(IdempotencyKey, Telling, Wanted),
     responses(
         (status = 201, description = "stored and judged", body = AsWanted<CampaignAnswer>,
             headers(("Location" = String, description = "where it is"), ("Preference-Applied" = Option<String>, description = "`return=minimal` where it was preferred"))),
         (status = 200, description = "was stored before with the same content", body = AsWanted<CampaignAnswer>),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "the same IMU and time with other content", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "neither application/json nor text/csv", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "what cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json"),
-        (status = 507, description = "no room left", body = Problem, content_type = "application/problem+json")))]
-async fn post_campaign(
-    State(app): State<App>,
-    Extension(caller): Extension<Caller>,
-    headers: HeaderMap,
-    wanted: Wanted,
-    telling: Telling,
-    body: Dwells,
-) -> Result<Response, Problem> {
+        (status = 409, description = "the same IMU and time with other content"),
+        (status = 422, description = "what cannot be stored; the places are named")))]
+pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwells) -> Result<Response, Problem> {
     let Dwells(bytes, form) = body;
-    let key = idempotency_key(&headers)?;
+    let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
     let read = words::spawn_blocking(move || pipeline.reader.campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
@@ -99,51 +73,34 @@ async fn post_campaign(
         Form::Json => Document::refused_as(DocumentKind::Campaign, &bytes, faults),
     })?;
     let is_bench = matches!(fitted, Fitted::Bench(_));
-    let (sent, place) = if is_bench {
+    let (sent, collection) = if is_bench {
         (Sent::Bench(&body), "bench-results")
     } else {
         (Sent::Calibration(Kind::Campaign, &body), "campaigns")
     };
-    let submission = Submission::from(fitted.with_key(key));
-    submission.may_be_sent_by(&caller)?;
-    let answer_of = |id: Id, notes: Vec<NoteBody>| {
+    let whole = |id: Id, notes: Vec<NoteBody>| {
         let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.reader.campaign_answer(&fit) };
         answer.notes.extend(notes);
         answer
     };
-    let late = telling.late_or(Late::Quiet);
-    let worded = app.pipeline.ingest.submit_late(submission, late, |accepted| {
-        let Accepted::Stored { id, judged, notes } = accepted else { return None };
-        let notes = notes.iter().map(NoteBody::of).collect();
-        let answer = match wanted {
-            Wanted::Whole => JustJudged { answer: &answer_of(*id, notes), judged }.into_response(),
-            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
-        };
-        let location = [(LOCATION, format!("/v1/{place}/{id}"))];
-        Some((StatusCode::CREATED, location, wanted.applied(), answer).into_response())
-    });
-    let (accepted, created) = worded.await?;
-    telling.end(&app, late).await;
-    if let Some(created) = created {
-        return Ok(created);
-    }
-    let id = app.pipeline.ingest.settle(&accepted, sent).await?;
-    let location = [(LOCATION, format!("/v1/{place}/{id}"))];
-    if is_bench {
+    let item = Submission::from(fitted.with_key(key));
+    match post.store(&app, (item, sent), collection, &whole).await? {
+        PostOutcome::New(answer) => Ok(answer),
         // Of a bench test nothing is judged: the answer is the fit, now as then.
-        let answer = AsWanted::of(wanted, answer_of(id, Vec::new()), id, std::iter::empty(), Vec::new());
-        return Ok((location, wanted.applied(), Json(answer)).into_response());
+        PostOutcome::There(id) if is_bench => {
+            Ok(post.again((collection, id), (whole(id, Vec::new()), std::iter::empty(), Vec::new()), None))
+        }
+        PostOutcome::There(id) => {
+            let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
+            let whole = (answer, item.states.into_iter(), history_note::read(item.notes.as_deref()));
+            Ok(post.again((collection, id), whole, standing(&app, id).await?.unless_valid()))
+        }
     }
-    let stored = stored(&app, id).await?;
-    let notes = history_note::read(stored.item.notes.as_deref());
-    let answer = AsWanted::of(wanted, stored.answer, id, stored.item.states.into_iter(), notes);
-    let standing = standing(&app, id).await?.unless_valid();
-    Ok((location, wanted.applied(), Answer(Standing { answer, standing })).into_response())
 }
 
 /// A stored campaign.
 #[derive(Serialize, ToSchema)]
-struct StoredCampaignBody {
+pub struct StoredCampaignBody {
     #[serde(flatten)]
     answer: CampaignAnswer,
     #[serde(flatten)]
@@ -158,11 +115,8 @@ struct StoredCampaignBody {
 
 /// A stored campaign: what was sent, the fit with its evidence, what was separated, and how it is judged.
 #[utoipa::path(get, path = "/v1/campaigns/{id}", tag = "campaigns",
-    params(("id" = String, Path, description = "identifier of the campaign")),
-    responses(
-        (status = 200, description = "the campaign", body = StoredCampaignBody),
-        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json")))]
-async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
+    responses((status = 200, description = "the campaign", body = StoredCampaignBody)))]
+pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
     let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
     let campaign = RawValue::from_string(item.body.to_string())
@@ -174,14 +128,14 @@ async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<
 
 /// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot be told.
 #[utoipa::path(get, path = "/v1/campaigns/{id}/diagnosis", tag = "campaigns",
-    params(("id" = String, Path, description = "identifier of the campaign"), DiagnosisQuery),
+    params(DiagnosisQuery),
     responses(
         (status = 200, description = "the diagnosis", body = DiagnosisBody),
         (status = 202, description = "it is being made; ask again", headers(("Retry-After" = u32, description = "seconds"))),
-        (status = 400, description = "a bad query", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such campaign, or no such reference", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "the campaign leaves nothing to hold against the model, or the reference is none for it", body = Problem, content_type = "application/problem+json")))]
-async fn get_diagnosis(
+        (status = 400, description = "a bad query"),
+        (status = 404, description = "no such campaign, or no such reference"),
+        (status = 422, description = "the campaign leaves nothing to hold against the model, or the reference is none for it")))]
+pub async fn get_diagnosis(
     State(app): State<App>,
     Path(id): Path<String>,
     Parameters(query): Parameters<DiagnosisQuery>,
@@ -221,7 +175,7 @@ const PATIENCE_S: u64 = 10;
 #[derive(Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
-struct DiagnosisQuery {
+pub struct DiagnosisQuery {
     /// Identifier of an earlier campaign or record of the IMU: the gap is then also split into parameters, structure and noise.
     reference: Option<String>,
     /// Seconds to wait for one that is being made, 0 to 10; 10 where left out.

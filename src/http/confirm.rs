@@ -4,10 +4,8 @@ use axum::Json;
 use axum::extract::{Path, State};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use crate::core::fault::Faults;
@@ -15,10 +13,6 @@ use crate::core::id::Id;
 use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(confirm_record))
-}
 
 /// Who confirms the time of a record, and why it is right.
 #[derive(Deserialize, ToSchema)]
@@ -32,7 +26,7 @@ struct ConfirmOrder {
 
 /// A record whose time was confirmed.
 #[derive(Serialize, ToSchema)]
-struct ConfirmedBody {
+pub struct ConfirmedBody {
     id: String,
     #[serde(flatten)]
     standing: StandingBody,
@@ -43,13 +37,8 @@ struct ConfirmedBody {
     params(("id" = String, Path, description = "identifier of the record or campaign")),
     responses(
         (status = 200, description = "it counts; so too where it was confirmed before", body = ConfirmedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it is not set aside, or another record stands at its time", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn confirm_record(
+        (status = 409, description = "it is not set aside, or another record stands at its time")))]
+pub async fn confirm_record(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,

@@ -8,11 +8,9 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
 use super::answer::Answer;
+use super::app::App;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
 use crate::core::id::Id;
@@ -26,15 +24,6 @@ use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
 use crate::wire::{json, text, time};
 use crate::words;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(void_record))
-        .routes(routes!(revise_record))
-        .routes(routes!(void_campaign))
-        .routes(routes!(revise_campaign))
-        .routes(routes!(void_bench_result))
-}
 
 /// How a record, campaign or bench result stands.
 #[derive(Debug, Serialize, ToSchema)]
@@ -85,7 +74,7 @@ impl StandingBody {
 
 /// A record or bench result that counts no more.
 #[derive(Serialize, ToSchema)]
-struct CorrectedBody {
+pub struct CorrectedBody {
     id: String,
     #[serde(flatten)]
     standing: StandingBody,
@@ -141,16 +130,10 @@ impl VoidOrder {
 
 /// A record counts no more: it is kept, with who said so and why, and what depends on it is judged again.
 #[utoipa::path(post, path = "/v1/records/{id}/void", tag = "records", request_body = VoidOrder,
-    params(("id" = String, Path, description = "identifier of the record")),
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn void_record(
+        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
+pub async fn void_record(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -160,16 +143,10 @@ async fn void_record(
 
 /// A campaign counts no more: it is kept, with who said so and why, and what depends on it is judged again.
 #[utoipa::path(post, path = "/v1/campaigns/{id}/void", tag = "campaigns", request_body = VoidOrder,
-    params(("id" = String, Path, description = "identifier of the campaign")),
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn void_campaign(
+        (status = 409, description = "it was voided or revised before, by another author, for another reason or by other content")))]
+pub async fn void_campaign(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -179,16 +156,10 @@ async fn void_campaign(
 
 /// A bench result counts no more: it is kept, with who said so and why, and the methods are compared without it.
 #[utoipa::path(post, path = "/v1/bench-results/{id}/void", tag = "bench results", request_body = VoidOrder,
-    params(("id" = String, Path, description = "identifier of the bench result")),
     responses(
         (status = 200, description = "it counts no more; so too where the same was said before", body = CorrectedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such bench result", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was voided before, by another author or for another reason", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn void_bench_result(
+        (status = 409, description = "it was voided before, by another author or for another reason")))]
+pub async fn void_bench_result(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,
@@ -219,17 +190,15 @@ struct RecordRevision {
 /// Another record stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
 /// was voided can still be revised.
 #[utoipa::path(post, path = "/v1/records/{id}/revise", tag = "records", request_body = RecordRevision,
-    params(("id" = String, Path, description = "identifier of the record")),
     responses(
         (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<RecordAnswer>),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such record", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was revised before, or another stands at the new one's time", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn revise_record(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
+        (status = 409, description = "it was revised before, or another stands at the new one's time")))]
+pub async fn revise_record(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Response, Problem> {
     let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
@@ -257,17 +226,15 @@ struct CampaignRevision {
 /// Another campaign stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
 /// was voided can still be revised.
 #[utoipa::path(post, path = "/v1/campaigns/{id}/revise", tag = "campaigns", request_body = CampaignRevision,
-    params(("id" = String, Path, description = "identifier of the campaign")),
     responses(
         (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),
         (status = 200, description = "the same was said before", body = Standing<CampaignAnswer>),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such campaign", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it was revised before, or another stands at the new one's time", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn revise_campaign(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Response, Problem> {
+        (status = 409, description = "it was revised before, or another stands at the new one's time")))]
+pub async fn revise_campaign(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Response, Problem> {
     let item = campaign(&id)?;
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;

@@ -7,11 +7,9 @@ use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::IntoParams;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
 use super::answer::Answer;
+use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, bad, not_one_of, with_sign};
 use crate::core::fault::Fault;
@@ -24,13 +22,6 @@ use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, diagnoses_csv};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_diagnoses, post_diagnoses))
-        .routes(routes!(get_summary))
-        .routes(routes!(get_one, delete_one))
-}
-
 const MOST_ORDERS: usize = 100;
 const MOST_FAILURES: usize = 1000;
 
@@ -38,14 +29,12 @@ const MOST_FAILURES: usize = 1000;
 ///
 /// Those whose diagnosis is of this version of the program and the model in force are done already, unless `again` is true. The
 /// same order, sent while it is being worked off, is that order.
-#[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody, responses(
-    (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
-    (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "an unknown IMU or station, no time …; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+#[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody,
+    responses(
+        (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
+        (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
+        (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
+pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let wanted = app.pipeline.diagnoses.read_wanted(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
@@ -58,7 +47,7 @@ async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Respon
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct PageQuery {
+pub struct PageQuery {
     /// At most so many; 20 orders or 100 failures unless it is given.
     limit: Option<usize>,
     /// `next` of the page before.
@@ -72,10 +61,11 @@ impl PageQuery {
 }
 
 /// Orders with their progress, newest first.
-#[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses", params(PageQuery), responses(
-    (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on"))),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_diagnoses(
+#[utoipa::path(get, path = "/v1/diagnoses", tag = "diagnoses",
+    params(PageQuery),
+    responses(
+        (status = 200, description = "the orders", body = JobsBody, headers(("Link" = Option<String>, description = "where it goes on")))))]
+pub async fn get_diagnoses(
     State(app): State<App>,
     uri: Uri,
     Parameters(asked): Parameters<PageQuery>,
@@ -92,12 +82,10 @@ async fn get_diagnoses(
 
 /// One order: how far it has come, and which campaigns could not be diagnosed, and why.
 #[utoipa::path(get, path = "/v1/diagnoses/{id}", tag = "diagnoses",
-    params(("id" = String, Path, description = "identifier of the order"), PageQuery),
+    params(PageQuery),
     responses(
-        (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on"))),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json")))]
-async fn get_one(
+        (status = 200, description = "the order", body = JobDetailBody, headers(("Link" = Option<String>, description = "where its failures go on")))))]
+pub async fn get_one(
     State(app): State<App>,
     uri: Uri,
     Path(id): Path<String>,
@@ -111,13 +99,8 @@ async fn get_one(
 
 /// Cancels an order. What is done stays done; what is in work is finished.
 #[utoipa::path(delete, path = "/v1/diagnoses/{id}", tag = "diagnoses",
-    params(("id" = String, Path, description = "identifier of the order")),
-    responses(
-        (status = 204, description = "canceled, now or before"),
-        (status = 404, description = "no such order", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "it has ended", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+    responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
+pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -125,7 +108,7 @@ async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<St
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct SummaryQuery {
+pub struct SummaryQuery {
     /// Of this IMU alone.
     imu: Option<String>,
     /// Of campaigns at this station alone.
@@ -144,10 +127,11 @@ struct SummaryQuery {
 /// far the gap closes and what D_I and D_S are moved by; and whose gap the catalogue does not explain.
 ///
 /// Campaigns that were voided or revised are left out. In CSV a line is an effect in a gyro, or an IMU in doubt.
-#[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses", params(SummaryQuery), responses(
-    (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv"))),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_summary(
+#[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses",
+    params(SummaryQuery),
+    responses(
+        (status = 200, description = "the summary", content((SummaryBody = "application/json"), (String = "text/csv")))))]
+pub async fn get_summary(
     State(app): State<App>,
     headers: HeaderMap,
     Parameters(asked): Parameters<SummaryQuery>,

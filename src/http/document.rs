@@ -69,11 +69,3 @@ pub fn check_media_type(headers: &HeaderMap, accepted: &[&'static str]) -> Resul
 fn unsupported(message: Message) -> Problem {
     Problem::new(415, "title_unsupported_media_type", message)
 }
-
-/// The `Idempotency-Key` header, at most 255 visible characters.
-pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
-    let Some(value) = headers.get("idempotency-key") else { return Ok(None) };
-    let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
-    key.map(|key| Some(key.to_owned()))
-        .ok_or_else(|| Problem::new(400, "title_bad_idempotency_key", message!("idempotency_key_form")))
-}

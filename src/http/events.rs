@@ -5,27 +5,21 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::baseline::FixedBody;
 use super::document::Document;
 use super::query;
+use super::remark::{self, Said};
 use crate::core::fault::Faults;
 use crate::core::judge::{Event, Rule};
 use crate::core::message::{list, sent};
 use crate::core::record::Name;
-use crate::http::remark::{Said, gyro_named, submit};
 use crate::message;
 use crate::pipeline::{Actor, EventItem, GyroEvent};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::{json, time};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_events, post_event))
-}
 
 /// What was done to a gyro.
 #[derive(Serialize, ToSchema)]
@@ -73,18 +67,15 @@ fn judges(rule: Rule) -> bool {
 
 /// Events, oldest first.
 #[derive(Serialize, ToSchema)]
-struct Events {
+pub struct Events {
     serial: String,
     events: Vec<EventBody>,
 }
 
 /// What was done to a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/events", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro")),
-    responses(
-        (status = 200, description = "the events", body = Events),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
+    responses((status = 200, description = "the events", body = Events)))]
+pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
     let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
@@ -113,24 +104,16 @@ struct NewEvent {
 
 /// Says what was done to a gyro. What the event resets is judged again.
 #[utoipa::path(post, path = "/v1/gyros/{serial}/events", tag = "gyros", request_body = NewEvent,
-    params(("serial" = String, Path, description = "serial number of the gyro")),
     responses(
         (status = 201, description = "the event is stored", body = EventBody),
         (status = 200, description = "was stored before, with the same words", body = EventBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "the same kind of event is stored at that very time, with other words", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_event(
+        (status = 409, description = "the same kind of event is stored at that very time, with other words")))]
+pub async fn post_event(
     State(app): State<App>,
     Path(serial): Path<String>,
     body: Document,
 ) -> Result<(StatusCode, Json<EventBody>), Problem> {
-    let event = read(&app, gyro_named(&serial)?, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let otherwise = message!("event_there");
-    let (status, id) = submit(&app, event.clone(), otherwise).await?;
+    let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
     let row = EventItem { id, at, event, until, test, fixed, reason, author };
     Ok((status, Json(EventBody::of(&row))))

@@ -2,26 +2,17 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::query;
 use crate::wire::history::HistoryDiagnosisBody;
 use crate::wire::problem::Problem;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_gyro_diagnosis))
-}
-
 /// Why the coefficients of the gyro changed: ageing, an event, a re-mounting, a station, temperature, clocking, or a step that
 /// nothing on record explains. Stations are told apart by what they do to the other gyros that they measured.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/diagnosis", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro")),
-    responses(
-        (status = 200, description = "the causes, coefficient by coefficient", body = HistoryDiagnosisBody),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_gyro_diagnosis(
+    responses((status = 200, description = "the causes, coefficient by coefficient", body = HistoryDiagnosisBody)))]
+pub async fn get_gyro_diagnosis(
     State(app): State<App>,
     Path(serial): Path<String>,
 ) -> Result<Json<HistoryDiagnosisBody>, Problem> {

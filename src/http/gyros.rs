@@ -4,10 +4,8 @@ use axum::Json;
 use axum::extract::{Path, State};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
@@ -21,16 +19,12 @@ use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_gyros)).routes(routes!(get_gyro))
-}
-
 const MOST_GYROS: usize = 10_000;
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct GyrosQuery {
+pub struct GyrosQuery {
     /// At most so many; 1000 unless it is given.
     limit: Option<usize>,
     /// `next` of the page before.
@@ -70,7 +64,7 @@ impl Filter {
 }
 
 #[derive(Serialize, ToSchema)]
-struct Gyros {
+pub struct Gyros {
     /// In the order in which they were first seen.
     gyros: Vec<Gyro>,
     /// Cursor of the next page; null on the last.
@@ -134,10 +128,13 @@ struct StatusesBody {
 }
 
 /// Every gyro, with its newest figures and status.
-#[utoipa::path(get, path = "/v1/gyros", tag = "gyros", params(GyrosQuery), responses(
-    (status = 200, description = "the gyros", body = Gyros),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_gyros(State(app): State<App>, Parameters(asked): Parameters<GyrosQuery>) -> Result<Json<Gyros>, Problem> {
+#[utoipa::path(get, path = "/v1/gyros", tag = "gyros",
+    params(GyrosQuery),
+    responses((status = 200, description = "the gyros", body = Gyros)))]
+pub async fn get_gyros(
+    State(app): State<App>,
+    Parameters(asked): Parameters<GyrosQuery>,
+) -> Result<Json<Gyros>, Problem> {
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
     let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
@@ -174,7 +171,7 @@ async fn page(
 
 /// One gyro.
 #[derive(Serialize, ToSchema)]
-struct GyroDetail {
+pub struct GyroDetail {
     #[serde(flatten)]
     gyro: Gyro,
     /// Verdicts on its newest record, each with its `status`; where a bench has measured it, also how the methods agree.
@@ -188,11 +185,8 @@ struct GyroDetail {
 
 /// One gyro: its newest figures, how they are judged, and what was done to it.
 #[utoipa::path(get, path = "/v1/gyros/{serial}", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro")),
-    responses(
-        (status = 200, description = "the gyro", body = GyroDetail),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
+    responses((status = 200, description = "the gyro", body = GyroDetail)))]
+pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
     let number = query::gyro(&app, &serial)?;
     let Queries { fleet, histories, .. } = &app.pipeline.queries;
     let found = fleet.standing_in_words(number).await?;

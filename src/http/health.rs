@@ -7,7 +7,7 @@ use axum::extract::State;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::App;
+use super::app::App;
 use crate::core::message::Message;
 use crate::message;
 use crate::pipeline::WriteError;
@@ -24,7 +24,8 @@ pub struct Health {
 }
 
 /// Liveness: answers as long as the process runs.
-#[utoipa::path(get, path = "/healthz", tag = "service", responses((status = 200, description = "alive", body = Health)))]
+#[utoipa::path(get, path = "/healthz", tag = "service",
+    responses((status = 200, description = "alive", body = Health)))]
 pub async fn healthz() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") })
 }
@@ -38,9 +39,10 @@ fn unwritten(error: &WriteError) -> Message {
 }
 
 /// Readiness: the database can be read and written, and the writer and the delivery worker are at work.
-#[utoipa::path(get, path = "/readyz", tag = "service", responses(
-    (status = 200, description = "ready", body = Health),
-    (status = 503, description = "not ready, and why", body = Problem, content_type = "application/problem+json")))]
+#[utoipa::path(get, path = "/readyz", tag = "service",
+    responses(
+        (status = 200, description = "ready", body = Health),
+        (status = 503, description = "not ready, and why")))]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
     app.pipeline.ping().await.map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;

@@ -7,10 +7,8 @@ use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters};
 use crate::core::delivery::DeliveryState;
@@ -22,41 +20,30 @@ use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_hooks, post_hook))
-        .routes(routes!(get_hook, patch_hook, delete_hook))
-        .routes(routes!(test_hook))
-        .routes(routes!(get_deliveries))
-        .routes(routes!(get_delivery))
-        .routes(routes!(redeliver))
-}
-
 const MOST_DELIVERIES: usize = 1000;
 
 #[derive(Serialize, ToSchema)]
-struct Hooks {
+pub struct Hooks {
     /// Oldest first.
     hooks: Vec<HookBody>,
 }
 
 /// Every hook, without its secrets.
-#[utoipa::path(get, path = "/v1/hooks", tag = "hooks", responses((status = 200, description = "the hooks", body = Hooks)))]
-async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
+#[utoipa::path(get, path = "/v1/hooks", tag = "hooks",
+    responses((status = 200, description = "the hooks", body = Hooks)))]
+pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
     Ok(Json(Hooks { hooks: app.pipeline.hooks.all().await? }))
 }
 
 /// Sets up a hook: from here on it is told of every alert that its filter lets through.
 ///
 /// A secret that the service has drawn is in the answer, this once.
-#[utoipa::path(post, path = "/v1/hooks", tag = "hooks", request_body = NewHookBody, responses(
-    (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "there are too many", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+#[utoipa::path(post, path = "/v1/hooks", tag = "hooks", request_body = NewHookBody,
+    responses(
+        (status = 201, description = "set up", body = HookBody, headers(("Location" = String, description = "where it is"))),
+        (status = 409, description = "there are too many"),
+        (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
+pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = app.pipeline.hooks.read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
     let id = app.pipeline.hooks.order(Order::Create(new)).await?;
@@ -65,26 +52,23 @@ async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, P
 }
 
 /// One hook.
-#[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
-    responses(
-        (status = 200, description = "the hook", body = HookBody),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
-async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
+#[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
+    responses((status = 200, description = "the hook", body = HookBody)))]
+pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
     let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
 }
 
 /// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits at once.
 #[utoipa::path(patch, path = "/v1/hooks/{id}", tag = "hooks", request_body = HookPatchBody,
-    params(("id" = String, Path, description = "identifier of the hook")),
     responses(
         (status = 200, description = "changed", body = HookBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "a forbidden address, a short secret …; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Document) -> Result<Json<HookBody>, Problem> {
+        (status = 422, description = "a forbidden address, a short secret …; the places are named")))]
+pub async fn patch_hook(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    body: Document,
+) -> Result<Json<HookBody>, Problem> {
     let id = hook_id(&id)?;
     let patch = app.pipeline.hooks.read_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = patch.drawn();
@@ -93,24 +77,18 @@ async fn patch_hook(State(app): State<App>, Path(id): Path<String>, body: Docume
 }
 
 /// Deletes a hook and what it was still to be told.
-#[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
-    responses(
-        (status = 204, description = "deleted"),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+#[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
+pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
 /// Sends a hook a message that says that nothing is wrong, before whatever waits; its delivery tells how that went.
-#[utoipa::path(post, path = "/v1/hooks/{id}/test", tag = "hooks", params(("id" = String, Path, description = "identifier of the hook")),
+#[utoipa::path(post, path = "/v1/hooks/{id}/test", tag = "hooks",
     responses(
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "the hook is disabled", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+        (status = 409, description = "the hook is disabled")))]
+pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
 }
@@ -118,7 +96,7 @@ async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Res
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct DeliveriesQuery {
+pub struct DeliveriesQuery {
     /// Only those that are `behind`, `waiting`, `delivered`, `dead` or `dropped`.
     state: Option<String>,
     /// At most so many; 100 unless it is given.
@@ -128,7 +106,7 @@ struct DeliveriesQuery {
 }
 
 #[derive(Serialize, ToSchema)]
-struct Deliveries {
+pub struct Deliveries {
     /// Newest first.
     deliveries: Vec<DeliveryBody>,
     /// Cursor of the next page; null on the last.
@@ -137,12 +115,9 @@ struct Deliveries {
 
 /// What a hook was told and is to be told, newest first, with every attempt; `state=dead` lists the dead letters.
 #[utoipa::path(get, path = "/v1/hooks/{id}/deliveries", tag = "hooks",
-    params(("id" = String, Path, description = "identifier of the hook"), DeliveriesQuery),
-    responses(
-        (status = 200, description = "the deliveries", body = Deliveries),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such hook", body = Problem, content_type = "application/problem+json")))]
-async fn get_deliveries(
+    params(DeliveriesQuery),
+    responses((status = 200, description = "the deliveries", body = Deliveries)))]
+pub async fn get_deliveries(
     State(app): State<App>,
     Path(id): Path<String>,
     Parameters(asked): Parameters<DeliveriesQuery>,
@@ -163,23 +138,19 @@ async fn get_deliveries(
 }
 
 /// One delivery with every attempt.
-#[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks", params(("id" = String, Path, description = "identifier of the delivery")),
-    responses(
-        (status = 200, description = "the delivery", body = DeliveryBody),
-        (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json")))]
-async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
+#[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
+    responses((status = 200, description = "the delivery", body = DeliveryBody)))]
+pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
     let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
 }
 
 /// Sends a delivery again that is done or a dead letter, from the start of the ladder; one that waits, at once.
-#[utoipa::path(post, path = "/v1/deliveries/{id}/redeliver", tag = "hooks", params(("id" = String, Path, description = "identifier of the delivery")),
+#[utoipa::path(post, path = "/v1/deliveries/{id}/redeliver", tag = "hooks",
     responses(
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
-        (status = 404, description = "no such delivery", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "an earlier one comes first, or the hook is disabled", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
+        (status = 409, description = "an earlier one comes first, or the hook is disabled")))]
+pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await
 }

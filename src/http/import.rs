@@ -23,10 +23,8 @@ use lines::{Line, Longest, lines};
 use serde::Serialize;
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::document::{Document, check_media_type};
 use super::edge::Forwarded;
 use super::telling::Telling;
@@ -38,10 +36,6 @@ use crate::wire::json::on_a_line;
 use crate::wire::note::NoteBody;
 use crate::wire::problem::{Problem, ProblemBody};
 use crate::words;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(post_import))
-}
 
 /// Lines that are read and stored together, at the most.
 const LINES_AT_ONCE: usize = 512;
@@ -72,16 +66,11 @@ struct LineAnswer {
 /// Stores records, campaigns and bench results, one a line, each by itself: a bad line is named and holds up no other.
 ///
 /// What a gyro did long ago and is found now (`alerts.backfill_days`) is told in one message a hook when the import ends, as far as it fires still.
-#[utoipa::path(post, path = "/v1/import", tag = "records",
-    params(
-        ("notify" = Option<String>, Query, description = "`digest` (unless given): what fires since long ago is told in one message; `all`: every change of every alert by itself; `none`: nothing of it"),
-        ("more" = Option<bool>, Query, description = "`true`: more requests of the same import follow; the digest comes after the last, which may be empty, or a quarter of an hour after nothing has come")),
-    request_body(content = String, content_type = "application/x-ndjson", description = "one JSON document a line"),
+#[utoipa::path(post, path = "/v1/import", tag = "records", request_body(content = String, content_type = "application/x-ndjson", description = "one JSON document a line"),
+    params(Telling),
     responses(
-        (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson"),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/x-ndjson", body = Problem, content_type = "application/problem+json")))]
-async fn post_import(
+        (status = 200, description = "one line an answer, in order", body = LineAnswer, content_type = "application/x-ndjson")))]
+pub async fn post_import(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     telling: Telling,

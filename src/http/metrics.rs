@@ -7,21 +7,15 @@ use axum::http::header::CONTENT_TYPE;
 use axum::http::{Method, StatusCode};
 use axum::response::{IntoResponse, Response};
 use metrics::{counter, gauge, histogram};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use crate::telemetry;
 use crate::wire::problem::Problem;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_metrics))
-}
 
 /// What the service counts about itself, in Prometheus' text format.
 #[utoipa::path(get, path = "/metrics", tag = "service",
     responses((status = 200, description = "the metrics", body = String, content_type = "text/plain")))]
-async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
+pub async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     let (database, log) = app.pipeline.sizes().await?;
     gauge!(telemetry::DATABASE).set(database as f64);
     gauge!(telemetry::LOG).set(log as f64);

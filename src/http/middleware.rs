@@ -3,39 +3,40 @@
 use std::panic::AssertUnwindSafe;
 
 use axum::extract::{Request, State};
-use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, COOKIE, HOST, TRANSFER_ENCODING};
+use axum::http::header::{ACCEPT_LANGUAGE, CONNECTION, HOST, TRANSFER_ENCODING};
 use axum::http::{HeaderMap, StatusCode, Version};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use futures::FutureExt;
 
+use super::access::{self, Gate};
 use super::metrics::Counted;
-use super::{App, access, problem};
+use super::problem;
+use crate::cookies;
 use crate::message;
 use crate::wire::problem::Problem;
 use crate::words::{self, Language};
 
 /// Counts the request, lets it in or refuses it, and puts what went wrong into the common form.
-pub async fn pass(State(app): State<App>, request: Request, next: Next) -> Response {
-    words::asked_in(language(request.headers()), passed(app, request, next)).await
+pub async fn pass(State(gate): State<Gate>, request: Request, next: Next) -> Response {
+    words::asked_in(language(request.headers()), passed(gate, request, next)).await
 }
 
 /// The language that was chosen on the pages, else that of `Accept-Language`.
 fn language(headers: &HeaderMap) -> Language {
-    let text = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
-    let mut cookies = text(COOKIE).flat_map(|all| all.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    let chosen = cookies.find(|(name, _)| *name == "language").and_then(|(_, tag)| Language::from_tag(tag));
-    chosen.unwrap_or_else(|| Language::preferred(text(ACCEPT_LANGUAGE).next().unwrap_or_default()))
+    let preferred = || headers.get(ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let chosen = cookies::sent(headers, "language").and_then(Language::from_tag);
+    chosen.unwrap_or_else(|| Language::preferred(preferred()))
 }
 
-async fn passed(app: App, request: Request, next: Next) -> Response {
+async fn passed(gate: Gate, request: Request, next: Next) -> Response {
     let counted = Counted::begin(&request);
     if let Some(doubt) = doubt(request.version(), request.headers()) {
         counted.end(doubt.status());
         return doubt;
     }
-    let longest_body = app.config.server.max_body_bytes;
-    answered(counted, longest_body, access::admit(&app, request, next)).await
+    let longest_body = gate.app.config.server.max_body_bytes;
+    answered(counted, longest_body, access::admit(&gate, request, next)).await
 }
 
 /// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would break off.

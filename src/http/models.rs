@@ -5,10 +5,8 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use serde::Serialize;
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use crate::message;
 use crate::pipeline::{Accepted, AdoptedModel, Adoption};
@@ -17,13 +15,9 @@ use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_model, post_model))
-}
-
 /// The model in force, and every one before it.
 #[derive(Serialize, ToSchema)]
-struct ImuModelBody {
+pub struct ImuModelBody {
     imu: String,
     /// In force now; without terms and effects it is the plain model, each campaign's own terms.
     model: ModelBody,
@@ -33,7 +27,7 @@ struct ImuModelBody {
 
 /// A model as it was adopted.
 #[derive(Serialize, ToSchema)]
-struct AdoptedBody {
+pub struct AdoptedBody {
     id: String,
     adopted_at: String,
     author: String,
@@ -42,11 +36,9 @@ struct AdoptedBody {
 }
 
 /// The error model in force for the IMU, with its history.
-#[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus", params(("imu" = String, Path, description = "name of the IMU")),
-    responses(
-        (status = 200, description = "the model and its history", body = ImuModelBody),
-        (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json")))]
-async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
+#[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus",
+    responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
+pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
     let models = app.pipeline.diagnoses.models(&imu).await?;
     let models =
         models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
@@ -66,16 +58,11 @@ async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Js
 ///
 /// A body without terms and effects undoes what was adopted before. What is stored stays as it was judged.
 #[utoipa::path(post, path = "/v1/imus/{imu}/model", tag = "imus", request_body = AdoptionBody,
-    params(("imu" = String, Path, description = "name of the IMU")),
     responses(
         (status = 201, description = "in force from now on", body = AdoptedBody),
         (status = 200, description = "was in force before", body = AdoptedBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such IMU", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that is no model; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_model(
+        (status = 422, description = "JSON that is no model; the places are named")))]
+pub async fn post_model(
     State(app): State<App>,
     Path(imu): Path<String>,
     body: Document,

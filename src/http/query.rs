@@ -7,7 +7,7 @@ use axum::http::Uri;
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
-use super::App;
+use super::app::App;
 use crate::core::message::{Message, list};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;

@@ -2,7 +2,8 @@
 
 use axum::http::StatusCode;
 
-use super::App;
+use super::app::App;
+use super::document::Document;
 use crate::core::fault::Faults;
 use crate::core::id::Id;
 use crate::core::message::Message;
@@ -37,16 +38,20 @@ impl Said {
     }
 }
 
-/// The gyro of a path.
-pub fn gyro_named(serial: &str) -> Result<Name, Problem> {
-    Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))
-}
-
-/// 201 and the identifier of what is new, 200 where it was there in the same words; `otherwise` is told where it was in others.
-pub async fn submit(app: &App, event: GyroEvent, otherwise: Message) -> Result<(StatusCode, Id), Problem> {
-    match app.pipeline.ingest.submit(Submission::Event(event)).await? {
-        Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id)),
-        Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id)),
+/// Reads what a document says of the gyro of a path and submits it: 201 and its identifier where it is new, 200 where it was there in the same
+/// words; `otherwise` is told where it was in others.
+pub async fn post(
+    app: &App,
+    serial: &str,
+    Document(bytes): &Document,
+    read: impl FnOnce(&App, Name, &[u8]) -> Result<GyroEvent, Faults>,
+    otherwise: Message,
+) -> Result<(StatusCode, Id, GyroEvent), Problem> {
+    let serial = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
+    let event = read(app, serial, bytes).map_err(|faults| Document::problem(bytes, faults))?;
+    match app.pipeline.ingest.submit(Submission::Event(event.clone())).await? {
+        Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id, event)),
+        Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id, event)),
         Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),
     }
 }

@@ -7,11 +7,9 @@ use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
 use super::alerts::future;
+use super::app::App;
 use super::document::Document;
 use super::query::{Parameters, not_one_of};
 use crate::core::alert_filter::Matchers;
@@ -26,32 +24,25 @@ use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
 use crate::wire::{json, text};
 
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(get_silences, post_matching_silence))
-        .routes(routes!(get_silence))
-        .routes(routes!(post_end_silence))
-}
-
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-struct SilencesQuery {
+pub struct SilencesQuery {
     /// `active`, or `all` that there ever were; those that hold, where it is left out.
     state: Option<String>,
 }
 
 /// Silences, newest first, a thousand at the most.
 #[derive(Serialize, ToSchema)]
-struct Silences {
+pub struct Silences {
     silences: Vec<MatchingSilenceBody>,
 }
 
 /// Silences of many alerts, newest first.
-#[utoipa::path(get, path = "/v1/silences", tag = "alerts", params(SilencesQuery), responses(
-    (status = 200, description = "the silences", body = Silences),
-    (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json")))]
-async fn get_silences(
+#[utoipa::path(get, path = "/v1/silences", tag = "alerts",
+    params(SilencesQuery),
+    responses((status = 200, description = "the silences", body = Silences)))]
+pub async fn get_silences(
     State(app): State<App>,
     Parameters(asked): Parameters<SilencesQuery>,
 ) -> Result<Json<Silences>, Problem> {
@@ -65,14 +56,11 @@ async fn get_silences(
 
 /// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has changed by then is told at
 /// its end.
-#[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody, responses(
-    (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "there are too many", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+#[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody,
+    responses(
+        (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),
+        (status = 409, description = "there are too many")))]
+pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
     let id = app.pipeline.alerts.order_silence(order).await?;
     let silence = shown(&app, id).await?;
@@ -107,11 +95,8 @@ fn matchers_of(body: MatchersBody, faults: &mut Faults) -> Matchers {
 
 /// One silence.
 #[utoipa::path(get, path = "/v1/silences/{id}", tag = "alerts",
-    params(("id" = String, Path, description = "identifier of the silence")),
-    responses(
-        (status = 200, description = "the silence", body = MatchingSilenceBody),
-        (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json")))]
-async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
+    responses((status = 200, description = "the silence", body = MatchingSilenceBody)))]
+pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Result<Json<MatchingSilenceBody>, Problem> {
     Ok(Json(shown(&app, id.parse().map_err(|_| unknown(&id))?).await?))
 }
 
@@ -135,15 +120,8 @@ struct EndSilenceBody {
 
 /// Ends a silence: what it has held back is told. One that is over already stays as it is.
 #[utoipa::path(post, path = "/v1/silences/{id}/end", tag = "alerts", request_body = EndSilenceBody,
-    params(("id" = String, Path, description = "identifier of the silence")),
-    responses(
-        (status = 200, description = "the silence, ended", body = MatchingSilenceBody),
-        (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such silence", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "JSON that cannot be stored; the places are named", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_end_silence(
+    responses((status = 200, description = "the silence, ended", body = MatchingSilenceBody)))]
+pub async fn post_end_silence(
     State(app): State<App>,
     Path(id): Path<String>,
     body: Document,

@@ -3,16 +3,24 @@
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use url::form_urlencoded;
+use utoipa::IntoParams;
 
-use super::App;
+use super::app::App;
 use super::query::not_one_of;
 use crate::core::alert_decision::Late;
 use crate::wire::problem::Problem;
 
 /// What a request that brings measurements says of telling.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, IntoParams)]
+#[into_params(parameter_in = Query)]
 pub struct Telling {
+    /// How what fires since longer than `alerts.backfill_days` is told. `all`: every change of every alert by itself. `digest`: what fires
+    /// still, in one message at the end of the import; so for an import unless it is given. `none`: not at all.
+    #[param(value_type = Option<String>)]
     notify: Option<Late>,
+    /// `true`: more requests of the same import follow. The digest comes after the last, which may be empty, or a quarter of an hour after
+    /// nothing has come.
+    #[param(value_type = Option<bool>)]
     more: bool,
 }
 

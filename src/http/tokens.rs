@@ -7,10 +7,8 @@ use axum::http::header::LOCATION;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
-use super::App;
+use super::app::App;
 use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
@@ -20,10 +18,6 @@ use crate::message;
 use crate::pipeline::{AccessOrder, NewToken, Token};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_tokens, post_token)).routes(routes!(delete_token))
-}
 
 /// A token. Its secret is in the answer to its making, and nowhere else.
 #[derive(Serialize, ToSchema)]
@@ -58,14 +52,15 @@ impl From<&Token> for TokenBody {
 }
 
 #[derive(Serialize, ToSchema)]
-struct Tokens {
+pub struct Tokens {
     /// Oldest first, those that were revoked or have expired too.
     tokens: Vec<TokenBody>,
 }
 
 /// Every token, without its secret.
-#[utoipa::path(get, path = "/v1/tokens", tag = "access", responses((status = 200, description = "the tokens", body = Tokens)))]
-async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
+#[utoipa::path(get, path = "/v1/tokens", tag = "access",
+    responses((status = 200, description = "the tokens", body = Tokens)))]
+pub async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
     let rows = app.pipeline.access.tokens().await?;
     Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
 }
@@ -88,13 +83,11 @@ struct NewTokenBody {
 }
 
 /// Makes a token. From the first one on, every request needs one.
-#[utoipa::path(post, path = "/v1/tokens", tag = "access", request_body = NewTokenBody, responses(
-    (status = 201, description = "made; its secret is shown this once", body = TokenBody, headers(("Location" = String, description = "where it is"))),
-    (status = 400, description = "not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "not application/json", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "an unknown role, an expiry in the past …; the places are named", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
+#[utoipa::path(post, path = "/v1/tokens", tag = "access", request_body = NewTokenBody,
+    responses(
+        (status = 201, description = "made; its secret is shown this once", body = TokenBody, headers(("Location" = String, description = "where it is"))),
+        (status = 422, description = "an unknown role, an expiry in the past …; the places are named")))]
+pub async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
     let secret = app.pipeline.access.order(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
@@ -105,12 +98,9 @@ async fn post_token(State(app): State<App>, body: Document) -> Result<Response, 
 }
 
 /// Revokes a token, at once and for good. Whoever has signed in with it is signed out.
-#[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access", params(("id" = String, Path, description = "identifier of the token")),
-    responses(
-        (status = 204, description = "revoked, now or before"),
-        (status = 404, description = "no such token", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "too busy or not writable; try again", body = Problem, content_type = "application/problem+json")))]
-async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+#[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "access",
+    responses((status = 204, description = "revoked, now or before")))]
+pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     let id: Id =
         id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
     app.pipeline.access.order(AccessOrder::Revoke(id)).await?;

@@ -13,24 +13,18 @@ use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
 use serde::Serialize;
 use utoipa::ToSchema;
-use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
 use self::answer::{answer, etag, is_known, not_modified};
 use self::body::{Point, Trend};
 use self::periods::PeriodTrend;
 use self::point::{Seen, bench_point, separated_point};
 use self::request::{Method, Request, TrendQuery, Written};
-use super::App;
+use super::app::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::message;
 use crate::pipeline::BenchItem;
 use crate::wire::problem::Problem;
-
-pub fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(get_trend))
-}
 
 /// Points, or periods where `every` asks for them.
 #[derive(Serialize, ToSchema)]
@@ -43,14 +37,12 @@ enum TrendAnswer<'a> {
 
 /// The history of one coefficient of a gyro, oldest first.
 #[utoipa::path(get, path = "/v1/gyros/{serial}/trend", tag = "gyros",
-    params(("serial" = String, Path, description = "serial number of the gyro"), TrendQuery),
+    params(TrendQuery),
     responses(
         (status = 200, description = "the points, or with `every` the periods", content((TrendAnswer = "application/json"), (String = "text/csv")),
             headers(("ETag" = String, description = "changes when the points do"), ("Link" = String, description = "the next page"))),
-        (status = 304, description = "as it was"),
-        (status = 400, description = "a parameter that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "no such gyro", body = Problem, content_type = "application/problem+json")))]
-async fn get_trend(
+        (status = 304, description = "as it was")))]
+pub async fn get_trend(
     State(app): State<App>,
     Path(serial): Path<String>,
     Parameters(asked): Parameters<TrendQuery>,

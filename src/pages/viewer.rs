@@ -3,14 +3,15 @@
 use std::convert::Infallible;
 
 use axum::extract::{FromRequestParts, Query};
-use axum::http::header::{COOKIE, LOCATION, SET_COOKIE};
+use axum::http::StatusCode;
+use axum::http::header::{LOCATION, SET_COOKIE};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 
 use super::Pages;
 use super::text::{Language, Text};
+use crate::cookies;
 use crate::core::access::Role;
 use crate::pipeline::{By, Caller};
 use crate::words;
@@ -60,7 +61,7 @@ impl FromRequestParts<Pages> for Viewer {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, pages: &Pages) -> Result<Self, Infallible> {
-        let theme = match cookie(&parts.headers, "theme") {
+        let theme = match cookies::sent(&parts.headers, "theme") {
             Some("light") => Some(Theme::Light),
             Some("dark") => Some(Theme::Dark),
             _ => None,
@@ -73,12 +74,6 @@ impl FromRequestParts<Pages> for Viewer {
         let base_path = pages.config.server.base_path.clone();
         Ok(Self { language, theme, base_path, here, signed_in, role: caller.map(|caller| caller.role) })
     }
-}
-
-fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
-    let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
-    let mut pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
 }
 
 #[derive(Debug, Deserialize)]
@@ -119,13 +114,5 @@ mod tests {
         for elsewhere in ["//evil.example", "https://evil.example", "/\\evil.example", "", "gyros", "/a\r\nb"] {
             assert!(!is_local(elsewhere), "{elsewhere}");
         }
-    }
-
-    #[test]
-    fn a_cookie_is_found_among_others() {
-        let mut headers = HeaderMap::new();
-        headers.insert(COOKIE, "a=b; theme=dark;language=zh".parse().unwrap());
-        assert_eq!((cookie(&headers, "theme"), cookie(&headers, "language")), (Some("dark"), Some("zh")));
-        assert_eq!(cookie(&headers, "other"), None);
     }
 }

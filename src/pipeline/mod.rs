@@ -40,6 +40,7 @@ use diagnoses::models::ModelCache;
 use ingest::writer;
 use write_queue::{Job, WriteQueue};
 
+pub use crate::alert::HookKind;
 pub use access::{
     Access, AccessError, AccessOrder, Actor, AuditEntry, By, Caller, Denied, Guard, NewToken, SESSION_COOKIE, Secret,
     SignedIn, Token, create_beside, revoke_beside,

@@ -1,11 +1,11 @@
 use super::*;
 use crate::core::augmented::Options;
 use crate::core::diagnose::diagnose;
-use crate::wire::campaign;
+use crate::wire::document;
 
 fn report_of(file: &str) -> String {
     let bytes = std::fs::read(format!("tests/data/practice/{file}")).unwrap();
-    let campaign = campaign::parse(&bytes).unwrap();
+    let campaign = document::parse(&bytes).unwrap();
     let diagnosis = DiagnosisBody::from(&diagnose(&campaign, &Options::default()).unwrap());
     let subject = Subject {
         imu: "IMU <7>".into(),

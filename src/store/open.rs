@@ -171,7 +171,7 @@ fn refuse_parameters(url: &str) -> Result<(), StoreError> {
 /// As [`connect_options`], of a connection that the calling thread itself works on.
 pub(super) fn open_to_write(file: &Path, options: &Options) -> Result<rusqlite::Connection, StoreError> {
     let mut flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
-    if lock::is_in_memory(file) {
+    if private::is_in_memory(file) {
         flags |= OpenFlags::SQLITE_OPEN_MEMORY | OpenFlags::SQLITE_OPEN_SHARED_CACHE;
     }
     let connection = rusqlite::Connection::open_with_flags(file, flags)?;

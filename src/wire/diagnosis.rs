@@ -9,6 +9,7 @@ use super::split::SplitBody;
 use crate::core::augmented::Adopted;
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
+use crate::core::mounting::Slot;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DiagnosisBody {
@@ -369,4 +370,18 @@ impl From<&core::Residual> for ResidualBody {
             sd_deg_per_h: r.sd_deg_per_h,
         }
     }
+}
+
+/// Residuals of a diagnosis as they were answered; those of unknown slots are left out.
+pub fn residuals(bodies: &[ResidualBody]) -> Vec<core::Residual> {
+    let residual = |body: &ResidualBody| {
+        Some(core::Residual {
+            index: body.index,
+            slot: Slot::from_name(&body.slot)?,
+            before_deg_per_h: body.before_deg_per_h,
+            after_deg_per_h: body.after_deg_per_h,
+            sd_deg_per_h: body.sd_deg_per_h,
+        })
+    };
+    bodies.iter().filter_map(residual).collect()
 }

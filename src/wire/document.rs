@@ -4,8 +4,11 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
-use super::campaign::is_csv;
+use super::campaign::parse_json_as_sent;
+use super::campaign_csv::parse_csv;
 use super::json::without_mark;
+use crate::core::campaign::Campaign;
+use crate::core::fault::Faults;
 
 /// What a document is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,6 +99,20 @@ fn has_e(bytes: &[u8]) -> bool {
     let Ok(document) = serde_json::from_slice::<Value>(without_mark(bytes)) else { return false };
     let gyros = document.get("gyros").and_then(Value::as_array);
     gyros.is_some_and(|gyros| gyros.iter().any(|gyro| gyro.get("e_pulse_per_arcsec").is_some()))
+}
+
+/// Reads and checks a campaign that comes in, in JSON or CSV, told apart by the first character: JSON begins with a brace.
+///
+/// # Errors
+/// As [`parse_json_as_sent`] and [`parse_csv`].
+pub fn parse(bytes: &[u8]) -> Result<Campaign, Faults> {
+    if is_csv(bytes) { parse_csv(bytes) } else { parse_json_as_sent(bytes) }
+}
+
+/// Whether a document is taken for CSV.
+pub fn is_csv(bytes: &[u8]) -> bool {
+    let text = without_mark(bytes);
+    !matches!(text.iter().find(|b| !b.is_ascii_whitespace()), Some(b'{' | b'[') | None)
 }
 
 #[cfg(test)]

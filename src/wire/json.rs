@@ -2,17 +2,18 @@
 
 mod lines;
 mod not_json;
+mod place;
 mod several;
 mod words;
 
 use serde::de::{DeserializeOwned, IgnoredAny};
-use serde_path_to_error::{Path, Segment};
 
 use crate::core::fault::{Fault, Faults};
-use crate::core::message::{Message, Parameter};
 use crate::message;
 
 pub use lines::{from_line, on_a_line};
+use place::{fault, fault_at};
+pub use place::{pointer_token, said_of};
 
 /// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be found
 /// by reading on past the first, of a long one the first.
@@ -61,51 +62,6 @@ fn without_blanks_after(bytes: &[u8]) -> &[u8] {
 
 pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
-}
-
-/// A JSON pointer's token for one member name (RFC 6901, section 3).
-pub fn pointer_token(member: &str) -> String {
-    member.replace('~', "~0").replace('/', "~1")
-}
-
-fn fault_at(path: &Path, error: &serde_json::Error) -> Fault {
-    let mut pointer = String::new();
-    for segment in path {
-        match segment {
-            Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
-            Segment::Map { key } => pointer.push_str(&format!("/{}", pointer_token(key))),
-            Segment::Enum { .. } | Segment::Unknown => {}
-        }
-    }
-    fault(pointer, error)
-}
-
-/// serde reports an absent, repeated or unknown member at the object that should or does hold it; the pointer
-/// returned here names the member itself.
-fn fault(mut pointer: String, error: &serde_json::Error) -> Fault {
-    let message = said_of(error);
-    let within = words::innermost(&message);
-    if let Some(Parameter::Text(member)) = within.parameter("member") {
-        append_member(&mut pointer, member);
-    }
-    // Where a member is missing or given twice, its pointer says more than the end of its object.
-    let message = match &*within.code {
-        "missing_member" | "member_twice" => within.clone(),
-        _ => message,
-    };
-    Fault { pointer, message }
-}
-
-/// What is wrong, with line and column where serde knows them.
-pub fn said_of(error: &serde_json::Error) -> Message {
-    words::said(&error.to_string())
-}
-
-fn append_member(pointer: &mut String, member: &str) {
-    let token = format!("/{}", pointer_token(member));
-    if !pointer.ends_with(&token) {
-        pointer.push_str(&token);
-    }
 }
 
 #[cfg(test)]

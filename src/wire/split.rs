@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::diagnosis::ResidualBody;
 use super::time;
-use crate::core::diagnose::{Moved, Parts, Residual, Split};
+use crate::core::diagnose::{Moved, Parts, Split};
 use crate::core::mounting::Slot;
 
 /// What parts a campaign from a reference of the same IMU.
@@ -95,18 +94,4 @@ impl From<&Split> for SplitBody {
             notes: s.notes.clone(),
         }
     }
-}
-
-/// Residuals of a diagnosis as they were answered; those of unknown slots are left out.
-pub fn residuals(bodies: &[ResidualBody]) -> Vec<Residual> {
-    let residual = |body: &ResidualBody| {
-        Some(Residual {
-            index: body.index,
-            slot: Slot::from_name(&body.slot)?,
-            before_deg_per_h: body.before_deg_per_h,
-            after_deg_per_h: body.after_deg_per_h,
-            sd_deg_per_h: body.sd_deg_per_h,
-        })
-    };
-    bodies.iter().filter_map(residual).collect()
 }

@@ -26,7 +26,7 @@ const CORE_CRATES: [&str; 9] = [
 const IMPURE_STD: [&str; 7] = ["fs", "io", "net", "env", "process", "thread", "time"];
 const MOST_FILES_OF_A_TYPE: usize = 2;
 /// Circles and spread types that are left: none is to be added.
-const MOST_CIRCLES: usize = 13;
+const MOST_CIRCLES: usize = 4;
 const MOST_SPREAD: usize = 4;
 
 fn root() -> &'static Path {
@@ -398,6 +398,7 @@ fn figures_of_the_house() {
     println!("types in most files       {} in {}", widest.0.1, widest.1.len());
     println!("type names used twice     {twice} of {}", types.len());
     println!("lines over {} columns    {}", house::MOST_COLUMNS, house.long_lines());
+    println!("{}", [circles(&house), spread_types(&house)].concat().join("\n"));
     assert!(house.files() > 100 && house.arrows().len() > 100);
 }
 

@@ -20,6 +20,7 @@ use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::http::{self, App};
 use gyrowatch::pipeline::{Outbox, Pipeline};
+use gyrowatch::routes::Routes;
 use gyrowatch::store;
 use gyrowatch::system::{self, Clock};
 use gyrowatch::wire::time;
@@ -88,7 +89,7 @@ impl Lab {
         let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
         let address = listener.local_addr().expect("an address");
         let app = App { config: config.clone(), clock: self.clock.clone(), pipeline: Arc::new(pipeline) };
-        let router = http::router(app, axum::Router::new());
+        let router = http::router(app, Routes::default());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(async move {
             http::server::serve(listener, None, router, &config.server, async {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Context, MOST_LISTED, Payload, page, summary, to_json};
+use super::body::{Context, MOST_LISTED, Payload, page, summary, to_json};
 use crate::alert::message::{Change, Event, Message};
 use crate::core::alert_decision::Action;
 use crate::core::judge::Severity;

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Context, Payload, standard, to_json};
+use super::body::{Context, Payload, to_json};
+use super::standard;
 use crate::alert::message::{Event, Message};
 use crate::wire::time;
 

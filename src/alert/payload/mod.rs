@@ -2,35 +2,14 @@
 //! link to its page.
 
 mod alertmanager;
+mod body;
 mod cloudevents;
 mod standard;
 
-use serde::Serialize;
-
 use super::message::{HookKind, Message};
-use crate::core::time::UtcMicros;
-use crate::wire::alert::AlertBody;
 
 pub use alertmanager::{EXPIRES_AFTER_RESENDS, push_firing};
-
-/// What a hook is told, ready to be sent.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Payload {
-    pub content_type: &'static str,
-    pub body: Vec<u8>,
-}
-
-/// What bodies say about the service and the hook itself.
-#[derive(Debug, Clone, Copy)]
-pub struct Context<'a> {
-    /// The hook's name: the `receiver` of Alertmanager's body.
-    pub hook: &'a str,
-    /// Where people reach the service's pages, without a slash at its end; none where nobody has said.
-    pub external_url: Option<&'a str>,
-    /// How often what fires is pushed to an Alertmanager again, in microseconds.
-    pub resend_every: i64,
-    pub now: UtcMicros,
-}
+pub use body::{Context, Payload};
 
 pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Payload {
     match kind {
@@ -39,35 +18,6 @@ pub fn render(kind: HookKind, message: &Message, context: &Context<'_>) -> Paylo
         HookKind::Alertmanager => alertmanager::render_push(message, context),
         HookKind::CloudEvents => cloudevents::render(message, context),
     }
-}
-
-/// Alerts that a digest lists; the rest are counted.
-const MOST_LISTED: usize = 100;
-
-/// The page of a gyro: its path alone where nobody has said where the service is reached.
-fn page(context: &Context<'_>, serial: &str) -> String {
-    let mut url = format!("{}/gyros/", context.external_url.unwrap_or_default());
-    for byte in serial.bytes() {
-        match byte {
-            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
-            _ => url.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    url
-}
-
-/// One line for people: `LFG-0101: D_I step fires (warning)`.
-fn summary(alert: &AlertBody, resolved: bool) -> String {
-    let AlertBody { serial, coefficient, rule, severity, .. } = alert;
-    if resolved {
-        format!("{serial}: {coefficient} {rule} is resolved")
-    } else {
-        format!("{serial}: {coefficient} {rule} fires ({severity})")
-    }
-}
-
-fn to_json(body: &impl Serialize) -> Vec<u8> {
-    serde_json::to_vec(body).expect("bodies have string keys, and every figure in them is finite or written as null")
 }
 
 #[cfg(test)]

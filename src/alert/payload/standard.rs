@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Context, MOST_LISTED, Payload, page, to_json};
+use super::body::{Context, MOST_LISTED, Payload, page, to_json};
 use crate::alert::message::{Change, Event, Message, event_name};
 use crate::wire::time;
 

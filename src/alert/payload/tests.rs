@@ -4,6 +4,8 @@ use serde_json::Value;
 use super::*;
 use crate::alert::message::{Change, Event};
 use crate::core::alert_decision::Action;
+use crate::core::time::UtcMicros;
+use crate::wire::alert::AlertBody;
 use crate::wire::alert::FindingBody;
 
 fn alert() -> AlertBody {

@@ -2,6 +2,7 @@
 
 mod campaigns;
 mod fleet;
+mod happening;
 mod paper;
 
 use std::net::SocketAddr;
@@ -11,16 +12,14 @@ use anyhow::{Context, bail};
 use bytes::Bytes;
 use clap::Args;
 use indicatif::ProgressBar;
-use serde_json::json;
 
 use super::client::{JSON, Sent, Service};
 use super::serve;
+use happening::Happening;
+
 use crate::config::Config;
 use crate::core::time::UtcMicros;
 use crate::system::Clock;
-use crate::wire::bench::BenchBody;
-use crate::wire::campaign::CampaignBody;
-use crate::wire::record::RecordBody;
 
 /// Run the service on a file of its own, with the paper's figures and a fleet of two years in it
 ///
@@ -54,38 +53,6 @@ impl Demo {
             });
         })
         .with_context(|| format!("the demo on {} (--listen takes another address, port 0 a free one)", self.listen))
-    }
-}
-
-/// What the demo tells the service, in the order of its time.
-enum Happening {
-    Record(Box<RecordBody>),
-    Bench(BenchBody),
-    Campaign(Box<CampaignBody>),
-    Repair { serial: String, at: String, reason: String },
-}
-
-impl Happening {
-    /// When it happened, RFC 3339 in UTC: every instant of the demo lies on a whole second, so that texts sort as times.
-    fn at(&self) -> &str {
-        match self {
-            Self::Record(record) => &record.calibrated_at,
-            Self::Bench(bench) => &bench.measured_at,
-            Self::Campaign(campaign) => &campaign.measured_at,
-            Self::Repair { at, .. } => at,
-        }
-    }
-
-    fn request(&self) -> serde_json::Result<(String, Vec<u8>)> {
-        Ok(match self {
-            Self::Record(record) => ("/v1/records".to_owned(), serde_json::to_vec(record)?),
-            Self::Bench(bench) => ("/v1/bench-results".to_owned(), serde_json::to_vec(bench)?),
-            Self::Campaign(campaign) => ("/v1/campaigns".to_owned(), serde_json::to_vec(campaign)?),
-            Self::Repair { serial, at, reason } => {
-                let body = json!({"event": "repair", "at": at, "reason": reason, "author": "demo"});
-                (format!("/v1/gyros/{serial}/events"), serde_json::to_vec(&body)?)
-            }
-        })
     }
 }
 

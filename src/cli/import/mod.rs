@@ -18,7 +18,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::client::Service;
 use super::document;
 use gist::Gist;
-use send::{Courier, Event, PATIENCE, Tally};
+use send::{Courier, Event, PATIENCE, Tally, end};
 
 /// Send records, campaigns and bench results (JSON, NDJSON, CSV) to a running service
 #[derive(Debug, clap::Args)]
@@ -71,14 +71,6 @@ impl Notify {
             Self::Digest => "?notify=digest&more=true",
             Self::None => "?notify=none",
         }
-    }
-}
-
-/// Says that the import has come to its end: the service tells what it has left firing. It does so by itself in a quarter of an hour.
-async fn end(service: &Service) {
-    let ended = service.clone().telling("?notify=digest").import(bytes::Bytes::new(), 0).await;
-    if let Err(trouble) = ended {
-        eprintln!("hooks hear in a quarter of an hour what still fires: {trouble}");
     }
 }
 

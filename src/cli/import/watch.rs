@@ -15,7 +15,7 @@ use anyhow::Context;
 
 use super::folder::{Dir, Stamp};
 use super::gist::Gist;
-use super::send::{Courier, Event, Refusal, Tally};
+use super::send::{Courier, Event, Refusal, Tally, end};
 use super::source;
 use crate::cli::client::{Service, Trouble};
 use crate::core::time::UtcMicros;
@@ -153,7 +153,7 @@ impl Folder {
         };
         let tally = Courier::new(service, &[], &mut tell).carry(content).await?;
         if self.digest && tally.stored > 0 {
-            super::end(service).await;
+            end(service).await;
         }
         if !gist.is_empty() {
             say(&format!("{}\n{}", path.display(), gist.trim_end()));

@@ -27,7 +27,7 @@ const MOST_POINTS: usize = 100_000;
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub(super) struct TrendQuery {
+pub struct TrendQuery {
     /// `D_I` (the default), `D_S` or `D_O`, the closure.
     coefficient: Option<String>,
     /// `rigid`, `published`, `torque_feedback` or `turntable_servo`; the judged method, where it is left out.

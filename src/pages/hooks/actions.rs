@@ -18,11 +18,9 @@ use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DeliveryPage, Order};
+use crate::pipeline::{DeliveryPage, HookKind, Order};
 use crate::wire::problem::Problem;
 
-/// Kinds of hooks, as the API names them.
-const KINDS: [&str; 4] = ["standard-webhooks", "alertmanager", "alertmanager-webhook", "cloudevents"];
 /// Dead letters that are sent again together.
 const MOST_AT_ONCE: u32 = 1000;
 
@@ -103,7 +101,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewHook, show: impl FnOnce(&Deed<'_>) -> 
     let fields = html! {
         label { (t.hook_name) input name="name" value=(new.name) maxlength="128"; }
         label { (t.kind) select name="kind" {
-            @for kind in KINDS { option value=(kind) selected[kind == new.kind] { (kind) } }
+            @for kind in HookKind::ALL.map(HookKind::name) { option value=(kind) selected[kind == new.kind] { (kind) } }
         } }
         label { (t.hook_url) input name="url" type="url" value=(new.url) required placeholder="https://" translate="no"; }
         label { (t.hook_secret) input name="secret" value=(new.secret) autocomplete="off"; }

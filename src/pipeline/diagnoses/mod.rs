@@ -42,10 +42,10 @@ use crate::store;
 use crate::store::{CampaignFilter, FailedTask, JobRow, ModelRow, Store, StoreError, TaskCounts};
 use crate::wire::campaign;
 use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, SummaryBody, WhichBody};
-use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::diagnosis::{DiagnosisBody, residuals};
 use crate::wire::message::from_stored;
 use crate::wire::record::parse_record;
-use crate::wire::split::{SplitBody, residuals};
+use crate::wire::split::SplitBody;
 use crate::wire::{cursor, json, text, time};
 use crate::words;
 

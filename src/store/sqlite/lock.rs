@@ -17,7 +17,7 @@ pub(crate) type Lock = Option<File>;
 /// # Errors
 /// [`StoreError::InUse`] where another process holds it, [`StoreError::ReadOnly`] where it cannot be taken at all.
 pub(crate) fn take(file: &Path) -> Result<Lock, StoreError> {
-    if is_in_memory(file) {
+    if private::is_in_memory(file) {
         return Ok(None);
     }
     let path = beside(file, ".lock");
@@ -28,11 +28,6 @@ pub(crate) fn take(file: &Path) -> Result<Lock, StoreError> {
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(file.display().to_string())),
         Err(TryLockError::Error(error)) => Err(failed(error)),
     }
-}
-
-/// Whether it is no file, but the name that sqlx gives to a database in memory.
-pub(crate) fn is_in_memory(file: &Path) -> bool {
-    file.to_string_lossy().starts_with("file:sqlx-in-memory")
 }
 
 /// The file's name with `suffix` appended.

@@ -5,8 +5,6 @@ use std::io;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
-use super::lock;
-
 const OWNER_ALONE: u32 = 0o600;
 
 fn options() -> OpenOptions {
@@ -28,7 +26,7 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
 /// Makes an empty file for SQLite, which makes its log and what else belongs to it with the same permissions. One that is there stays
 /// as it is; where others may read it, the log says so.
 pub(crate) fn make(database: &Path) {
-    if lock::is_in_memory(database) {
+    if is_in_memory(database) {
         return;
     }
     // Whatever else is wrong SQLite says in its own words.
@@ -36,4 +34,9 @@ pub(crate) fn make(database: &Path) {
     if there && fs::metadata(database).is_ok_and(|found| found.permissions().mode() & 0o077 != 0) {
         tracing::warn!(database = %database.display(), "others on this machine may read the database: chmod 600");
     }
+}
+
+/// Whether it is no file, but the name that sqlx gives to a database in memory.
+pub(crate) fn is_in_memory(file: &Path) -> bool {
+    file.to_string_lossy().starts_with("file:sqlx-in-memory")
 }

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::delivery_line::move_up;
+use super::delivery_line::{instants, move_up};
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::judge::Severity;
@@ -314,12 +314,4 @@ fn attempted(attempts: &[(AttemptRow, Progress)], batch: &mut Batch) {
     );
     let done = attempts.iter().filter(|(_, progress)| matches!(progress, Progress::Done(_)));
     move_up(done.map(|(attempt, _)| (attempt.delivery, attempt.at)), batch);
-}
-
-pub(crate) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
-    let mut rows = Rows::default();
-    for (id, at) in pairs {
-        rows.row().integer(id.0).integer(at.0);
-    }
-    batch.add(sql, rows);
 }

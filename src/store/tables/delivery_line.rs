@@ -1,9 +1,8 @@
 //! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands in the line of each.
 
-use super::delivery::instants;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::batch::Batch;
+use crate::store::batch::{Batch, Rows};
 use crate::store::db::Sql;
 
 /// The lines (hook and alert) that a delivery stands in.
@@ -81,4 +80,12 @@ pub(crate) fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut 
         &lines,
         batch,
     );
+}
+
+pub(crate) fn instants(sql: Sql, pairs: &[(Id, UtcMicros)], batch: &mut Batch) {
+    let mut rows = Rows::default();
+    for (id, at) in pairs {
+        rows.row().integer(id.0).integer(at.0);
+    }
+    batch.add(sql, rows);
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::core::campaign::{Dwell, Phase};
-use crate::wire::campaign::{parse, parse_json, to_json};
+use crate::wire::campaign::{parse_json, to_json};
+use crate::wire::document::parse;
 use crate::words::Language;
 
 const TABLE: &str = "\

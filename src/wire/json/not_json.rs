@@ -2,7 +2,8 @@
 
 use serde::de::IgnoredAny;
 
-use super::{fault, words};
+use super::place::fault;
+use super::words;
 use crate::core::fault::Fault;
 use crate::message;
 

@@ -6,7 +6,8 @@
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use super::{fault_at, words};
+use super::place::fault_at;
+use super::words;
 use crate::core::fault::{Fault, Faults};
 use crate::core::message::{Message, Parameter};
 

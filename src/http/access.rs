@@ -1,33 +1,41 @@
 //! Who may do what: every request passes here before it is handled.
 
-mod rules;
-
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::{ConnectInfo, MatchedPath, Request};
 use axum::http::header::{
-    ACCEPT, AUTHORIZATION, CACHE_CONTROL, COOKIE, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
+    ACCEPT, AUTHORIZATION, CACHE_CONTROL, HOST, LOCATION, ORIGIN, RETRY_AFTER, USER_AGENT, WWW_AUTHENTICATE,
 };
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use rules::Least;
 
-use super::App;
+use super::app::App;
 use super::edge::{Forwarded, NO_STORE};
+use crate::cookies;
 use crate::core::access::Role;
 use crate::message;
 use crate::pipeline::{By, Caller, Denied, SESSION_COOKIE};
+use crate::routes::{ADMIN, ANYONE, Rules};
 use crate::wire::problem::Problem;
 
+/// What decides about a request before it is handled.
+#[derive(Clone)]
+pub struct Gate {
+    pub app: App,
+    pub rules: Arc<Rules>,
+}
+
 /// Lets a request through to its handler as its caller, or answers it 401, 403, 421 or 429.
-pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
+pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next) -> Response {
     let Some(route) = request.extensions().get::<MatchedPath>().cloned() else {
         return next.run(request).await; // Nothing is there: the fallback says so.
     };
-    let least = rules::least(request.method(), route.as_str());
+    // Most likely a method that the route does not take: its handler says so to those who may do everything.
+    let least = rules.get(request.method(), route.as_str()).unwrap_or(ADMIN);
     let origin = Origin::of(request.method(), request.headers());
     let source = request.extensions().get::<ConnectInfo<SocketAddr>>().map(|ConnectInfo(peer)| peer.ip());
     // Without an address (a request that came over no connection) it is nobody's, and certainly not this machine's.
@@ -36,16 +44,16 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
         app.pipeline.access.guard().note_proxy();
     }
     let headers = request.headers();
-    let credentials = (bearer(headers), session(headers));
+    let credentials = (bearer(headers), cookies::sent(headers, SESSION_COOKIE));
     let caller = match app.pipeline.access.guard().caller(credentials, source, app.clock.now()).await {
         Ok(caller) => {
             Caller { agent: headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes())), ..caller }
         }
-        Err(_) if least == Least::Anyone && origin != Origin::Foreign => return next.run(request).await,
-        Err(_) if least == Least::Anyone => return foreign().into_response(),
+        Err(_) if least == ANYONE && origin != Origin::Foreign => return next.run(request).await,
+        Err(_) if least == ANYONE => return foreign().into_response(),
         Err(denied) => return refuse(&denied, &request),
     };
-    if matches!(caller.by, By::Presence) && !rules::is_probed(route.as_str()) && !names_this_machine(headers) {
+    if matches!(caller.by, By::Presence) && !is_probed(route.as_str()) && !names_this_machine(headers) {
         return misnamed().into_response();
     }
     let by_cookie = matches!(caller.by, By::Session { .. });
@@ -54,13 +62,7 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
     if (origin == Origin::Foreign && !by_token) || (origin == Origin::Unsaid && by_cookie) {
         return foreign().into_response();
     }
-    let needed = match least {
-        Least::Anyone => None,
-        Least::Role(role) => Some(role).filter(|role| caller.role < *role),
-        // Most likely a method that the route does not take, which its handler says; where it does take it, the rule is missing.
-        Least::Nobody => Some(Role::Admin).filter(|role| caller.role < *role),
-    };
-    if let Some(role) = needed {
+    if let Some(role) = least.filter(|role| caller.role < *role) {
         if by_cookie && wants_page(&request) {
             let place = format!("{}&takes={}", sign_in_for(request.uri()), role.name());
             return (StatusCode::SEE_OTHER, [(LOCATION, place)]).into_response();
@@ -73,11 +75,16 @@ pub async fn admit(app: &App, mut request: Request, next: Next) -> Response {
     }
     request.extensions_mut().insert(caller.clone());
     let mut response = caller.during(next.run(request)).await;
-    if least == Least::Role(Role::Admin) {
+    if least == ADMIN {
         // Secrets are shown there.
         response.headers_mut().insert(CACHE_CONTROL, HeaderValue::from_static(NO_STORE));
     }
     response
+}
+
+/// What watches a service asks these, under whatever name it knows it by; they tell nothing of what is measured.
+fn is_probed(route: &str) -> bool {
+    ["/healthz", "/readyz", "/metrics"].contains(&route)
 }
 
 /// Whether a request that changes something was sent by a page of this service.
@@ -136,12 +143,6 @@ fn bearer(headers: &HeaderMap) -> Option<&str> {
     scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
 }
 
-fn session(headers: &HeaderMap) -> Option<&str> {
-    let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
-    let mut pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.trim().split_once('='));
-    pairs.find(|(name, _)| *name == SESSION_COOKIE).map(|(_, value)| value)
-}
-
 /// Whether a person looks at a page.
 fn wants_page(request: &Request) -> bool {
     let accepts = request.headers().get(ACCEPT).and_then(|accept| accept.to_str().ok());
@@ -192,9 +193,6 @@ fn later(problem: Problem, wait: Duration) -> Response {
     response.headers_mut().insert(RETRY_AFTER, HeaderValue::from(seconds));
     response
 }
-
-#[cfg(test)]
-pub(super) use rules::has as has_rule;
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,54 @@
+//! What bodies of all dialects share.
+
+use serde::Serialize;
+
+use crate::core::time::UtcMicros;
+use crate::wire::alert::AlertBody;
+
+/// What a hook is told, ready to be sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Payload {
+    pub content_type: &'static str,
+    pub body: Vec<u8>,
+}
+
+/// What bodies say about the service and the hook itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Context<'a> {
+    /// The hook's name: the `receiver` of Alertmanager's body.
+    pub hook: &'a str,
+    /// Where people reach the service's pages, without a slash at its end; none where nobody has said.
+    pub external_url: Option<&'a str>,
+    /// How often what fires is pushed to an Alertmanager again, in microseconds.
+    pub resend_every: i64,
+    pub now: UtcMicros,
+}
+
+/// Alerts that a digest lists; the rest are counted.
+pub(super) const MOST_LISTED: usize = 100;
+
+/// The page of a gyro: its path alone where nobody has said where the service is reached.
+pub(super) fn page(context: &Context<'_>, serial: &str) -> String {
+    let mut url = format!("{}/gyros/", context.external_url.unwrap_or_default());
+    for byte in serial.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => url.push(char::from(byte)),
+            _ => url.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    url
+}
+
+/// One line for people: `LFG-0101: D_I step fires (warning)`.
+pub(super) fn summary(alert: &AlertBody, resolved: bool) -> String {
+    let AlertBody { serial, coefficient, rule, severity, .. } = alert;
+    if resolved {
+        format!("{serial}: {coefficient} {rule} is resolved")
+    } else {
+        format!("{serial}: {coefficient} {rule} fires ({severity})")
+    }
+}
+
+pub(super) fn to_json(body: &impl Serialize) -> Vec<u8> {
+    serde_json::to_vec(body).expect("bodies have string keys, and every figure in them is finite or written as null")
+}

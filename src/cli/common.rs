@@ -1,0 +1,23 @@
+//! What subcommands share: the runtime, and arguments that clap cannot check.
+
+use anyhow::Context;
+
+use crate::core::time::UtcMicros;
+use crate::wire::time;
+use crate::words;
+
+/// Runs a subcommand that waits for the network. One thread is plenty: the service is where the work is.
+pub(super) fn block_on<T>(work: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
+    runtime.block_on(work)
+}
+
+/// A time in an argument.
+pub(super) fn instant(text: &str) -> Result<UtcMicros, String> {
+    time::parse(text).map_err(|why| words::asked().words(&why))
+}
+
+/// Arguments that do not go together in a way that clap cannot be told.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct Usage(pub(super) String);

@@ -1,0 +1,128 @@
+//! The POST of a document that is stored: records, campaigns and bench results are sent alike.
+
+use axum::extract::FromRequestParts;
+use axum::http::StatusCode;
+use axum::http::header::LOCATION;
+use axum::http::request::Parts;
+use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
+use serde::Serialize;
+use utoipa::IntoParams;
+
+use super::answer::{Answer, JustJudged};
+use super::app::App;
+use super::corrections::{Standing, StandingBody};
+use super::prefer_header::{AsWanted, MinimalAnswer, Wanted};
+use super::telling::Telling;
+use crate::core::alert_decision::Late;
+use crate::core::id::Id;
+use crate::core::judge::State;
+use crate::message;
+use crate::pipeline::{Accepted, Caller, Sent, Submission};
+use crate::wire::note::NoteBody;
+use crate::wire::problem::Problem;
+
+/// What a request says of the document that it sends.
+pub struct DocumentPost {
+    caller: Caller,
+    key: Result<IdempotencyKey, Problem>,
+    pub wanted: Wanted,
+    telling: Telling,
+}
+
+/// What has become of a calibration.
+pub enum PostOutcome {
+    New(Response),
+    There(Id),
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for DocumentPost {
+    type Rejection = Response;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Response> {
+        let Extension(caller) =
+            Extension::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
+        let key = IdempotencyKey::of(parts);
+        let Ok(wanted) = Wanted::from_request_parts(parts, state).await;
+        let telling = Telling::from_request_parts(parts, state).await.map_err(IntoResponse::into_response)?;
+        Ok(Self { caller, key, wanted, telling })
+    }
+}
+
+impl DocumentPost {
+    /// The idempotency key, where it is one. What is wrong with the document is said first.
+    pub fn key(&self) -> Result<Option<String>, Problem> {
+        self.key.clone().map(|key| key.0)
+    }
+
+    /// Stores it; `words` are found while the disk works, and once more where it has to be judged again.
+    pub async fn submit<T>(
+        &self,
+        app: &App,
+        item: Submission,
+        words: impl FnMut(&Accepted) -> T,
+    ) -> Result<(Accepted, T), Problem> {
+        item.may_be_sent_by(&self.caller)?;
+        let late = self.telling.late_or(Late::Quiet);
+        let accepted = app.pipeline.ingest.submit_late(item, late, words).await?;
+        self.telling.end(app, late).await;
+        Ok(accepted)
+    }
+
+    /// Stores a calibration that is to be found in `collection`. What is new is answered with `whole` and its verdicts, or as much of that as
+    /// is wanted.
+    pub async fn store<T: Serialize>(
+        &self,
+        app: &App,
+        (item, sent): (Submission, Sent<'_>),
+        collection: &str,
+        whole: impl Fn(Id, Vec<NoteBody>) -> T,
+    ) -> Result<PostOutcome, Problem> {
+        let words = |accepted: &Accepted| {
+            let Accepted::Stored { id, judged, notes } = accepted else { return None };
+            let notes = notes.iter().map(NoteBody::of).collect();
+            let answer = match self.wanted {
+                Wanted::Whole => JustJudged { answer: &whole(*id, notes), judged }.into_response(),
+                Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
+            };
+            Some((StatusCode::CREATED, self.located(collection, *id), answer).into_response())
+        };
+        match self.submit(app, item, words).await? {
+            (_, Some(new)) => Ok(PostOutcome::New(new)),
+            (accepted, None) => Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?)),
+        }
+    }
+
+    /// The answer to a calibration that was there: `whole`, or as much of it as is wanted, and how it stands where that is to be said.
+    pub fn again<T: Serialize>(
+        &self,
+        (collection, id): (&str, Id),
+        (whole, states, notes): (T, impl Iterator<Item = State>, Vec<NoteBody>),
+        standing: Option<StandingBody>,
+    ) -> Response {
+        let answer = AsWanted::of(self.wanted, whole, id, states, notes);
+        (self.located(collection, id), Answer(Standing { answer, standing })).into_response()
+    }
+
+    fn located(&self, collection: &str, id: Id) -> impl axum::response::IntoResponseParts + use<> {
+        ([(LOCATION, format!("/v1/{collection}/{id}"))], self.wanted.applied())
+    }
+}
+
+/// At most 255 visible characters.
+#[derive(Debug, Clone, IntoParams)]
+#[into_params(names("Idempotency-Key"), parameter_in = Header)]
+pub struct IdempotencyKey(
+    /// One key a request, repeated when it is sent again.
+    Option<String>,
+);
+
+impl IdempotencyKey {
+    fn of(parts: &Parts) -> Result<Self, Problem> {
+        let Some(value) = parts.headers.get("idempotency-key") else { return Ok(Self(None)) };
+        let key = value.to_str().ok().filter(|key| (1..=255).contains(&key.len()));
+        let key =
+            key.ok_or_else(|| Problem::new(400, "title_bad_idempotency_key", message!("idempotency_key_form")))?;
+        Ok(Self(Some(key.to_owned())))
+    }
+}

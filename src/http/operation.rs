@@ -1,0 +1,147 @@
+//! What operations have in common, described once: the parameter of a path, what a request may be refused for, and which answers name what
+//! other operations are about. What a handler says itself stays.
+
+use utoipa::openapi::link::Link;
+use utoipa::openapi::path::{Operation, Parameter, ParameterIn};
+use utoipa::openapi::security::SecurityRequirement;
+use utoipa::openapi::{Content, OpenApi, Ref, RefOr, Required, Response};
+use utoipa::{PartialSchema, ToSchema};
+
+use super::problem::PROBLEM_JSON;
+use crate::routes::{Least, Rules, operations};
+use crate::wire::problem::ProblemBody;
+
+/// The scheme of [`SecurityRequirement`]s.
+pub const TOKEN: &str = "token";
+
+/// What the paths `at` and below are about.
+struct Thing {
+    at: &'static str,
+    name: &'static str,
+    /// What it is known by.
+    by: &'static str,
+    /// The answer that names it: path, status and JSON pointer.
+    answer: Option<(&'static str, &'static str, &'static str)>,
+}
+
+const fn thing(at: &'static str, name: &'static str, answer: (&'static str, &'static str, &'static str)) -> Thing {
+    Thing { at, name, by: "identifier", answer: Some(answer) }
+}
+
+const THINGS: [Thing; 11] = [
+    thing("/v1/records/{id}", "record", ("/v1/records", "201", "/id")),
+    thing("/v1/campaigns/{id}", "campaign", ("/v1/campaigns", "201", "/id")),
+    thing("/v1/bench-results/{id}", "bench result", ("/v1/bench-results", "201", "/id")),
+    thing("/v1/diagnoses/{id}", "order", ("/v1/diagnoses", "202", "/id")),
+    thing("/v1/alerts/{id}", "alert", ("/v1/alerts", "200", "/alerts/0/id")),
+    thing("/v1/silences/{id}", "silence", ("/v1/silences", "201", "/id")),
+    thing("/v1/hooks/{id}", "hook", ("/v1/hooks", "201", "/id")),
+    thing("/v1/deliveries/{id}", "delivery", ("/v1/hooks/{id}/test", "202", "/id")),
+    thing("/v1/tokens/{id}", "token", ("/v1/tokens", "201", "/id")),
+    Thing { by: "serial number", ..thing("/v1/gyros/{serial}", "gyro", ("/v1/gyros", "200", "/gyros/0/serial")) },
+    Thing { at: "/v1/imus/{imu}", name: "IMU", by: "name", answer: None },
+];
+
+impl Thing {
+    fn holds(&self, path: &str) -> bool {
+        path.strip_prefix(self.at).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+    }
+
+    fn parameter(&self) -> &'static str {
+        self.at.split(['{', '}']).nth(1).expect("each is at a path with a parameter")
+    }
+}
+
+/// Describes what the handlers leave out.
+pub fn complete(openapi: &mut OpenApi, rules: &Rules) {
+    for (path, item) in &mut openapi.paths.paths {
+        let thing = THINGS.iter().find(|thing| thing.holds(path));
+        for (method, operation) in operations(item) {
+            let least = rules.get(&method, path).flatten();
+            if let Some(thing) = thing {
+                name_parameter(operation, thing);
+            }
+            if least.is_some() {
+                operation.security = Some(vec![SecurityRequirement::new(TOKEN, [""; 0])]);
+            }
+            for (status, why) in refusals(operation, !method.is_safe(), thing, least) {
+                operation.responses.responses.entry(status.to_owned()).or_insert_with(|| Response::new(why).into());
+            }
+            for (status, response) in &mut operation.responses.responses {
+                if let RefOr::T(response) = response
+                    && status.starts_with(['4', '5'])
+                    && response.content.is_empty()
+                {
+                    let problem = Content::new(Some(Ref::from_schema_name(ProblemBody::name())));
+                    response.content.insert(PROBLEM_JSON.to_owned(), problem.into());
+                }
+            }
+        }
+    }
+    link(openapi);
+}
+
+fn name_parameter(operation: &mut Operation, thing: &Thing) {
+    let parameters = operation.parameters.get_or_insert_default();
+    let is_named = |parameter: &RefOr<Parameter>| matches!(parameter, RefOr::T(p) if p.name == thing.parameter());
+    if !parameters.iter().any(is_named) {
+        let named = Parameter::builder()
+            .name(thing.parameter())
+            .parameter_in(ParameterIn::Path)
+            .required(Required::True)
+            .description(Some(format!("{} of the {}", thing.by, thing.name)))
+            .schema(Some(String::schema()));
+        parameters.insert(0, RefOr::T(named.build()));
+    }
+}
+
+/// What any request like this one may be refused for.
+fn refusals(operation: &Operation, writes: bool, thing: Option<&Thing>, least: Least) -> Vec<(&'static str, String)> {
+    let taken: Vec<&str> = match &operation.request_body {
+        Some(RefOr::T(body)) => body.content.keys().map(String::as_str).collect(),
+        _ => Vec::new(),
+    };
+    let (json, no_body) = (taken.contains(&"application/json"), taken.is_empty());
+    let mut parameters = operation.parameters.iter().flatten();
+    let optional = parameters.any(|one| matches!(one, RefOr::T(one) if one.parameter_in != ParameterIn::Path));
+    let bad = match (json, optional) {
+        (true, true) => Some("not JSON, or a parameter that cannot be used"),
+        (true, false) => Some("not JSON"),
+        (false, true) => Some("a parameter that cannot be used"),
+        (false, false) => None,
+    };
+    let found = [
+        bad.map(|why| ("400", why.to_owned())),
+        least.map(|_| ("401", "no token, or one that is not valid".to_owned())),
+        least.map(|role| ("403", format!("not with this token: it takes the role `{}` or one above", role.name()))),
+        thing.map(|thing| ("404", format!("no such {}", thing.name))),
+        json.then(|| ("413", "too large".to_owned())),
+        (!no_body).then(|| ("415", format!("not {}", taken.join(" or ")))),
+        json.then(|| ("422", "JSON that cannot be stored; the places are named".to_owned())),
+        least.map(|_| ("429", "too many requests, or too many wrong tokens; `Retry-After` says when".to_owned())),
+        // An import says so of each line.
+        (writes && (json || no_body)).then(|| ("503", "too busy or not writable; try again".to_owned())),
+        (writes && (json || no_body)).then(|| ("507", "no room left".to_owned())),
+    ];
+    found.into_iter().flatten().collect()
+}
+
+/// Adds to answers the links to operations on what they name.
+fn link(openapi: &mut OpenApi) {
+    for thing in &THINGS {
+        let Some((path, status, at)) = thing.answer else { continue };
+        let below = openapi.paths.paths.iter_mut().filter(|(path, _)| thing.holds(path));
+        let about: Vec<String> =
+            below.flat_map(|(_, item)| operations(item)).filter_map(|(_, of)| of.operation_id.clone()).collect();
+        let by = openapi.paths.paths.get_mut(path);
+        let answer = by
+            .and_then(|item| item.post.as_mut().or(item.get.as_mut()))
+            .and_then(|operation| operation.responses.responses.get_mut(status));
+        let Some(RefOr::T(answer)) = answer else { continue };
+        for id in about {
+            let from = format!("$response.body#{at}");
+            let link = Link::builder().operation_id(&id).parameter(thing.parameter(), from).build();
+            answer.links.insert(id, RefOr::T(link));
+        }
+    }
+}

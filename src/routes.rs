@@ -1,0 +1,137 @@
+//! Routes, each written once with the least role that it takes. The router, who is admitted and the description of the API follow from that.
+
+use std::collections::HashMap;
+
+use axum::Router;
+use axum::handler::Handler;
+use axum::http::Method;
+use axum::routing::{self, MethodRouter};
+use utoipa::openapi::OpenApi;
+use utoipa::openapi::path::{Operation, PathItem};
+use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
+
+use crate::core::access::Role;
+
+/// The least role that a route takes; none: it takes no token.
+pub type Least = Option<Role>;
+
+pub const ANYONE: Least = None;
+pub const VIEWER: Least = Some(Role::Viewer);
+pub const STATION: Least = Some(Role::Station);
+pub const ENGINEER: Least = Some(Role::Engineer);
+pub const ADMIN: Least = Some(Role::Admin);
+
+/// Who may use a method of a path.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rule {
+    pub method: Method,
+    pub path: String,
+    pub least: Least,
+}
+
+/// A router that knows who may use it.
+pub struct Routes<S = ()> {
+    router: OpenApiRouter<S>,
+    rules: Vec<Rule>,
+}
+
+impl<S: Clone + Send + Sync + 'static> Default for Routes<S> {
+    fn default() -> Self {
+        Self { router: OpenApiRouter::default(), rules: Vec::new() }
+    }
+}
+
+impl<S: Clone + Send + Sync + 'static> Routes<S> {
+    /// A route of the API: `utoipa_axum::routes!` of a handler, which says method and path itself.
+    #[must_use]
+    pub fn api(mut self, least: Least, mut handler: UtoipaMethodRouter<S>) -> Self {
+        for (path, item) in &mut handler.1.paths {
+            self.rules.extend(operations(item).map(|(method, _)| Rule { method, path: path.clone(), least }));
+        }
+        self.map(|router| router.routes(handler))
+    }
+
+    /// A page.
+    #[must_use]
+    pub fn get<H: Handler<T, S>, T: 'static>(self, least: Least, path: &str, handler: H) -> Self {
+        self.page(Method::GET, path, least, routing::get(handler))
+    }
+
+    /// What a form on a page is sent to.
+    #[must_use]
+    pub fn post<H: Handler<T, S>, T: 'static>(self, least: Least, path: &str, handler: H) -> Self {
+        self.page(Method::POST, path, least, routing::post(handler))
+    }
+
+    fn page(mut self, method: Method, path: &str, least: Least, handler: MethodRouter<S>) -> Self {
+        self.rules.push(Rule { method, path: path.to_owned(), least });
+        self.map(|router| router.route(path, handler))
+    }
+
+    /// A router made elsewhere, which has these paths to be read.
+    #[must_use]
+    pub fn reader<const N: usize>(mut self, least: Least, paths: [&str; N], router: Router<S>) -> Self {
+        self.rules.extend(paths.map(|path| Rule { method: Method::GET, path: path.to_owned(), least }));
+        self.map(|routes| routes.merge(router.into()))
+    }
+
+    /// Puts layers around the routes so far.
+    #[must_use]
+    pub fn map(self, change: impl FnOnce(OpenApiRouter<S>) -> OpenApiRouter<S>) -> Self {
+        Self { router: change(self.router), rules: self.rules }
+    }
+
+    #[must_use]
+    pub fn merge(self, other: Self) -> Self {
+        Self { router: self.router.merge(other.router), rules: [self.rules, other.rules].concat() }
+    }
+
+    pub fn with_state(self, state: S) -> Routes {
+        Routes { router: self.router.with_state(state), rules: self.rules }
+    }
+
+    pub fn description(&self) -> &OpenApi {
+        self.router.get_openapi()
+    }
+
+    /// In the order in which they were written down.
+    pub fn rules(&self) -> &[Rule] {
+        &self.rules
+    }
+
+    pub fn into_router(self) -> Router<S> {
+        self.router.into()
+    }
+}
+
+/// The operations on a path with their methods.
+pub fn operations(item: &mut PathItem) -> impl Iterator<Item = (Method, &mut Operation)> {
+    let methods = [
+        (Method::GET, &mut item.get),
+        (Method::POST, &mut item.post),
+        (Method::PUT, &mut item.put),
+        (Method::PATCH, &mut item.patch),
+        (Method::DELETE, &mut item.delete),
+    ];
+    methods.into_iter().filter_map(|(method, operation)| Some((method, operation.as_mut()?)))
+}
+
+/// The rules by path and method.
+#[derive(Debug)]
+pub struct Rules(HashMap<String, HashMap<Method, Least>>);
+
+impl Rules {
+    pub fn of(rules: &[Rule]) -> Self {
+        let mut by_path: HashMap<String, HashMap<Method, Least>> = HashMap::new();
+        for Rule { method, path, least } in rules.iter().cloned() {
+            by_path.entry(path).or_default().insert(method, least);
+        }
+        Self(by_path)
+    }
+
+    /// Who may use a method of a path; none where it does not take the method.
+    pub fn get(&self, method: &Method, path: &str) -> Option<Least> {
+        let method = if *method == Method::HEAD { &Method::GET } else { method };
+        self.0.get(path)?.get(method).copied()
+    }
+}

@@ -43,8 +43,8 @@ async fn measure(what: &str, record: impl Fn(usize) -> String) {
     let mut verdicts = 0;
     for k in 0..RECORDS {
         let begun = Instant::now();
-        let calibration = pipeline.read_record(record(k).as_bytes()).expect("a record");
-        let accepted = pipeline.submit(Submission::Calibration(Box::new(calibration))).await;
+        let calibration = pipeline.reader.record(record(k).as_bytes()).expect("a record");
+        let accepted = pipeline.ingest.submit(Submission::Calibration(Box::new(calibration))).await;
         stored += begun.elapsed();
         let Ok(Accepted::Stored { judged, .. }) = accepted else { panic!("record {k} was not stored") };
         verdicts += judged.iter().map(|gyro| gyro.verdicts.len()).sum::<usize>();

@@ -177,7 +177,7 @@ async fn steps_of_records(server: &Server, queue: Queue) -> BTreeMap<i64, Vec<St
     let rows: Vec<(i64, i64)> = sqlx::query_as(sql).bind(queue.alerts).fetch_all(&mut database).await.unwrap();
     let mut steps: BTreeMap<i64, Vec<String>> = BTreeMap::new();
     for (id, alert) in rows {
-        steps.entry(alert).or_default().push(format!("evt_{}", gyrowatch::store::Id(id)));
+        steps.entry(alert).or_default().push(format!("evt_{}", gyrowatch::core::id::Id(id)));
     }
     assert!(steps.len() > 4, "records have caused alerts: {steps:?}");
     steps

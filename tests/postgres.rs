@@ -358,7 +358,7 @@ async fn nothing_was_lost_or_invented(url: &str, told: &Receiver) {
     assert!(made > 0 && made == steps, "{made} deliveries of {steps} steps");
     let of_id: HashMap<String, (i64, i64)> = deliveries
         .into_iter()
-        .map(|(step, alert)| (format!("evt_{}", gyrowatch::pipeline::Id(step)), (step, alert)))
+        .map(|(step, alert)| (format!("evt_{}", gyrowatch::core::id::Id(step)), (step, alert)))
         .collect();
     let (mut heard, mut reached) = (HashSet::new(), HashMap::new());
     for id in told.told().iter().map(receiver::Told::id) {
@@ -375,7 +375,7 @@ async fn all_are_there(url: &str, acknowledged: &[String], sent: usize) {
     let mut connection = PgConnection::connect(url).await.unwrap();
     let rows = sqlx::query("SELECT id, imu, calibrated_at FROM record").fetch_all(&mut connection).await.unwrap();
     let stored: HashSet<String> =
-        rows.iter().map(|row| gyrowatch::pipeline::Id(row.get::<i64, _>("id")).to_string()).collect();
+        rows.iter().map(|row| gyrowatch::core::id::Id(row.get::<i64, _>("id")).to_string()).collect();
     let keys: HashMap<(i64, i64), usize> = rows.iter().fold(HashMap::new(), |mut keys, row| {
         *keys.entry((row.get("imu"), row.get("calibrated_at"))).or_default() += 1;
         keys

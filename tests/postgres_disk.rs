@@ -166,7 +166,7 @@ async fn lost(url: &str, acknowledged: &[(String, Instant)]) -> usize {
     let rows: Vec<(i64, i64)> =
         sqlx::query_as("SELECT id, calibrated_at FROM record").fetch_all(&mut connection).await.unwrap();
     let history: i64 = sqlx::query_scalar("SELECT count(*) FROM history").fetch_one(&mut connection).await.unwrap();
-    let ids: HashSet<String> = rows.iter().map(|(id, _)| gyrowatch::pipeline::Id(*id).to_string()).collect();
+    let ids: HashSet<String> = rows.iter().map(|(id, _)| gyrowatch::core::id::Id(*id).to_string()).collect();
     let times: HashSet<i64> = rows.iter().map(|(_, at)| *at).collect();
     assert_eq!(times.len(), rows.len(), "a record is there twice");
     assert_eq!(history as usize, 3 * rows.len(), "a record is there in part");

@@ -149,7 +149,7 @@ async fn audit(dir: &Path, told: &[&str], sent: &HashMap<String, String>) -> Aud
         audit.corrupt.push(format!("{} records are stored: {said}", stored.len()));
     }
     let stored: HashMap<String, String> =
-        stored.into_iter().map(|(id, body)| (gyrowatch::pipeline::Id(id).to_string(), body)).collect();
+        stored.into_iter().map(|(id, body)| (gyrowatch::core::id::Id(id).to_string(), body)).collect();
     // A line of an import is stored with its end.
     let there = |id: &&&str| stored.get(**id).is_some_and(|body| body.trim_end() == sent[**id]);
     audit.lost = told.len() - told.iter().filter(there).count();

@@ -78,7 +78,7 @@ async fn what_was_acknowledged_survives_kill_9_under_load() {
     let mut connection =
         sqlx::sqlite::SqliteConnectOptions::new().filename(file).read_only(true).connect().await.unwrap();
     let stored: Vec<i64> = sqlx::query_scalar("SELECT id FROM record").fetch_all(&mut connection).await.unwrap();
-    let stored: BTreeSet<String> = stored.into_iter().map(|id| gyrowatch::pipeline::Id(id).to_string()).collect();
+    let stored: BTreeSet<String> = stored.into_iter().map(|id| gyrowatch::core::id::Id(id).to_string()).collect();
     let of_imus: Vec<(String, i64)> =
         sqlx::query_as("SELECT imu.name, count(*) FROM record JOIN imu ON imu.id = record.imu GROUP BY imu.id")
             .fetch_all(&mut connection)

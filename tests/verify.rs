@@ -107,7 +107,7 @@ async fn flip(server: &Server, table: &str, column: &str, bit: usize) -> String 
     value[bit / 8] ^= 1 << (bit % 8);
     let sql = format!("UPDATE {table} SET {column} = $1 WHERE rowid = $2");
     sqlx::query(sqlx::AssertSqlSafe(sql)).bind(value).bind(id).execute(&mut connection).await.unwrap();
-    gyrowatch::pipeline::Id(id).to_string()
+    gyrowatch::core::id::Id(id).to_string()
 }
 
 #[tokio::test]
@@ -152,7 +152,7 @@ async fn a_change_that_fits_its_checksums_is_found_by_computing_again() {
         .unwrap();
     drop(connection);
     let (code, said) = verify(&server, &[]);
-    let id = gyrowatch::pipeline::Id(id).to_string();
+    let id = gyrowatch::core::id::Id(id).to_string();
     assert!(code == Some(1) && said.contains(&id) && said.contains("computed again"), "{said}");
 
     for (sql, named) in [

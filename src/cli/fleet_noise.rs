@@ -29,7 +29,7 @@ impl FleetNoise {
         let work = async {
             let store = store::open_to_read(&config.database.options()).await?;
             let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
-            Ok(reading.fleet_noise().await?)
+            Ok(reading.queries.fleet.noise().await?)
         };
         let found = block_on(work).with_context(|| format!("the database {url}"))?;
         document::print(&report(&found, &time::format(Clock::System.now())[..10]))

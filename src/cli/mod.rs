@@ -39,7 +39,7 @@ use clap::{Parser, Subcommand};
 use crate::core::diagnose::NoReference;
 use crate::core::effects::Refusal;
 use crate::core::fault::Faults;
-use crate::pipeline::Refused;
+use crate::pipeline::AccessError;
 use crate::wire::problem::summary;
 use crate::words;
 use common::{Usage, block_on, instant};
@@ -122,7 +122,7 @@ fn in_words(error: &anyhow::Error) -> String {
             return summary(&faults.0, language);
         }
         let message = None
-            .or_else(|| cause.downcast_ref::<Refused>().map(Refused::message))
+            .or_else(|| cause.downcast_ref::<AccessError>().map(AccessError::message))
             .or_else(|| cause.downcast_ref::<Refusal>().map(Refusal::message))
             .or_else(|| cause.downcast_ref::<NoReference>().map(NoReference::message));
         message.map_or_else(|| cause.to_string(), |message| language.words(&message))

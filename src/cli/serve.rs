@@ -108,12 +108,12 @@ async fn serve_with(
 ) -> anyhow::Result<()> {
     let address = listener.local_addr().context("cannot tell the address listened on")?;
     anyhow::ensure!(
-        address.ip().is_loopback() || pipeline.guard().asks_for_tokens(),
+        address.ip().is_loopback() || pipeline.access.guard().asks_for_tokens(),
         "cannot listen on {address} (server.listen): there is no token yet, and without one everybody could do everything; \
          make one first: gyrowatch token create NAME --role admin"
     );
     warn_without_tokens(&pipeline);
-    let outbox = Outbox::start(&pipeline).context("cannot deliver to hooks")?;
+    let outbox = Outbox::start(&pipeline.hooks).context("cannot deliver to hooks")?;
     let pipeline = Arc::new(pipeline);
     let pages = Pages { config: Arc::clone(&config), clock: Clock::System, pipeline: Arc::clone(&pipeline) };
     let app = App { config: Arc::clone(&config), clock: Clock::System, pipeline };
@@ -130,7 +130,7 @@ async fn serve_with(
 
 /// Until there is a token, who asks is told by their address, which a reverse proxy on this machine shares with all whom it lets through.
 fn warn_without_tokens(pipeline: &Pipeline) {
-    let guard = pipeline.guard();
+    let guard = pipeline.access.guard();
     match guard.setup_secret() {
         _ if guard.asks_for_tokens() => {}
         Some(secret) => tracing::warn!(

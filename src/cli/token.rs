@@ -12,7 +12,8 @@ use crate::core::access::Role;
 use crate::core::fault::Faults;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{Beside, NewToken, Refused, StoreError, TokenRow, create_beside, revoke_beside};
+use crate::pipeline::{AccessError, NewToken, create_beside, revoke_beside};
+use crate::store::{Beside, StoreError, TokenRow};
 use crate::system::Clock;
 use crate::wire::{text, time};
 
@@ -83,7 +84,7 @@ impl Token {
 
 /// Whether the database failed, and not what was asked of it.
 fn is_of_the_database(error: &anyhow::Error) -> bool {
-    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(Refused::Store(_)))
+    error.is::<StoreError>() || matches!(error.downcast_ref(), Some(AccessError::Write(_)))
 }
 
 impl Order {

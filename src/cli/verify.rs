@@ -33,7 +33,7 @@ impl Verify {
             store::check_all_but_records(&options).await?;
             let store = store::open_to_read(&options).await?;
             let reading = Pipeline::to_read(store, Arc::new(config), Clock::System).await?;
-            let mut verified = reading.verify().await?;
+            let mut verified = reading.queries.records.verify().await?;
             // Last, so that what has a name of its own is named by it.
             verified.faults.extend(store::check_checksums(&options)?);
             Ok(verified)

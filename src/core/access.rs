@@ -1,5 +1,7 @@
 //! Roles: what somebody who holds a token may do.
 
+use crate::core::time::UtcMicros;
+
 /// Each may do what those before it may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
@@ -28,6 +30,16 @@ impl Role {
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|role| role.name() == name)
     }
+}
+
+/// Which lines of the audit trail.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct AuditFilter {
+    pub from: Option<UtcMicros>,
+    pub to: Option<UtcMicros>,
+    pub who: Option<String>,
+    pub action: Option<String>,
+    pub subject: Option<String>,
 }
 
 #[cfg(test)]

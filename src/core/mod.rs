@@ -5,18 +5,23 @@
 
 pub mod access;
 pub mod alert_decision;
+pub mod alert_filter;
 pub mod augmented;
 pub mod bench;
 pub mod calibrate;
 pub mod campaign;
 pub mod changes;
+pub mod delivery;
 pub mod diagnose;
 pub mod effects;
 pub mod fault;
+pub mod figures;
 pub mod frames;
 pub mod history_note;
 pub mod hook_filter;
+pub mod id;
 pub mod judge;
+pub mod kind;
 pub mod message;
 pub mod model;
 pub mod mounting;

@@ -68,6 +68,17 @@ impl std::fmt::Display for UtcDate {
     }
 }
 
+/// A stretch of time, its ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Span {
+    pub from: UtcMicros,
+    pub to: UtcMicros,
+}
+
+impl Span {
+    pub const EVER: Span = Span { from: UtcMicros(i64::MIN), to: UtcMicros(i64::MAX) };
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

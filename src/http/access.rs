@@ -41,11 +41,11 @@ pub async fn admit(Gate { app, rules }: &Gate, mut request: Request, next: Next)
     // Without an address (a request that came over no connection) it is nobody's, and certainly not this machine's.
     let source = source.unwrap_or(IpAddr::V4(Ipv4Addr::UNSPECIFIED));
     if request.extensions().get::<Forwarded>().is_some() {
-        app.pipeline.guard().note_proxy();
+        app.pipeline.access.guard().note_proxy();
     }
     let headers = request.headers();
     let credentials = (bearer(headers), cookies::sent(headers, SESSION_COOKIE));
-    let caller = match app.pipeline.guard().caller(credentials, source, app.clock.now()).await {
+    let caller = match app.pipeline.access.guard().caller(credentials, source, app.clock.now()).await {
         Ok(caller) => {
             Caller { agent: headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes())), ..caller }
         }

@@ -78,7 +78,7 @@ pub async fn get_agreement(
         (None, None) => None,
         (from, to) => Some(query::span(from.as_deref(), to.as_deref())?),
     };
-    let Comparison { results, range, verdicts } = app.pipeline.compare_methods(gyro, span).await?;
+    let Comparison { results, range, verdicts } = app.pipeline.queries.histories.compare_methods(gyro, span).await?;
     let verdicts = verdicts.iter().map(|verdict| VerdictBody::of(&serial, verdict)).collect();
     let [d_i, d_s] = range;
     Ok(Json(Agreement {

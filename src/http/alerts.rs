@@ -12,12 +12,14 @@ use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, not_one_of};
 use crate::core::alert_decision::Standing;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, AlertStep, Id};
+use crate::pipeline::{AlertChange, AlertOrder, AlertStep};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
 use crate::wire::{alert_csv, cursor, json, text, time};
@@ -83,7 +85,7 @@ pub async fn get_alerts(
     let limit = query::limit(asked.limit, if csv { MOST_ALERTS } else { DEFAULT_ALERTS }, MOST_ALERTS)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
     let filter = filter(&app, &asked)?;
-    let mut found = app.pipeline.alerts(&filter, before, limit as u32 + 1).await?;
+    let mut found = app.pipeline.alerts.find(&filter, before, limit as u32 + 1).await?;
     let more = found.len() > limit;
     found.truncate(limit);
     let next = found.last().filter(|_| more).map(|(id, _)| cursor::encode(id.0));
@@ -178,7 +180,7 @@ impl From<AlertStep> for StepBody {
 #[utoipa::path(get, path = "/v1/alerts/{id}", tag = "alerts",
     responses((status = 200, description = "the alert", body = AlertDetail)))]
 pub async fn get_alert(State(app): State<App>, Path(id): Path<String>) -> Result<Json<AlertDetail>, Problem> {
-    let found = app.pipeline.alert(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
+    let found = app.pipeline.alerts.get(read_id(&id)?).await?.ok_or_else(|| unknown(&id))?;
     Ok(Json(AlertDetail { alert: found.alert, history: found.steps.into_iter().map(StepBody::from).collect() }))
 }
 
@@ -242,7 +244,7 @@ async fn remarked(app: &App, id: &str, change: AlertChange, bytes: &[u8]) -> Res
         order(id, change, by, reason, Faults::default())
     };
     let order = read(bytes).map_err(|faults| Document::problem(bytes, faults))?;
-    Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(id))?).await?))
+    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| unknown(id))?).await?))
 }
 
 /// Nobody is told before a time. What has changed by then is told at its end; a later silence replaces an earlier one.
@@ -260,7 +262,7 @@ pub async fn post_silence(
         order(&id, AlertChange::Silence { until }, by, reason, faults)
     };
     let order = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    Ok(Json(app.pipeline.change_alert(order.ok_or_else(|| unknown(&id))?).await?))
+    Ok(Json(app.pipeline.alerts.change(order.ok_or_else(|| unknown(&id))?).await?))
 }
 
 pub(super) fn future(pointer: &str, text: &str, now: UtcMicros, faults: &mut Faults) -> UtcMicros {

@@ -11,8 +11,10 @@ use utoipa::{IntoParams, ToSchema};
 use super::answer::Answer;
 use super::app::App;
 use super::query::{self, Parameters};
+use crate::core::access::AuditFilter;
+use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::{AuditFilter, AuditRow, Id};
+use crate::pipeline::AuditEntry;
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
 
@@ -94,7 +96,7 @@ pub async fn get_audit(
     let span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
     let AuditQuery { who, action, subject, .. } = asked;
     let filter = AuditFilter { from: Some(span.from), to: Some(span.to), who, action, subject };
-    let mut rows = app.pipeline.audit(&filter, before, limit as u32 + 1).await?;
+    let mut rows = app.pipeline.access.audit(&filter, before, limit as u32 + 1).await?;
     let more = rows.len() > limit;
     rows.truncate(limit);
     let next = rows.last().filter(|_| more).map(|last| cursor::encode(last.id.0));
@@ -107,7 +109,7 @@ pub async fn get_audit(
     Ok((link, Answer(Audit { lines, next })).into_response())
 }
 
-fn line(row: AuditRow) -> Result<AuditLine, Problem> {
+fn line(row: AuditEntry) -> Result<AuditLine, Problem> {
     let damaged = |_| Problem::new(500, "title_damaged_database", message!("audit_not_json", id = row.id.to_string()));
     let json = |text: Option<String>| text.map(RawValue::from_string).transpose().map_err(damaged);
     Ok(AuditLine {
@@ -124,7 +126,7 @@ fn line(row: AuditRow) -> Result<AuditLine, Problem> {
     })
 }
 
-fn as_csv(rows: &[AuditRow]) -> Option<Vec<u8>> {
+fn as_csv(rows: &[AuditEntry]) -> Option<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer
         .write_record(["id", "at", "who", "token", "source", "action", "subject", "before", "after", "agent"])

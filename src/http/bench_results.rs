@@ -14,9 +14,9 @@ use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey};
 use super::telling::Telling;
+use crate::core::id::Id;
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{Accepted, Id, Sent, Submission};
+use crate::pipeline::{Accepted, Sent, Submission};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign::CampaignBody;
 use crate::wire::document::DocumentKind;
@@ -43,7 +43,7 @@ pub async fn post_bench_result(
     post: DocumentPost,
     Document(bytes): Document,
 ) -> Result<Response, Problem> {
-    let read = app.pipeline.read_bench_result(&bytes);
+    let read = app.pipeline.reader.bench_result(&bytes);
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = post.key()?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
@@ -52,7 +52,7 @@ pub async fn post_bench_result(
         Accepted::Stored { .. } => StatusCode::CREATED,
         Accepted::There { .. } => StatusCode::OK,
     };
-    let id = app.pipeline.settle(&accepted, Sent::Bench(&body)).await?;
+    let id = app.pipeline.ingest.settle(&accepted, Sent::Bench(&body)).await?;
     let location = [(LOCATION, format!("/v1/bench-results/{id}"))];
     Ok((status, location, Json(BenchAnswer { id: id.to_string(), serial })).into_response())
 }
@@ -81,17 +81,17 @@ pub struct StoredBench {
 pub async fn get_bench_result(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredBench>, Problem> {
     let no_such = || Problem::no_such_bench_result(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
-    let row = store::bench::get(app.pipeline.store(), number).await?.ok_or_else(no_such)?;
+    let row = app.pipeline.queries.records.bench(number).await?.ok_or_else(no_such)?;
     let damaged = || Problem::new(500, "title_damaged_database", message!("body_unreadable", id = id.to_string()));
     let body = RawValue::from_string(row.body.to_string()).map_err(|_| damaged())?;
     let (bench_result, campaign) = match DocumentKind::of(row.body.as_bytes()) {
         DocumentKind::Campaign => {
-            let fitted = app.pipeline.fitted_bench(&row).map_err(|_| damaged())?;
+            let fitted = app.pipeline.reader.fitted_bench(&row.body).map_err(|_| damaged())?;
             (to_raw_value(&fitted).map_err(|_| damaged())?, Some(body))
         }
         DocumentKind::Record | DocumentKind::Bench => (body, None),
     };
     let (standing, received_at) = (standing(&app, number).await?, time::format(row.received_at));
-    let sent_by = app.pipeline.sender(row.sent_by).await?;
+    let sent_by = app.pipeline.queries.records.sender(row.sent_by).await?;
     Ok(Json(StoredBench { id: number.to_string(), standing, received_at, sent_by, bench_result, campaign }))
 }

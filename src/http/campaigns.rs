@@ -19,8 +19,10 @@ use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::prefer_header::{AsWanted, Wanted};
 use super::query::{Parameters, bad};
 use super::telling::Telling;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::{Asked, Fitted, Id, Kind, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
+use crate::pipeline::{DiagnosisAnswer, Fitted, NotSplit, ReadCampaign, Sent, StoredCampaign, Submission};
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
 use crate::wire::diagnosis::DiagnosisBody;
@@ -63,7 +65,7 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
     let Dwells(bytes, form) = body;
     let key = post.key()?;
     let (pipeline, text) = (app.pipeline.clone(), bytes.clone());
-    let read = words::spawn_blocking(move || pipeline.read_campaign(&text, form)).await;
+    let read = words::spawn_blocking(move || pipeline.reader.campaign(&text, form)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let ReadCampaign { fitted, fit, body } = read.map_err(|faults| match form {
         Form::Csv => Problem::of_faults(422, "title_cannot_be_stored", faults),
@@ -76,7 +78,7 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
         (Sent::Calibration(Kind::Campaign, &body), "campaigns")
     };
     let whole = |id: Id, notes: Vec<NoteBody>| {
-        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.campaign_answer(&fit) };
+        let mut answer = CampaignAnswer { id: Some(id.to_string()), ..app.pipeline.reader.campaign_answer(&fit) };
         answer.notes.extend(notes);
         answer
     };
@@ -88,8 +90,8 @@ pub async fn post_campaign(State(app): State<App>, post: DocumentPost, body: Dwe
             Ok(post.again((collection, id), (whole(id, Vec::new()), std::iter::empty(), Vec::new()), None))
         }
         PostOutcome::There(id) => {
-            let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
-            let whole = (answer, row.verdicts.states(), history_note::read(row.notes.as_deref()));
+            let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
+            let whole = (answer, item.states.into_iter(), history_note::read(item.notes.as_deref()));
             Ok(post.again((collection, id), whole, standing(&app, id).await?.unless_valid()))
         }
     }
@@ -115,11 +117,11 @@ pub struct StoredCampaignBody {
     responses((status = 200, description = "the campaign", body = StoredCampaignBody)))]
 pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Result<Json<StoredCampaignBody>, Problem> {
     let id: Id = id.parse().map_err(|_| Problem::no_such_campaign(&id))?;
-    let StoredCampaign { row, answer, .. } = stored(&app, id).await?;
-    let campaign = RawValue::from_string(row.body.to_string())
+    let StoredCampaign { item, answer, .. } = stored(&app, id).await?;
+    let campaign = RawValue::from_string(item.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
-    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
-    let received_at = time::format(row.received_at);
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(item.sent_by).await?);
+    let received_at = time::format(item.received_at);
     Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
 }
 
@@ -150,10 +152,10 @@ pub async fn get_diagnosis(
             )));
         }
     };
-    match app.pipeline.diagnosis(number, patience).await? {
-        Asked::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
-        Asked::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
-        Asked::Answered(diagnosed) => match (&*diagnosed, query.reference) {
+    match app.pipeline.diagnoses.of_campaign(number, patience).await? {
+        DiagnosisAnswer::NoSuchCampaign => Err(Problem::no_such_campaign(&id)),
+        DiagnosisAnswer::Waiting => Ok((StatusCode::ACCEPTED, [(RETRY_AFTER, "5")]).into_response()),
+        DiagnosisAnswer::Answered(diagnosed) => match (&*diagnosed, query.reference) {
             (Ok(diagnosis), None) => Ok(Json(diagnosis.clone().said_in(asked())).into_response()),
             (Ok(diagnosis), Some(reference)) => {
                 let mut diagnosis = diagnosis.clone().said_in(asked());
@@ -182,13 +184,13 @@ pub struct DiagnosisQuery {
 async fn against(app: &App, id: Id, diagnosis: &DiagnosisBody, reference: &str) -> Result<SplitBody, Problem> {
     let unknown = || Problem::no_such_reference(reference);
     let number: Id = reference.parse().map_err(|_| unknown())?;
-    app.pipeline.split(id, diagnosis, number).await.map_err(|why| match why {
+    app.pipeline.diagnoses.split(id, diagnosis, number).await.map_err(|why| match why {
         NotSplit::NoSuchReference(_) => unknown(),
         NotSplit::NoReference(why) => Problem::new(422, "title_no_reference", why.message()),
-        NotSplit::Store(error) => error.into(),
+        NotSplit::Storage(error) => error.into(),
     })
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredCampaign, Problem> {
-    app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))
+    app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }

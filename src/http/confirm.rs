@@ -9,7 +9,8 @@ use super::app::App;
 use super::corrections::{StandingBody, standing};
 use super::document::Document;
 use crate::core::fault::Faults;
-use crate::pipeline::{Accepted, Actor, Confirmation, Id, Submission};
+use crate::core::id::Id;
+use crate::pipeline::{Accepted, Actor, Confirmation, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text};
 
@@ -46,7 +47,7 @@ pub async fn confirm_record(
     let (author, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let sent = Confirmation { id, author, reason, by: Actor::by_caller() };
     let (Accepted::Stored { id, .. } | Accepted::There { id, .. }) =
-        app.pipeline.submit(Submission::Confirmation(sent)).await?;
+        app.pipeline.ingest.submit(Submission::Confirmation(sent)).await?;
     Ok(Json(ConfirmedBody { id: id.to_string(), standing: standing(&app, id).await? }))
 }
 

@@ -13,11 +13,10 @@ use super::answer::Answer;
 use super::app::App;
 use super::document::Document;
 use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{
-    Accepted, Actor, Calibration, Corrected, Correction, CorrectionRow, Fitted, Id, Kind, Submission,
-};
+use crate::pipeline::{Accepted, Actor, Calibration, Corrected, Correction, CorrectionItem, Fitted, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{CampaignBody, Form};
@@ -81,27 +80,26 @@ pub struct CorrectedBody {
     standing: StandingBody,
 }
 
-impl From<&CorrectionRow> for RemarkBody {
-    fn from(row: &CorrectionRow) -> Self {
+impl From<&CorrectionItem> for RemarkBody {
+    fn from(row: &CorrectionItem) -> Self {
         Self { at: time::format(row.at), author: row.author.clone(), reason: row.reason.clone() }
     }
 }
 
 /// How a stored item stands.
 pub async fn standing(app: &App, id: Id) -> Result<StandingBody, Problem> {
-    let said = store::correction::of_item(app.pipeline.store(), id).await?;
+    let status = app.pipeline.queries.records.status(id).await?;
+    let said = &status.corrections;
     let voided = said.iter().find(|row| row.item == id && row.replaced_by.is_none()).map(RemarkBody::from);
-    let link = |row: &CorrectionRow, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
+    let link = |row: &CorrectionItem, record: Id| RevisionBody { record: record.to_string(), remark: row.into() };
     let revised_by = said.iter().filter(|row| row.item == id).find_map(|row| Some(link(row, row.replaced_by?)));
     let revises = said.iter().find(|row| row.replaced_by == Some(id)).map(|row| link(row, row.item));
-    let store = app.pipeline.store();
-    let confirmed = store::set_aside::confirmation(store, id).await?;
     let confirmed =
-        confirmed.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
+        status.confirmation.map(|row| RemarkBody { at: time::format(row.at), author: row.author, reason: row.reason });
     let state = match (&revised_by, &voided) {
         (Some(_), _) => "revised",
         (None, Some(_)) => "voided",
-        (None, None) if store::set_aside::is_set_aside(store, id).await? => "set_aside",
+        (None, None) if status.set_aside => "set_aside",
         (None, None) => "valid",
     };
     Ok(StandingBody { state, voided, revised_by, revises, confirmed })
@@ -204,10 +202,10 @@ pub async fn revise_record(
     let item = Corrected::Calibration { id: named(&id, Problem::no_such_record)?, kind: None };
     let problem = |faults| Document::problem(&body.0, faults);
     let RecordRevision { author, reason, record } = json::parse(&body.0).map_err(problem)?;
-    let read = app.pipeline.read_record(record.get().as_bytes());
+    let read = app.pipeline.reader.record(record.get().as_bytes());
     let correction = revision(item, VoidOrder { author, reason }, "/record", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
-    let stored = app.pipeline.stored_record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
+    let stored = app.pipeline.queries.records.record(id).await?.ok_or_else(|| Problem::no_such_record(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/records/{id}"))], Answer(answer)).into_response())
 }
@@ -241,7 +239,7 @@ pub async fn revise_campaign(
     let problem = |faults| Document::problem(&body.0, faults);
     let CampaignRevision { author, reason, campaign } = json::parse(&body.0).map_err(problem)?;
     let pipeline = app.pipeline.clone();
-    let read = words::spawn_blocking(move || pipeline.read_campaign(campaign.get().as_bytes(), Form::Json)).await;
+    let read = words::spawn_blocking(move || pipeline.reader.campaign(campaign.get().as_bytes(), Form::Json)).await;
     let read = read.map_err(|_| Problem::new(500, "title_internal_error", message!("not_fitted")))?;
     let read = read.and_then(|read| match read.fitted {
         Fitted::Calibration(calibration) => Ok(*calibration),
@@ -252,7 +250,7 @@ pub async fn revise_campaign(
     });
     let correction = revision(item, VoidOrder { author, reason }, "/campaign", read).map_err(problem)?;
     let (status, id) = submit(&app, correction).await?;
-    let stored = app.pipeline.stored_campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
+    let stored = app.pipeline.queries.records.campaign(id).await?.ok_or_else(|| Problem::no_such_campaign(id))?;
     let answer = Standing { answer: stored.answer, standing: Some(standing(&app, id).await?) };
     Ok((status, [(LOCATION, format!("/v1/campaigns/{id}"))], Answer(answer)).into_response())
 }
@@ -280,7 +278,7 @@ async fn submit(app: &App, correction: Correction) -> Result<(StatusCode, Id), P
         Kind::Record => "/record",
         Kind::Campaign => "/campaign",
     });
-    match app.pipeline.submit(Submission::Correction(Box::new(correction))).await {
+    match app.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await {
         Ok(Accepted::Stored { id, .. }) => Ok((StatusCode::CREATED, id)),
         Ok(Accepted::There { id, .. }) => Ok((StatusCode::OK, id)),
         Err(refused) => {

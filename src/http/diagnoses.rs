@@ -13,10 +13,11 @@ use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters, bad, not_one_of, with_sign};
 use crate::core::fault::Fault;
+use crate::core::id::Id;
 use crate::core::message::list;
 use crate::core::message::text;
 use crate::message;
-use crate::pipeline::{Accepted, DiagnosisOrder, Id};
+use crate::pipeline::{Accepted, DiagnosisOrder};
 use crate::wire::diagnoses::{JobDetailBody, JobsBody, SummaryBody, WhichBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, diagnoses_csv};
@@ -34,8 +35,8 @@ const MOST_FAILURES: usize = 1000;
         (status = 200, description = "the same is being worked off", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
         (status = 422, description = "an unknown IMU or station, no time …; the places are named")))]
 pub async fn post_diagnoses(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let wanted = app.pipeline.read_wanted_diagnoses(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
-    let (status, id) = match app.pipeline.order_diagnoses(DiagnosisOrder::Start(wanted)).await? {
+    let wanted = app.pipeline.diagnoses.read_wanted(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let (status, id) = match app.pipeline.diagnoses.order(DiagnosisOrder::Start(wanted)).await? {
         Accepted::Stored { id, .. } => (StatusCode::ACCEPTED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),
     };
@@ -70,7 +71,7 @@ pub async fn get_diagnoses(
     Parameters(asked): Parameters<PageQuery>,
 ) -> Result<Response, Problem> {
     let limit = query::limit(asked.limit, 20, MOST_ORDERS)?;
-    let mut diagnoses = app.pipeline.diagnosis_jobs(asked.position()?, limit as u32 + 1).await?;
+    let mut diagnoses = app.pipeline.diagnoses.jobs(asked.position()?, limit as u32 + 1).await?;
     let more = diagnoses.len() > limit;
     diagnoses.truncate(limit);
     let last = diagnoses.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
@@ -100,7 +101,7 @@ pub async fn get_one(
 #[utoipa::path(delete, path = "/v1/diagnoses/{id}", tag = "diagnoses",
     responses((status = 204, description = "canceled, now or before"), (status = 409, description = "it has ended")))]
 pub async fn delete_one(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
-    app.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number(&id)?)).await?;
+    app.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -144,7 +145,7 @@ pub async fn get_summary(
     let SummaryQuery { imu, station, effect, since, until, .. } = asked;
     let [since, until] = [since, until].map(|time| time.map(|text| with_sign(&text).into_owned()));
     let which = WhichBody { imu, station, since, until, again: false };
-    let filter = app.pipeline.summary_filter(&which, effect.as_deref()).map_err(|faults| {
+    let filter = app.pipeline.diagnoses.summary_filter(&which, effect.as_deref()).map_err(|faults| {
         let parameter = |fault: &Fault| fault.pointer.trim_start_matches('/').to_owned();
         let said = |fault: Fault| message!("parameter_fault", parameter = parameter(&fault), fault = fault.message);
         let mut said = faults.0.into_iter().map(said);
@@ -153,7 +154,7 @@ pub async fn get_summary(
             (one, _) => bad(message!("several", faults = list(one.into_iter().chain(said)))),
         }
     })?;
-    let summary = app.pipeline.diagnosis_summary(&filter).await?;
+    let summary = app.pipeline.diagnoses.summary(&filter).await?;
     if csv {
         let text = diagnoses_csv::to_csv(&summary);
         return Ok(([(CONTENT_TYPE, "text/csv; charset=utf-8")], text).into_response());
@@ -162,7 +163,7 @@ pub async fn get_summary(
 }
 
 async fn one(app: &App, id: Id, after: Option<Id>, limit: usize) -> Result<JobDetailBody, Problem> {
-    app.pipeline.diagnosis_job(id, after, limit as u32).await?.ok_or_else(|| no_such(&id.to_string()))
+    app.pipeline.diagnoses.job(id, after, limit as u32).await?.ok_or_else(|| no_such(&id.to_string()))
 }
 
 fn number(id: &str) -> Result<Id, Problem> {

@@ -15,9 +15,10 @@ use super::corrections::{Standing, StandingBody};
 use super::prefer_header::{AsWanted, MinimalAnswer, Wanted};
 use super::telling::Telling;
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::core::judge::State;
 use crate::message;
-use crate::pipeline::{Accepted, Caller, Id, Sent, Submission};
+use crate::pipeline::{Accepted, Caller, Sent, Submission};
 use crate::wire::note::NoteBody;
 use crate::wire::problem::Problem;
 
@@ -61,9 +62,9 @@ impl DocumentPost {
         item: Submission,
         words: impl FnMut(&Accepted) -> T,
     ) -> Result<(Accepted, T), Problem> {
-        self.caller.may_submit(&item)?;
+        item.may_be_sent_by(&self.caller)?;
         let late = self.telling.late_or(Late::Quiet);
-        let accepted = app.pipeline.submit_late(item, late, words).await?;
+        let accepted = app.pipeline.ingest.submit_late(item, late, words).await?;
         self.telling.end(app, late).await;
         Ok(accepted)
     }
@@ -88,7 +89,7 @@ impl DocumentPost {
         };
         match self.submit(app, item, words).await? {
             (_, Some(new)) => Ok(PostOutcome::New(new)),
-            (accepted, None) => Ok(PostOutcome::There(app.pipeline.settle(&accepted, sent).await?)),
+            (accepted, None) => Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?)),
         }
     }
 

@@ -16,8 +16,7 @@ use crate::core::judge::{Event, Rule};
 use crate::core::message::{list, sent};
 use crate::core::record::Name;
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{Actor, EventRow, GyroEvent};
+use crate::pipeline::{Actor, EventItem, GyroEvent};
 use crate::wire::event::read_test;
 use crate::wire::problem::Problem;
 use crate::wire::{json, time};
@@ -45,7 +44,7 @@ pub struct EventBody {
 }
 
 impl EventBody {
-    pub fn of(event: &EventRow) -> Self {
+    pub fn of(event: &EventItem) -> Self {
         let resets = Rule::ALL.into_iter().filter(|rule| judges(*rule) && event.event.resets(*rule));
         Self {
             id: event.id.to_string(),
@@ -77,7 +76,7 @@ pub struct Events {
 #[utoipa::path(get, path = "/v1/gyros/{serial}/events", tag = "gyros",
     responses((status = 200, description = "the events", body = Events)))]
 pub async fn get_events(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<Events>, Problem> {
-    let events = store::event::of_gyro(app.pipeline.store(), query::gyro(&app, &serial)?).await?;
+    let events = app.pipeline.queries.histories.events(query::gyro(&app, &serial)?).await?;
     Ok(Json(Events { serial, events: events.iter().map(EventBody::of).collect() }))
 }
 
@@ -116,7 +115,7 @@ pub async fn post_event(
 ) -> Result<(StatusCode, Json<EventBody>), Problem> {
     let (status, id, event) = remark::post(&app, &serial, &body, read, message!("event_there")).await?;
     let GyroEvent { at, event, until, test, fixed, reason, author, .. } = event;
-    let row = EventRow { id, gyro: 0, at, event, until, test, fixed, reason, author, received_at: at };
+    let row = EventItem { id, at, event, until, test, fixed, reason, author };
     Ok((status, Json(EventBody::of(&row))))
 }
 

@@ -17,6 +17,6 @@ pub async fn get_gyro_diagnosis(
     Path(serial): Path<String>,
 ) -> Result<Json<HistoryDiagnosisBody>, Problem> {
     let number = query::gyro(&app, &serial)?;
-    let explained = app.pipeline.explain_history(number).await?;
+    let explained = app.pipeline.queries.histories.explain(number).await?;
     Ok(Json(HistoryDiagnosisBody::new(&serial, explained.peers, &explained.coefficients)))
 }

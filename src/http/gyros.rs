@@ -9,11 +9,12 @@ use super::app::App;
 use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::history::Measured;
 use crate::core::judge::{Event, State as Judgement, Status};
+use crate::core::time::Span;
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{Figures, Span, Standing, Tables, sample_of};
+use crate::pipeline::{Names, Queries, Standing, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
@@ -139,8 +140,8 @@ pub async fn get_gyros(
     let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
     let filter = Filter::of(&asked)?;
     let (standings, next) = page(&app, after, limit, filter).await?;
-    let tables = app.pipeline.store().names().read();
-    let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &tables));
+    let names = app.pipeline.queries.names();
+    let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
     Ok(Json(Gyros { gyros: gyros.collect(), next }))
 }
 
@@ -154,17 +155,16 @@ async fn page(
     let mut found: Vec<Standing> = Vec::new();
     loop {
         // One more than is shown tells whether there is another page.
-        let rows = store::gyro::newest_of_gyros(app.pipeline.store(), after, limit as u32 + 1).await?;
-        let (last, more) = (rows.last().map(|(number, _)| *number), rows.len() > limit);
-        found.extend(app.pipeline.standings(rows).await?.into_iter().filter(|standing| filter.fits(standing)));
+        let (standings, last) = app.pipeline.queries.fleet.page(after, limit as u32).await?;
+        found.extend(standings.into_iter().filter(|standing| filter.fits(standing)));
         if found.len() > limit {
             found.truncate(limit);
             let next = found.last().map(|standing| cursor::encode(i64::from(standing.number)));
             return Ok((found, next));
         }
         match last {
-            Some(last) if more => after = last,
-            _ => return Ok((found, None)),
+            Some(last) => after = last,
+            None => return Ok((found, None)),
         }
     }
 }
@@ -188,26 +188,25 @@ pub struct GyroDetail {
     responses((status = 200, description = "the gyro", body = GyroDetail)))]
 pub async fn get_gyro(State(app): State<App>, Path(serial): Path<String>) -> Result<Json<GyroDetail>, Problem> {
     let number = query::gyro(&app, &serial)?;
-    let store = app.pipeline.store();
-    let newest = store::history::newest(store, number, Span::EVER, 1).await?.pop();
-    let found = app.pipeline.standing_in_words(number, newest).await?;
+    let Queries { fleet, histories, .. } = &app.pipeline.queries;
+    let found = fleet.standing_in_words(number).await?;
     let (standing, mut verdicts) = found.ok_or_else(|| Problem::unknown_gyro(&serial))?;
-    let events = store::event::of_gyro(store, number).await?.iter().map(EventBody::of).collect();
-    let calibrations = store::history::count(store, number).await?;
-    let bench_results = store::bench::of_gyro(store, number, Span::EVER).await?.len();
+    let events = histories.events(number).await?.iter().map(EventBody::of).collect();
+    let calibrations = histories.count(number).await?;
+    let bench_results = histories.benches(number, Span::EVER).await?.len();
     if bench_results > 0 {
-        let compared = app.pipeline.compare_methods(number, None).await?;
+        let compared = histories.compare_methods(number, None).await?;
         verdicts.extend(compared.verdicts.iter().map(|verdict| VerdictBody::of(&serial, verdict)));
     }
-    let gyro = Gyro::of(&standing, app.config.judging.method, &store.names().read());
+    let gyro = Gyro::of(&standing, app.config.judging.method, &app.pipeline.queries.names());
     Ok(Json(GyroDetail { gyro, verdicts, events, calibrations, bench_results }))
 }
 
 impl Gyro {
-    fn of(standing: &Standing, method: JudgedMethod, tables: &Tables) -> Self {
+    fn of(standing: &Standing, method: JudgedMethod, names: &Names<'_>) -> Self {
         Self {
             serial: standing.serial.to_string(),
-            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing.drift, method, tables)),
+            latest: standing.newest.as_ref().map(|figures| Latest::of(figures, standing.drift, method, names)),
             state: standing.state.map(Judgement::name),
             status: standing.status.map(Status::name),
             out_of_use: standing.out_of_use.map(Event::name),
@@ -216,16 +215,15 @@ impl Gyro {
 }
 
 impl Latest {
-    fn of(figures: &Figures, statuses: [Status; 3], method: JudgedMethod, tables: &Tables) -> Self {
+    fn of(figures: &Figures, statuses: [Status; 3], method: JudgedMethod, names: &Names<'_>) -> Self {
         let [d_i, d_s, d_o] = sample_of(figures, method).d.map(|Measured { value, sd }| FigureBody { value, sd });
         let [i, s, o] = figures.states.0.map(|state| state.unwrap_or(Judgement::Indeterminate).name());
         let [status_i, status_s, status_o] = statuses.map(Status::name);
-        let name = |name: Option<&std::sync::Arc<str>>| name.map_or_else(String::new, |name| name.to_string());
         Self {
             calibrated_at: time::format(figures.at),
-            imu: name(tables.imus.name(figures.imu)),
+            imu: names.imu(figures.imu).to_owned(),
             slot: figures.slot.name(),
-            station: name(tables.stations.name(figures.station)),
+            station: names.station(figures.station).to_owned(),
             record: figures.record.to_string(),
             method: if method == JudgedMethod::Published && figures.published.is_some() {
                 "published"

@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 use super::app::App;
 use crate::core::message::Message;
 use crate::message;
-use crate::pipeline::Refused;
+use crate::pipeline::WriteError;
 use crate::wire::problem::Problem;
 
 /// How long the writer may take to answer: a group commit on a slow disk, and one before it.
@@ -31,9 +31,9 @@ pub async fn healthz() -> Json<Health> {
 }
 
 /// What the operator is told of a write that failed, in the store's own words.
-fn unwritten(refused: &Refused) -> Message {
-    match refused {
-        Refused::Store(error) => Message::verbatim(error),
+fn unwritten(error: &WriteError) -> Message {
+    match error {
+        WriteError::Storage(error) => Message::verbatim(error),
         other => other.message(),
     }
 }
@@ -45,13 +45,9 @@ fn unwritten(refused: &Refused) -> Message {
         (status = 503, description = "not ready, and why")))]
 pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
     let not_ready = |why: Message| Problem::new(503, "title_not_ready", why);
-    app.pipeline
-        .store()
-        .ping()
-        .await
-        .map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
+    app.pipeline.ping().await.map_err(|error| not_ready(message!("not_reading", why = format_args!("{error}"))))?;
     match tokio::time::timeout(PATIENCE, app.pipeline.probe()).await {
-        Ok(probed) => probed.map_err(|refused| not_ready(message!("not_writing", why = unwritten(&refused))))?,
+        Ok(probed) => probed.map_err(|error| not_ready(message!("not_writing", why = unwritten(&error))))?,
         Err(_) => {
             return Err(not_ready(message!(
                 "not_writing",
@@ -59,7 +55,7 @@ pub async fn readyz(State(app): State<App>) -> Result<Json<Health>, Problem> {
             )));
         }
     }
-    if !app.pipeline.delivers() {
+    if !app.pipeline.hooks.delivers() {
         return Err(not_ready(message!("no_delivery_worker")));
     }
     Ok(Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") }))

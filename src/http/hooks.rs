@@ -11,9 +11,11 @@ use utoipa::{IntoParams, ToSchema};
 use super::app::App;
 use super::document::Document;
 use super::query::{self, Parameters};
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
-use crate::pipeline::{DeliveryPage, DeliveryState, Id, Order};
+use crate::pipeline::{DeliveryPage, Order};
 use crate::wire::cursor;
 use crate::wire::hook::{DeliveryBody, HookBody, HookPatchBody, NewHookBody};
 use crate::wire::problem::Problem;
@@ -30,7 +32,7 @@ pub struct Hooks {
 #[utoipa::path(get, path = "/v1/hooks", tag = "hooks",
     responses((status = 200, description = "the hooks", body = Hooks)))]
 pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
-    Ok(Json(Hooks { hooks: app.pipeline.hooks().await? }))
+    Ok(Json(Hooks { hooks: app.pipeline.hooks.all().await? }))
 }
 
 /// Sets up a hook: from here on it is told of every alert that its filter lets through.
@@ -42,10 +44,10 @@ pub async fn get_hooks(State(app): State<App>) -> Result<Json<Hooks>, Problem> {
         (status = 409, description = "there are too many"),
         (status = 422, description = "an unknown kind, a forbidden address, a short secret …; the places are named")))]
 pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Response, Problem> {
-    let new = app.pipeline.read_hook(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let new = app.pipeline.hooks.read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = new.drawn();
-    let id = app.pipeline.order(Order::Create(new)).await?;
-    let hook = app.pipeline.hook(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?;
+    let id = app.pipeline.hooks.order(Order::Create(new)).await?;
+    let hook = app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/hooks/{id}"))], Json(hook)).into_response())
 }
 
@@ -53,7 +55,7 @@ pub async fn post_hook(State(app): State<App>, body: Document) -> Result<Respons
 #[utoipa::path(get, path = "/v1/hooks/{id}", tag = "hooks",
     responses((status = 200, description = "the hook", body = HookBody)))]
 pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Json<HookBody>, Problem> {
-    let hook = app.pipeline.hook(hook_id(&id)?, None).await?;
+    let hook = app.pipeline.hooks.get(hook_id(&id)?, None).await?;
     Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
 }
 
@@ -68,16 +70,16 @@ pub async fn patch_hook(
     body: Document,
 ) -> Result<Json<HookBody>, Problem> {
     let id = hook_id(&id)?;
-    let patch = app.pipeline.read_hook_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
+    let patch = app.pipeline.hooks.read_patch(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let drawn = patch.drawn();
-    app.pipeline.order(Order::Change(id, patch)).await?;
-    Ok(Json(app.pipeline.hook(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?))
+    app.pipeline.hooks.order(Order::Change(id, patch)).await?;
+    Ok(Json(app.pipeline.hooks.get(id, drawn.as_ref()).await?.ok_or_else(|| no_such_hook(&id))?))
 }
 
 /// Deletes a hook and what it was still to be told.
 #[utoipa::path(delete, path = "/v1/hooks/{id}", tag = "hooks", responses((status = 204, description = "deleted")))]
 pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
-    app.pipeline.order(Order::Delete(hook_id(&id)?)).await?;
+    app.pipeline.hooks.order(Order::Delete(hook_id(&id)?)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -87,7 +89,7 @@ pub async fn delete_hook(State(app): State<App>, Path(id): Path<String>) -> Resu
         (status = 202, description = "queued", body = DeliveryBody, headers(("Location" = String, description = "its delivery"))),
         (status = 409, description = "the hook is disabled")))]
 pub async fn test_hook(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let delivery = app.pipeline.order(Order::Test(hook_id(&id)?)).await?;
+    let delivery = app.pipeline.hooks.order(Order::Test(hook_id(&id)?)).await?;
     queued(&app, delivery).await
 }
 
@@ -124,11 +126,11 @@ pub async fn get_deliveries(
     let state = asked.state.as_deref().map(delivery_state).transpose()?;
     let limit = query::limit(asked.limit, 100, MOST_DELIVERIES)?;
     let before = asked.cursor.as_deref().map(query::position).transpose()?.map(Id);
-    if app.pipeline.hook(hook, None).await?.is_none() {
+    if app.pipeline.hooks.get(hook, None).await?.is_none() {
         return Err(no_such_hook(&id));
     }
     let page = DeliveryPage { state, before, limit: limit as u32 + 1 };
-    let mut deliveries = app.pipeline.deliveries(hook, page).await?;
+    let mut deliveries = app.pipeline.hooks.deliveries(hook, page).await?;
     let more = deliveries.len() > limit;
     deliveries.truncate(limit);
     let last = deliveries.last().filter(|_| more).and_then(|last| last.id.parse::<Id>().ok());
@@ -139,7 +141,7 @@ pub async fn get_deliveries(
 #[utoipa::path(get, path = "/v1/deliveries/{id}", tag = "hooks",
     responses((status = 200, description = "the delivery", body = DeliveryBody)))]
 pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Result<Json<DeliveryBody>, Problem> {
-    let delivery = app.pipeline.delivery(delivery_id(&id)?).await?;
+    let delivery = app.pipeline.hooks.delivery(delivery_id(&id)?).await?;
     Ok(Json(delivery.ok_or_else(|| no_such_delivery(&id))?))
 }
 
@@ -149,12 +151,12 @@ pub async fn get_delivery(State(app): State<App>, Path(id): Path<String>) -> Res
         (status = 202, description = "queued again", body = DeliveryBody, headers(("Location" = String, description = "the delivery"))),
         (status = 409, description = "an earlier one comes first, or the hook is disabled")))]
 pub async fn redeliver(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
-    let delivery = app.pipeline.order(Order::Redeliver(delivery_id(&id)?)).await?;
+    let delivery = app.pipeline.hooks.order(Order::Redeliver(delivery_id(&id)?)).await?;
     queued(&app, delivery).await
 }
 
 async fn queued(app: &App, id: Id) -> Result<Response, Problem> {
-    let delivery = app.pipeline.delivery(id).await?.ok_or_else(|| no_such_delivery(&id))?;
+    let delivery = app.pipeline.hooks.delivery(id).await?.ok_or_else(|| no_such_delivery(&id))?;
     Ok((StatusCode::ACCEPTED, [(LOCATION, format!("/v1/deliveries/{id}"))], Json(delivery)).into_response())
 }
 

@@ -165,7 +165,7 @@ async fn import(app: &App, caller: Caller, late: Late, body: Peekable<BodyDataSt
 /// Puts a chunk into the queue of writes; what is returned waits for the disk and gives the answers as text.
 async fn queue(chunk: Option<Chunk>, pipeline: Arc<Pipeline>, late: Late) -> BoxFuture<'static, Option<(Bytes, Room)>> {
     let Some(mut chunk) = chunk else { return async { None }.boxed() };
-    let replies = pipeline.enqueue(std::mem::take(&mut chunk.items), late).await;
+    let replies = pipeline.ingest.enqueue(std::mem::take(&mut chunk.items), late).await;
     async move { Some(chunk.answered(replies.await, &pipeline).await) }.boxed()
 }
 
@@ -195,8 +195,8 @@ impl Chunk {
         for Line { number, text, room } in lines {
             taken.push(room);
             let read = text
-                .and_then(|bytes| pipeline.read_document(&bytes).map_err(|faults| problem_of(&bytes, faults)))
-                .and_then(|read| Ok(caller.may_submit(&read.submission).map(|()| read)?));
+                .and_then(|bytes| pipeline.reader.document(&bytes).map_err(|faults| problem_of(&bytes, faults)))
+                .and_then(|read| Ok(read.submission.may_be_sent_by(caller).map(|()| read)?));
             let (problem, origin) = match read {
                 Ok(ReadDocument { submission, origin }) => {
                     items.push(submission);
@@ -249,6 +249,6 @@ async fn settled(reply: Reply, origin: &Origin, pipeline: &Pipeline) -> Result<(
     if let Accepted::Stored { id, notes, .. } = &accepted {
         return Ok((201, id.to_string(), notes.iter().map(NoteBody::of).collect()));
     }
-    let id = pipeline.settle_document(&accepted, origin).await?;
+    let id = pipeline.ingest.settle_document(&accepted, origin).await?;
     Ok((200, id.to_string(), Vec::new()))
 }

@@ -16,16 +16,16 @@ use crate::wire::problem::Problem;
 #[utoipa::path(get, path = "/metrics", tag = "service",
     responses((status = 200, description = "the metrics", body = String, content_type = "text/plain")))]
 pub async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
-    let (database, log) = app.pipeline.store().sizes().await?;
+    let (database, log) = app.pipeline.sizes().await?;
     gauge!(telemetry::DATABASE).set(database as f64);
     gauge!(telemetry::LOG).set(log as f64);
     gauge!(telemetry::WAITING).set(app.pipeline.waiting().0 as f64);
-    let outbox = app.pipeline.outbox_totals().await?;
+    let outbox = app.pipeline.hooks.outbox_totals().await?;
     let age = outbox.oldest_open.map_or(0.0, |oldest| (app.clock.now().0 - oldest.0).max(0) as f64 / 1e6);
     gauge!(telemetry::OUTBOX_AGE).set(age);
     gauge!(telemetry::OUTBOX, "state" => "open").set(outbox.open as f64);
     gauge!(telemetry::OUTBOX, "state" => "dead").set(outbox.dead as f64);
-    let (stored, ordered) = app.pipeline.diagnoses_waiting().await?;
+    let (stored, ordered) = app.pipeline.diagnoses.waiting().await?;
     gauge!(telemetry::DIAGNOSES_WAITING, "for" => "stored").set(stored as f64);
     gauge!(telemetry::DIAGNOSES_WAITING, "for" => "ordered").set(ordered as f64);
     Ok(([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response())

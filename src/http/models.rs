@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 use super::app::App;
 use super::document::Document;
 use crate::message;
-use crate::pipeline::{Accepted, Adoption, ModelRow};
+use crate::pipeline::{Accepted, AdoptedModel, Adoption};
 use crate::wire::json;
 use crate::wire::model::{AdoptionBody, ModelBody};
 use crate::wire::problem::Problem;
@@ -39,18 +39,17 @@ pub struct AdoptedBody {
 #[utoipa::path(get, path = "/v1/imus/{imu}/model", tag = "imus",
     responses((status = 200, description = "the model and its history", body = ImuModelBody)))]
 pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Result<Json<ImuModelBody>, Problem> {
-    let models = app.pipeline.models(&imu).await?;
+    let models = app.pipeline.diagnoses.models(&imu).await?;
     let models =
         models.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = imu.clone())))?;
-    let adopted = |row: ModelRow, model: ModelBody| AdoptedBody {
-        id: row.id.to_string(),
-        adopted_at: time::format(row.adopted_at),
-        author: row.author,
-        reason: row.reason,
-        model,
+    let adopted = |adopted: AdoptedModel| AdoptedBody {
+        id: adopted.id.to_string(),
+        adopted_at: time::format(adopted.adopted_at),
+        author: adopted.author,
+        reason: adopted.reason,
+        model: ModelBody::from(&*adopted.model),
     };
-    let history: Vec<AdoptedBody> =
-        models.into_iter().map(|(row, read)| adopted(row, ModelBody::from(&*read.model))).collect();
+    let history: Vec<AdoptedBody> = models.into_iter().map(adopted).collect();
     let model = history.first().map_or_else(ModelBody::plain, |newest| newest.model.clone());
     Ok(Json(ImuModelBody { imu, model, history }))
 }
@@ -70,7 +69,7 @@ pub async fn post_model(
 ) -> Result<(StatusCode, Json<AdoptedBody>), Problem> {
     let read = json::parse::<AdoptionBody>(&body.0).and_then(|body| body.to_core());
     let (model, author, reason) = read.map_err(|faults| Document::problem(&body.0, faults))?;
-    let accepted = app.pipeline.adopt(Adoption { imu: imu.clone(), model, author, reason }).await?;
+    let accepted = app.pipeline.diagnoses.adopt(Adoption { imu: imu.clone(), model, author, reason }).await?;
     let (status, id) = match accepted {
         Accepted::Stored { id, .. } => (StatusCode::CREATED, id),
         Accepted::There { id, .. } => (StatusCode::OK, id),

@@ -11,8 +11,9 @@ use utoipa::openapi::path::{Parameter, ParameterIn};
 use utoipa::openapi::schema::{ObjectBuilder, SchemaType, Type};
 use utoipa::{IntoParams, ToSchema};
 
+use crate::core::id::Id;
 use crate::core::judge::State;
-use crate::pipeline::{Id, Judged};
+use crate::pipeline::Judged;
 use crate::wire::note::NoteBody;
 
 /// What `Prefer` says of the answer to something that was sent; all that is not understood is passed over.

@@ -9,9 +9,9 @@ use serde::de::DeserializeOwned;
 
 use super::app::App;
 use crate::core::message::{Message, list};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::Span;
 use crate::wire::cursor;
 use crate::wire::problem::Problem;
 use crate::wire::time;
@@ -95,6 +95,6 @@ pub fn link_to(uri: &Uri, next: &str) -> String {
 
 /// The number of a gyro by its serial.
 pub fn gyro(app: &App, serial: &str) -> Result<u32, Problem> {
-    let number = app.pipeline.store().names().read().gyros.number(serial);
+    let number = app.pipeline.queries.names().gyro_number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))
 }

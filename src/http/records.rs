@@ -13,8 +13,10 @@ use super::document::Document;
 use super::document_post::{DocumentPost, IdempotencyKey, PostOutcome};
 use super::prefer_header::{AsWanted, Wanted};
 use super::telling::Telling;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::{Id, Kind, Sent, StoredRecord, Submission};
+use crate::pipeline::{Sent, StoredRecord, Submission};
 use crate::wire::answer::RecordAnswer;
 use crate::wire::closure::ClosureBody;
 use crate::wire::document::DocumentKind;
@@ -40,11 +42,11 @@ pub async fn post_record(
     post: DocumentPost,
     Document(bytes): Document,
 ) -> Result<Response, Problem> {
-    let read = app.pipeline.read_record(&bytes);
+    let read = app.pipeline.reader.record(&bytes);
     let mut calibration = read.map_err(|faults| Document::refused_as(DocumentKind::Record, &bytes, faults))?;
     calibration.idempotency_key = post.key()?;
     let (body, kind) = (calibration.body.clone(), Kind::Record);
-    let separations = (post.wanted == Wanted::Whole).then(|| app.pipeline.separations(&calibration.gyros));
+    let separations = (post.wanted == Wanted::Whole).then(|| app.pipeline.reader.separations(&calibration.gyros));
     let whole = |id: Id, notes| {
         let separations = separations.clone().unwrap_or_default();
         RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts: Vec::new() }
@@ -53,8 +55,8 @@ pub async fn post_record(
     match post.store(&app, item, COLLECTION, whole).await? {
         PostOutcome::New(answer) => Ok(answer),
         PostOutcome::There(id) => {
-            let StoredRecord { row, answer, .. } = stored(&app, id).await?;
-            let whole = (answer, row.verdicts.states(), history_note::read(row.notes.as_deref()));
+            let StoredRecord { item, answer, .. } = stored(&app, id).await?;
+            let whole = (answer, item.states.into_iter(), history_note::read(item.notes.as_deref()));
             Ok(post.again((COLLECTION, id), whole, standing(&app, id).await?.unless_valid()))
         }
     }
@@ -87,14 +89,14 @@ struct StoredRecordBody {
 pub async fn get_record(State(app): State<App>, Path(id): Path<String>) -> Result<Response, Problem> {
     let no_such = || Problem::no_such_record(&id);
     let id: Id = id.parse().map_err(|_| no_such())?;
-    let StoredRecord { row, answer, .. } = stored(&app, id).await?;
-    if row.kind == Kind::Campaign {
+    let StoredRecord { item, answer, .. } = stored(&app, id).await?;
+    if item.kind == Kind::Campaign {
         return Ok(Redirect::permanent(&format!("/v1/campaigns/{id}")).into_response());
     }
-    let record = RawValue::from_string(row.body.to_string())
+    let record = RawValue::from_string(item.body.to_string())
         .map_err(|_| Problem::new(500, "title_damaged_database", message!("body_not_json", id = id.to_string())))?;
-    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.sender(row.sent_by).await?);
-    let received_at = time::format(row.received_at);
+    let (standing, sent_by) = (standing(&app, id).await?, app.pipeline.queries.records.sender(item.sent_by).await?);
+    let received_at = time::format(item.received_at);
     Ok(Json(StoredRecordBody { answer, standing, received_at, sent_by, record }).into_response())
 }
 
@@ -108,11 +110,11 @@ pub async fn get_record_diagnosis(
 ) -> Result<Json<ClosureBody>, Problem> {
     let no_such = || Problem::no_such_record(&id);
     let number: Id = id.parse().map_err(|_| no_such())?;
-    let closures = app.pipeline.closures(number).await?.ok_or_else(no_such)?;
+    let closures = app.pipeline.queries.records.closures(number).await?.ok_or_else(no_such)?;
     Ok(Json(ClosureBody::from(&closures)))
 }
 
 async fn stored(app: &App, id: Id) -> Result<StoredRecord, Problem> {
-    let stored = app.pipeline.stored_record(id).await?;
+    let stored = app.pipeline.queries.records.record(id).await?;
     stored.ok_or_else(|| Problem::no_such_record(id))
 }

@@ -1,7 +1,10 @@
-//! Which failure of the pipeline or the store leaves as which status, said once.
+//! Which failure of which room leaves as which status, said once.
 
+use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::{Kind, Refused, StoreError, of_store};
+use crate::pipeline::{
+    AccessError, AlertError, DiagnosisError, HookError, Refused, StorageError, StorageFault, WriteError,
+};
 use crate::wire::problem::Problem;
 
 impl From<Refused> for Problem {
@@ -34,55 +37,91 @@ impl From<Refused> for Problem {
                 Self::new(409, "title_time_taken", detail).with_existing(existing).with_place(pointer, place)
             }
             Refused::UnknownGyro { serial } => Self::unknown_gyro(&serial),
-            Refused::UnknownImu { .. } => Self::new(404, "title_unknown_imu", detail),
-            Refused::NoSuchHook { .. } => Self::new(404, "title_no_such_hook", detail),
-            Refused::NoSuchToken { .. } => Self::new(404, "title_no_such_token", detail),
             Refused::OtherStation { .. } => Self::new(403, "title_other_station", detail),
-            Refused::SetupOver => Self::new(401, "title_token_not_valid", detail),
-            Refused::NoRandomNumbers => Self::new(503, "title_try_again", detail),
-            Refused::NoSuchDelivery { .. } => Self::new(404, "title_no_such_delivery", detail),
-            Refused::HookDisabled { .. } => Self::new(409, "title_hook_disabled", detail),
-            Refused::StillBehind { .. } => Self::new(409, "title_not_its_turn", detail),
-            Refused::TooManyHooks { .. } => Self::new(409, "title_too_many_hooks", detail),
-            Refused::SecretNeeded => {
-                let (pointer, place) = ("/secret", detail.clone());
-                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
-            }
-            Refused::NoSuchDiagnoses { .. } => Self::new(404, "title_no_such_diagnoses", detail),
-            Refused::DiagnosesEnded { .. } => Self::new(409, "title_diagnoses_ended", detail),
-            Refused::UnknownAlert { .. } => Self::new(404, "title_unknown_alert", detail),
-            Refused::UnknownSilence { .. } => Self::new(404, "title_unknown_silence", detail),
-            Refused::TooManySilences { .. } => Self::new(409, "title_too_many_silences", detail),
-            Refused::AlertResolved { .. } => Self::new(409, "title_alert_resolved", detail),
-            Refused::Busy | Refused::Stopping => Self::new(503, "title_try_again", detail),
-            Refused::Store(error) => Self::from(&*error),
+            Refused::Write(error) => error.into(),
         }
     }
 }
 
-impl From<&StoreError> for Problem {
-    fn from(error: &StoreError) -> Self {
-        let (status, title) = match error {
-            StoreError::Full => (507, "title_no_room"),
-            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::NotDurable(_) => {
-                (503, "title_cannot_store")
+impl From<AccessError> for Problem {
+    fn from(error: AccessError) -> Self {
+        let detail = error.message();
+        match error {
+            AccessError::NoSuchToken { .. } => Self::new(404, "title_no_such_token", detail),
+            AccessError::SetupOver => Self::new(401, "title_token_not_valid", detail),
+            AccessError::NoRandomNumbers => Self::new(503, "title_try_again", detail),
+            AccessError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<HookError> for Problem {
+    fn from(error: HookError) -> Self {
+        let detail = error.message();
+        match error {
+            HookError::NoSuchHook { .. } => Self::new(404, "title_no_such_hook", detail),
+            HookError::NoSuchDelivery { .. } => Self::new(404, "title_no_such_delivery", detail),
+            HookError::HookDisabled { .. } => Self::new(409, "title_hook_disabled", detail),
+            HookError::StillBehind { .. } => Self::new(409, "title_not_its_turn", detail),
+            HookError::TooManyHooks { .. } => Self::new(409, "title_too_many_hooks", detail),
+            HookError::SecretNeeded => {
+                let (pointer, place) = ("/secret", detail.clone());
+                Self::new(422, "title_cannot_be_stored", detail).with_place(pointer, place)
             }
-            StoreError::Unanswered(_) => (503, "title_perhaps_stored"),
-            StoreError::Damaged(_) => (500, "title_damaged_database"),
-            StoreError::Refused(_)
-            | StoreError::InUse(_)
-            | StoreError::File(_)
-            | StoreError::Key(_)
-            | StoreError::Other(_) => (500, "title_internal_error"),
-        };
-        Self::new(status, title, of_store(error))
+            HookError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<DiagnosisError> for Problem {
+    fn from(error: DiagnosisError) -> Self {
+        let detail = error.message();
+        match error {
+            DiagnosisError::NoSuchDiagnoses { .. } => Self::new(404, "title_no_such_diagnoses", detail),
+            DiagnosisError::DiagnosesEnded { .. } => Self::new(409, "title_diagnoses_ended", detail),
+            DiagnosisError::UnknownImu { .. } => Self::new(404, "title_unknown_imu", detail),
+            DiagnosisError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<AlertError> for Problem {
+    fn from(error: AlertError) -> Self {
+        let detail = error.message();
+        match error {
+            AlertError::UnknownAlert { .. } => Self::new(404, "title_unknown_alert", detail),
+            AlertError::UnknownSilence { .. } => Self::new(404, "title_unknown_silence", detail),
+            AlertError::TooManySilences { .. } => Self::new(409, "title_too_many_silences", detail),
+            AlertError::AlertResolved { .. } => Self::new(409, "title_alert_resolved", detail),
+            AlertError::Write(error) => error.into(),
+        }
+    }
+}
+
+impl From<WriteError> for Problem {
+    fn from(error: WriteError) -> Self {
+        match error {
+            WriteError::Busy | WriteError::Stopping => Self::new(503, "title_try_again", error.message()),
+            WriteError::Storage(error) => of_storage(&error),
+        }
     }
 }
 
 /// A failure to read: logged here, once.
-impl From<StoreError> for Problem {
-    fn from(error: StoreError) -> Self {
+impl From<StorageError> for Problem {
+    fn from(error: StorageError) -> Self {
         tracing::error!(%error, "a query failed");
-        Self::from(&error)
+        of_storage(&error)
     }
+}
+
+fn of_storage(error: &StorageError) -> Problem {
+    let (status, title) = match error.fault() {
+        StorageFault::Full => (507, "title_no_room"),
+        StorageFault::Unwritable => (503, "title_cannot_store"),
+        StorageFault::Unanswered => (503, "title_perhaps_stored"),
+        StorageFault::Damaged => (500, "title_damaged_database"),
+        StorageFault::Internal => (500, "title_internal_error"),
+    };
+    Problem::new(status, title, error.message())
 }

@@ -5,10 +5,11 @@ use axum::http::StatusCode;
 use super::app::App;
 use super::document::Document;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::record::Name;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Accepted, GyroEvent, Id, Submission};
+use crate::pipeline::{Accepted, GyroEvent, Submission};
 use crate::wire::problem::Problem;
 use crate::wire::text;
 
@@ -29,7 +30,7 @@ impl Said {
         let at = self.at.map_or_else(|| app.clock.now(), |at| text::instant("/at", &at, faults));
         let author = text::short("/author", &self.author, faults);
         if faults.is_empty()
-            && let Err(impossible) = app.pipeline.check_time("/at", at)
+            && let Err(impossible) = app.pipeline.reader.check_time("/at", at)
         {
             faults.absorb("", impossible);
         }
@@ -48,7 +49,7 @@ pub async fn post(
 ) -> Result<(StatusCode, Id, GyroEvent), Problem> {
     let serial = Name::parse(serial).map_err(|_| Problem::unknown_gyro(serial))?;
     let event = read(app, serial, bytes).map_err(|faults| Document::problem(bytes, faults))?;
-    match app.pipeline.submit(Submission::Event(event.clone())).await? {
+    match app.pipeline.ingest.submit(Submission::Event(event.clone())).await? {
         Accepted::Stored { id, .. } => Ok((StatusCode::CREATED, id, event)),
         Accepted::There { id, same_bytes: true } => Ok((StatusCode::OK, id, event)),
         Accepted::There { id, .. } => Err(Problem::new(409, "title_differs", otherwise).with_existing(id)),

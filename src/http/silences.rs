@@ -12,12 +12,14 @@ use super::alerts::future;
 use super::app::App;
 use super::document::Document;
 use super::query::{Parameters, not_one_of};
+use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::{sent, text};
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{Id, Matchers, SilenceOrder};
+use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody, NewSilenceBody};
 use crate::wire::{json, text};
@@ -49,7 +51,7 @@ pub async fn get_silences(
         Some("all") => true,
         Some(other) => return Err(not_one_of("state", ["active", "all"], other)),
     };
-    Ok(Json(Silences { silences: app.pipeline.silences(all).await? }))
+    Ok(Json(Silences { silences: app.pipeline.alerts.silences(all).await? }))
 }
 
 /// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has changed by then is told at
@@ -60,7 +62,7 @@ pub async fn get_silences(
         (status = 409, description = "there are too many")))]
 pub async fn post_matching_silence(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let order = read(&body.0, app.clock.now()).map_err(|faults| Document::problem(&body.0, faults))?;
-    let id = app.pipeline.order_silence(order).await?;
+    let id = app.pipeline.alerts.order_silence(order).await?;
     let silence = shown(&app, id).await?;
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/silences/{id}"))], Json(silence)).into_response())
 }
@@ -99,7 +101,7 @@ pub async fn get_silence(State(app): State<App>, Path(id): Path<String>) -> Resu
 }
 
 async fn shown(app: &App, id: Id) -> Result<MatchingSilenceBody, Problem> {
-    app.pipeline.silence(id).await?.ok_or_else(|| unknown(&id.to_string()))
+    app.pipeline.alerts.silence(id).await?.ok_or_else(|| unknown(&id.to_string()))
 }
 
 fn unknown(id: &str) -> Problem {
@@ -133,6 +135,6 @@ pub async fn post_end_silence(
     };
     let (by, reason) = read(&body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let silence: Id = id.parse().map_err(|_| unknown(&id))?;
-    app.pipeline.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+    app.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
     Ok(Json(shown(&app, silence).await?))
 }

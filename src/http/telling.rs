@@ -60,7 +60,7 @@ impl Telling {
         if late != Late::Digest || self.more {
             return;
         }
-        if let Err(error) = app.pipeline.end_import().await {
+        if let Err(error) = app.pipeline.ingest.end_import().await {
             tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
         }
     }

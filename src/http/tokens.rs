@@ -12,9 +12,10 @@ use super::app::App;
 use super::document::Document;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::message::{list, sent};
 use crate::message;
-use crate::pipeline::{AccessOrder, Id, NewToken, TokenRow};
+use crate::pipeline::{AccessOrder, NewToken, Token};
 use crate::wire::problem::Problem;
 use crate::wire::{json, text, time};
 
@@ -35,8 +36,8 @@ struct TokenBody {
     token: Option<String>,
 }
 
-impl From<&TokenRow> for TokenBody {
-    fn from(row: &TokenRow) -> Self {
+impl From<&Token> for TokenBody {
+    fn from(row: &Token) -> Self {
         Self {
             id: row.id.to_string(),
             name: row.name.clone(),
@@ -60,7 +61,7 @@ pub struct Tokens {
 #[utoipa::path(get, path = "/v1/tokens", tag = "access",
     responses((status = 200, description = "the tokens", body = Tokens)))]
 pub async fn get_tokens(State(app): State<App>) -> Result<Json<Tokens>, Problem> {
-    let rows = app.pipeline.tokens().await?;
+    let rows = app.pipeline.access.tokens().await?;
     Ok(Json(Tokens { tokens: rows.iter().map(TokenBody::from).collect() }))
 }
 
@@ -89,8 +90,8 @@ struct NewTokenBody {
 pub async fn post_token(State(app): State<App>, body: Document) -> Result<Response, Problem> {
     let new = read(&app, &body.0).map_err(|faults| Document::problem(&body.0, faults))?;
     let lost = || Problem::new(500, "title_internal_error", message!("token_lost"));
-    let secret = app.pipeline.order_access(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
-    let rows = app.pipeline.tokens().await?;
+    let secret = app.pipeline.access.order(AccessOrder::Create(new)).await?.ok_or_else(lost)?;
+    let rows = app.pipeline.access.tokens().await?;
     let row = rows.iter().find(|row| row.id == secret.id).ok_or_else(lost)?;
     let body = TokenBody { token: Some(secret.reveal()), ..TokenBody::from(row) };
     Ok((StatusCode::CREATED, [(LOCATION, format!("/v1/tokens/{}", row.id))], Json(body)).into_response())
@@ -102,7 +103,7 @@ pub async fn post_token(State(app): State<App>, body: Document) -> Result<Respon
 pub async fn delete_token(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
     let id: Id =
         id.parse().map_err(|_| Problem::new(404, "title_no_such_token", message!("no_such_token", id = id.clone())))?;
-    app.pipeline.order_access(AccessOrder::Revoke(id)).await?;
+    app.pipeline.access.order(AccessOrder::Revoke(id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 

@@ -8,29 +8,28 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::form::{Deed, Word, answered, see_other};
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::layout::{Page, Section, encoded, remark, symbol, written};
 use super::silences;
+use super::silences::LONGEST_SILENCE;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::alert_decision::Standing;
+use crate::core::alert_filter::AlertFilter;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity, Status};
 use crate::core::message::Message;
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::{AlertChange, AlertFilter, AlertOrder, Id};
+use crate::pipeline::{AlertChange, AlertOrder};
 use crate::wire::alert::AlertBody;
 use crate::wire::problem::Problem;
-use crate::wire::time;
 
 /// Alerts on one page.
 const ROWS: usize = 60;
 /// Alerts of one gyro, one for each coefficient and rule: never more than so many.
 const MOST_OF_A_GYRO: u32 = 200;
-/// Longest silence, days.
-pub(super) const LONGEST_SILENCE: f64 = 365.0;
-
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Filters {
@@ -69,7 +68,7 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
     let t = viewer.text();
     let serial = filters.serial.trim();
-    let gyro = pages.pipeline.store().names().read().gyros.number(serial);
+    let gyro = pages.pipeline.queries.names().gyro_number(serial);
     let filter = AlertFilter {
         standing: Standing::from_name(filters.state()),
         gyro,
@@ -79,7 +78,8 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     };
     let nobody = gyro.is_none() && !serial.is_empty();
     let before = filters.before.parse::<Id>().ok();
-    let mut found = if nobody { Vec::new() } else { pages.pipeline.alerts(&filter, before, ROWS as u32 + 1).await? };
+    let mut found =
+        if nobody { Vec::new() } else { pages.pipeline.alerts.find(&filter, before, ROWS as u32 + 1).await? };
     let more = found.len() > ROWS;
     found.truncate(ROWS);
     let silences = silences::list(pages, viewer).await?;
@@ -125,7 +125,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
 /// Alerts of a gyro that are not resolved, critical ones first, then the newest.
 pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>, Problem> {
     let filter = AlertFilter { gyro: Some(gyro), ..AlertFilter::default() };
-    let found = pages.pipeline.alerts(&filter, None, MOST_OF_A_GYRO).await?;
+    let found = pages.pipeline.alerts.find(&filter, None, MOST_OF_A_GYRO).await?;
     let resolved = Standing::Resolved.name();
     let mut open: Vec<AlertBody> =
         found.into_iter().map(|(_, alert)| alert).filter(|alert| alert.state != resolved).collect();
@@ -245,15 +245,6 @@ fn line(viewer: &Viewer, alert: &AlertBody, gyros: bool, here: Option<&str>) -> 
     }
 }
 
-pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
-    html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
-}
-
-/// A time as the service writes it on the wire.
-pub(super) fn written(text: &str) -> Markup {
-    time::parse(text).map_or_else(|_| html! { (text) }, instant)
-}
-
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Said {
@@ -294,7 +285,7 @@ impl Doing {
 async fn known(pages: &Pages, id: &str) -> Result<(Id, AlertBody), Problem> {
     let unknown = || Problem::new(404, "title_unknown_alert", message!("unknown_alert", id = id.to_owned()));
     let number = id.parse::<Id>().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.alert(number).await?.ok_or_else(unknown)?.alert))
+    Ok((number, pages.pipeline.alerts.get(number).await?.ok_or_else(unknown)?.alert))
 }
 
 /// The page on which something is done about an alert.
@@ -343,7 +334,7 @@ async fn done(pages: &Pages, viewer: &Viewer, (id, deed): (&str, &str), said: &S
         Doing::Silence => AlertChange::Silence { until },
     };
     let Word { by, reason, .. } = said.word.clone();
-    pages.pipeline.change_alert(AlertOrder { alert: number, change, by, reason }).await?;
+    pages.pipeline.alerts.change(AlertOrder { alert: number, change, by, reason }).await?;
     Ok(see_other(said.word.back_or("/alerts")))
 }
 

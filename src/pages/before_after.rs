@@ -6,11 +6,12 @@ use super::figure;
 use super::layout::{DRIFTS, instant, symbol};
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::history::Measured;
 use crate::core::judge::{Event, Limit, Rule, Status};
 use crate::pages::history::event_name;
 use crate::pages::status;
-use crate::pipeline::{Course, Figures, Tested, sample_of};
+use crate::pipeline::{Course, Tested, sample_of};
 
 /// By the judged method, the newest test first; nothing for a gyro that was never tested.
 pub(super) fn section(viewer: &Viewer, course: &Course, method: JudgedMethod) -> Markup {

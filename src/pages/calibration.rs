@@ -16,12 +16,14 @@ use super::text::Text;
 use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use crate::core::diagnose::ClosureDiagnosis;
+use crate::core::id::Id;
 use crate::core::judge::Verdict;
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::name::normal_form;
 use crate::message;
-use crate::pipeline::{Id, Kind, StoredCampaign, StoredRecord};
+use crate::pipeline::{StoredCampaign, StoredRecord};
 use crate::wire::answer::VerdictBody;
 use crate::wire::calibration::GyroFitBody;
 use crate::wire::campaign::CampaignBody;
@@ -31,7 +33,7 @@ use crate::wire::sender::SenderBody;
 
 pub(super) async fn record(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     match stored_record(&pages, &id).await {
-        Ok(stored) if stored.row.kind == Kind::Campaign => Redirect::to(&format!("/campaigns/{id}")).into_response(),
+        Ok(stored) if stored.item.kind == Kind::Campaign => Redirect::to(&format!("/campaigns/{id}")).into_response(),
         Ok(stored) => viewer.show(record_page(&pages, &viewer, &stored).await),
         Err(problem) => viewer.show(Err(problem)),
     }
@@ -47,29 +49,29 @@ pub(super) async fn campaign(Held(pages): Held<Pages>, viewer: Viewer, Path(id):
 
 async fn stored_record(pages: &Pages, id: &str) -> Result<StoredRecord, Problem> {
     let number: Id = id.parse().map_err(|_| Problem::no_such_record(id))?;
-    pages.pipeline.stored_record(number).await?.ok_or_else(|| Problem::no_such_record(id))
+    pages.pipeline.queries.records.record(number).await?.ok_or_else(|| Problem::no_such_record(id))
 }
 
 pub(super) async fn stored_campaign(pages: &Pages, id: &str) -> Result<StoredCampaign, Problem> {
     let number: Id = id.parse().map_err(|_| Problem::no_such_campaign(id))?;
-    pages.pipeline.stored_campaign(number).await?.ok_or_else(|| Problem::no_such_campaign(id))
+    pages.pipeline.queries.records.campaign(number).await?.ok_or_else(|| Problem::no_such_campaign(id))
 }
 
 async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> Result<Page, Problem> {
     let t = viewer.text();
-    let StoredRecord { row, answer, seen, closures } = stored;
-    let body: RecordBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
+    let StoredRecord { item, answer, seen, closures } = stored;
+    let body: RecordBody = serde_json::from_str(&item.body).map_err(|_| unreadable(&item.id))?;
     let gyros: Vec<Parameters> = body.gyros.iter().map(Parameters::stated).collect();
     let serials: Vec<_> = body.gyros.iter().map(|gyro| (Slot::from(gyro.slot), normal_form(&gyro.serial))).collect();
     let title = format!("{} · {}", t.record, body.imu);
-    let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
-    let sender = pages.pipeline.sender(row.sent_by).await?;
+    let standing = corrections::standing(pages, viewer, item.kind, item.id).await?;
+    let sender = pages.pipeline.queries.records.sender(item.sent_by).await?;
     let markup = html! {
         h1 { (t.record) " " a href={ "/imus/" (encoded(&body.imu)) } { (body.imu) } }
-        p.lead { (t.station) " " (body.station) " · " (t.calibrated) " " (instant(row.calibrated_at)) }
+        p.lead { (t.station) " " (body.station) " · " (t.calibrated) " " (instant(item.calibrated_at)) }
         p.note {
-            (t.received) " " (instant(row.received_at)) " · " (t.identifier) " "
-            a href={ "/v1/records/" (row.id) } { code { (row.id) } }
+            (t.received) " " (instant(item.received_at)) " · " (t.identifier) " "
+            a href={ "/v1/records/" (item.id) } { code { (item.id) } }
             (sent_by(t, sender.as_ref()))
             @if let Some(operator) = &body.operator { " · " (t.operator) " " (operator) }
             @if let Some(temperature) = body.temperature_c { " · " (temperature) " °C" }
@@ -79,7 +81,7 @@ async fn record_page(pages: &Pages, viewer: &Viewer, stored: &StoredRecord) -> R
         (noted(t, &answer.notes))
         (judged(viewer, serials.iter().map(|(slot, serial)| (*slot, &**serial)), (&answer.verdicts, seen), standing.counts))
         section { h2 { (t.separated) } (separation::tables(t, &answer.separations)) }
-        (closure(t, row.id, closures))
+        (closure(t, item.id, closures))
         section { h2 { (t.parameters) } (parameters::tables(t, &gyros, parameters::required(&pages.config.judging, &body.imu, &body.geometry))) }
     };
     Ok(Page { title, section: Section::Fleet, plots: false, body: markup })
@@ -110,25 +112,25 @@ fn closure(t: &Text, id: Id, closures: &ClosureDiagnosis) -> Markup {
 
 async fn campaign_page(pages: &Pages, viewer: &Viewer, stored: &StoredCampaign) -> Result<Page, Problem> {
     let t = viewer.text();
-    let StoredCampaign { row, answer, seen } = stored;
-    let body: CampaignBody = serde_json::from_str(&row.body).map_err(|_| unreadable(&row.id))?;
+    let StoredCampaign { item, answer, seen } = stored;
+    let body: CampaignBody = serde_json::from_str(&item.body).map_err(|_| unreadable(&item.id))?;
     let fits = &answer.calibration.gyros;
     let gyros: Vec<Parameters> = fits.iter().map(Parameters::fitted).collect();
     let title = format!("{} · {}", t.campaign, answer.imu);
-    let standing = corrections::standing(pages, viewer, row.kind, row.id).await?;
-    let sender = pages.pipeline.sender(row.sent_by).await?;
+    let standing = corrections::standing(pages, viewer, item.kind, item.id).await?;
+    let sender = pages.pipeline.queries.records.sender(item.sent_by).await?;
     let markup = html! {
         h1 { (t.campaign) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.lead {
-            (t.station) " " (answer.station) " · " (t.measured) " " (instant(row.calibrated_at)) " · "
+            (t.station) " " (answer.station) " · " (t.measured) " " (instant(item.calibrated_at)) " · "
             (answer.calibration.dwells) " " (t.dwells)
         }
         p.note {
-            (t.received) " " (instant(row.received_at)) " · " (t.identifier) " "
-            a href={ "/v1/campaigns/" (row.id) } { code { (row.id) } }
+            (t.received) " " (instant(item.received_at)) " · " (t.identifier) " "
+            a href={ "/v1/campaigns/" (item.id) } { code { (item.id) } }
             (sent_by(t, sender.as_ref()))
         }
-        p { a.action href={ "/campaigns/" (row.id) "/diagnosis" } { (t.diagnose) } }
+        p { a.action href={ "/campaigns/" (item.id) "/diagnosis" } { (t.diagnose) } }
         (standing.said)
         (judged(viewer, fits.iter().map(|gyro| (Slot::from(gyro.slot), gyro.serial.as_str())), (&answer.verdicts, seen), standing.counts))
         section {

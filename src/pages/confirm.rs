@@ -11,11 +11,10 @@ use super::layout::{Section, instant};
 use super::notes::noted;
 use super::viewer::Viewer;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::message::text;
 use crate::message;
-use crate::pages::history::name;
-use crate::pipeline::store;
-use crate::pipeline::{Actor, Confirmation, Id, Submission};
+use crate::pipeline::{Actor, Confirmation, Submission};
 use crate::wire::history_note;
 use crate::wire::problem::Problem;
 
@@ -57,27 +56,26 @@ async fn confirm(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, wo
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
     let confirmation = Confirmation { id: item.id, author, reason, by: Actor::by_caller() };
-    pages.pipeline.submit(Submission::Confirmation(confirmation)).await?;
+    pages.pipeline.ingest.submit(Submission::Confirmation(confirmation)).await?;
     Ok(see_other(&home))
 }
 
 async fn item(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
     let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
-    let store = pages.pipeline.store();
-    let row = store::record::get(store, number).await?.ok_or_else(unknown)?;
-    if !store::set_aside::is_set_aside(store, number).await? {
+    let records = &pages.pipeline.queries.records;
+    let item = records.sent(number).await?.ok_or_else(unknown)?;
+    if !records.status(number).await?.set_aside {
         let detail = message!("not_set_aside", id = text(number));
         return Err(Problem::new(409, "title_not_set_aside", detail));
     }
     let t = viewer.text();
-    let tables = store.names().read();
     let shown = html! {
         p.lead {
-            (name(tables.imus.name(row.imu))) " · " (t.station) " " (name(tables.stations.name(row.station)))
-            " · " (t.calibrated) " " (instant(row.calibrated_at)) " · " (t.received) " " (instant(row.received_at))
+            (item.imu) " · " (t.station) " " (item.station)
+            " · " (t.calibrated) " " (instant(item.calibrated_at)) " · " (t.received) " " (instant(item.received_at))
         }
-        (noted(t, &history_note::read(row.notes.as_deref())))
+        (noted(t, &history_note::read(item.notes.as_deref())))
     };
     Ok(Item { id: number, home: format!("/records/{number}"), action: format!("/records/{number}/confirm"), shown })
 }

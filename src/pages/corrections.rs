@@ -13,13 +13,13 @@ use super::layout::{DRIFTS, Section, encoded, instant, symbol};
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pages::history::name;
-use crate::pipeline::store;
-use crate::pipeline::{Actor, Corrected, Correction, CorrectionRow, GyroCorrection, Id, Kind, Submission};
+use crate::pipeline::{Actor, Corrected, CorrectedResult, Correction, CorrectionItem, Submission};
 use crate::wire::problem::Problem;
 
 /// What is to be voided, as it is shown to whoever is about to.
@@ -85,7 +85,7 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
     let home = word.back_or(&item.home).to_owned();
     let Word { by: author, reason, .. } = word;
     let correction = Correction { item: item.corrected, author, reason, replacement: None, by: Actor::by_caller() };
-    pages.pipeline.submit(Submission::Correction(Box::new(correction))).await?;
+    pages.pipeline.ingest.submit(Submission::Correction(Box::new(correction))).await?;
     Ok(see_other(&home))
 }
 
@@ -93,17 +93,16 @@ async fn void(pages: &Pages, viewer: &Viewer, item: Result<Item, Problem>, word:
 async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
     let unknown = || Problem::no_such_record(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
-    let stored = pages.pipeline.stored_record(number).await?.ok_or_else(unknown)?;
+    let stored = pages.pipeline.queries.records.record(number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
     let t = viewer.text();
-    let row = &stored.row;
-    let tables = pages.pipeline.store().names().read();
-    let campaign = row.kind == Kind::Campaign;
+    let item = &stored.item;
+    let campaign = item.kind == Kind::Campaign;
     let shown = html! {
         p.lead {
-            (if campaign { t.campaign } else { t.record }) " · " (name(tables.imus.name(row.imu)))
-            " · " (t.station) " " (name(tables.stations.name(row.station)))
-            " · " (t.calibrated) " " (instant(row.calibrated_at))
+            (if campaign { t.campaign } else { t.record }) " · " (item.imu)
+            " · " (t.station) " " (item.station)
+            " · " (t.calibrated) " " (instant(item.calibrated_at))
         }
         div.scroll tabindex="0" { table.cards {
             thead { tr { th { (t.serial) } th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } } }
@@ -119,7 +118,7 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
     };
     let place = if campaign { "campaigns" } else { "records" };
     Ok(Item {
-        corrected: Corrected::Calibration { id: number, kind: Some(row.kind) },
+        corrected: Corrected::Calibration { id: number, kind: Some(item.kind) },
         home: format!("/{place}/{number}"),
         action: format!("/{place}/{number}/void"),
         title: if campaign { t.void_campaign } else { t.void_record },
@@ -130,19 +129,18 @@ async fn calibration(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, P
 async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem> {
     let unknown = || Problem::no_such_bench_result(id);
     let number: Id = id.parse().map_err(|_| unknown())?;
-    let row = store::bench::get(pages.pipeline.store(), number).await?.ok_or_else(unknown)?;
+    let bench = pages.pipeline.queries.records.bench(number).await?.ok_or_else(unknown)?;
     still_counts(pages, number).await?;
     let t = viewer.text();
-    let tables = pages.pipeline.store().names().read();
-    let serial = name(tables.gyros.name(row.gyro));
+    let serial = &bench.serial;
     let shown = html! {
         p.lead {
-            (serial) " · " (t.method(row.method.name())) " · " (t.station) " " (name(tables.stations.name(row.station)))
-            " · " (t.measured) " " (instant(row.measured_at))
+            (serial) " · " (t.method(bench.method.name())) " · " (t.station) " " (bench.station)
+            " · " (t.measured) " " (instant(bench.measured_at))
         }
         p {
-            (symbol("D_I")) " " (figure::drift(row.d[0], row.sd[0])) " · "
-            (symbol("D_S")) " " (figure::drift(row.d[1], row.sd[1])) " " (t.unit)
+            (symbol("D_I")) " " (figure::drift(bench.d[0], bench.sd[0])) " · "
+            (symbol("D_S")) " " (figure::drift(bench.d[1], bench.sd[1])) " " (t.unit)
         }
     };
     Ok(Item {
@@ -155,8 +153,8 @@ async fn bench(pages: &Pages, viewer: &Viewer, id: &str) -> Result<Item, Problem
 }
 
 async fn still_counts(pages: &Pages, id: Id) -> Result<(), Problem> {
-    let aside = store::set_aside::is_set_aside(pages.pipeline.store(), id).await?;
-    if aside || pages.pipeline.counts(id).await? {
+    let status = pages.pipeline.queries.records.status(id).await?;
+    if status.set_aside || status.counts() {
         return Ok(());
     }
     Err(Problem::new(409, "title_already_corrected", message!("already_corrected", id = text(id))))
@@ -186,14 +184,12 @@ pub(super) struct Standing {
 
 pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id) -> Result<Standing, Problem> {
     let t = viewer.text();
-    let said = store::correction::of_item(pages.pipeline.store(), id).await?;
-    let aside = store::set_aside::is_set_aside(pages.pipeline.store(), id).await?;
-    let confirmed = store::set_aside::confirmation(pages.pipeline.store(), id).await?;
-    let counts = !aside && said.iter().all(|row| row.item != id);
+    let status = pages.pipeline.queries.records.status(id).await?;
+    let (counts, aside) = (status.counts(), status.set_aside);
     let place = if kind == Kind::Campaign { "campaigns" } else { "records" };
     let said = html! {
-        @for row in &said { (remark(viewer, row, id)) }
-        @if let Some(row) = confirmed {
+        @for row in &status.corrections { (remark(viewer, row, id)) }
+        @if let Some(row) = &status.confirmation {
             p.sound { strong { (t.was_confirmed) } " " (instant(row.at)) " · " (t.said_by) " " span translate="no" { (row.author) ": " (row.reason) } }
         }
         @if aside {
@@ -211,7 +207,7 @@ pub(super) async fn standing(pages: &Pages, viewer: &Viewer, kind: Kind, id: Id)
     Ok(Standing { counts, said })
 }
 
-fn remark(viewer: &Viewer, row: &CorrectionRow, id: Id) -> Markup {
+fn remark(viewer: &Viewer, row: &CorrectionItem, id: Id) -> Markup {
     let t = viewer.text();
     html! {
         p.(if row.item == id { "fault" } else { "sound" }) {
@@ -225,7 +221,7 @@ fn remark(viewer: &Viewer, row: &CorrectionRow, id: Id) -> Markup {
     }
 }
 
-fn said(by: &str, row: &CorrectionRow) -> Markup {
+fn said(by: &str, row: &CorrectionItem) -> Markup {
     html! { (by) " " span translate="no" { (row.author) ": " (row.reason) } }
 }
 
@@ -239,9 +235,9 @@ pub(super) fn aside(viewer: &Viewer, id: Id, at: UtcMicros) -> Markup {
 }
 
 /// What does not count any more, as a line of a gyro's course: what it was, who said so and why.
-pub(super) fn happening(viewer: &Viewer, correction: &GyroCorrection) -> Markup {
+pub(super) fn happening(viewer: &Viewer, correction: &CorrectedResult) -> Markup {
     let t = viewer.text();
-    let row = &correction.said;
+    let row = &correction.correction;
     html! {
         td { strong { (if row.replaced_by.is_some() { t.revised } else { t.voided }) } }
         td {

@@ -1,7 +1,9 @@
 //! `/diagnoses`: what the diagnoses of all campaigns say together, and the orders to make them.
 
+mod fields;
 mod orders;
 
+use axum::Form;
 use axum::extract::{Query, State as Held};
 use axum::http::StatusCode;
 use axum::response::Response;
@@ -10,20 +12,23 @@ use serde::Deserialize;
 
 use super::Pages;
 use super::figure::percent;
-use super::layout::{Page, Section, encoded, instant, symbol};
+use super::form::{answered, see_other};
+use super::layout::{Page, Section, encoded, symbol, written};
 use super::residuals::closure_bar;
 use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::access::Role;
 use crate::core::effects::{CATALOGUE, Effect};
 use crate::core::fault::Faults;
+use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{
     AtStationBody, DoubtBody, FindingBody, OverviewBody, SightingBody, SummaryBody, WhichBody,
 };
 use crate::wire::problem::Problem;
-use crate::wire::time;
 
-pub(super) use orders::{Wanted, cancel, start};
+use fields::{beginning, said};
+use orders::Wanted;
+pub(super) use orders::cancel;
 
 /// What the summary is narrowed down to; what is empty narrows nothing.
 #[derive(Debug, Default, Clone, Deserialize)]
@@ -52,23 +57,20 @@ impl Filters {
     }
 }
 
-/// What somebody wrote into a field, if anything.
-fn said(text: &str) -> Option<String> {
-    Some(text.trim().to_owned()).filter(|text| !text.is_empty())
-}
-
-/// A date stands for its first instant, in UTC.
-fn beginning(text: &str) -> Option<String> {
-    said(text).map(|text| if is_date(&text) { text + "T00:00:00Z" } else { text })
-}
-
-/// A date stands for its last instant, in UTC.
-fn end(text: &str) -> Option<String> {
-    said(text).map(|text| if is_date(&text) { text + "T23:59:59.999999Z" } else { text })
-}
-
-fn is_date(text: &str) -> bool {
-    text.len() == 10 && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
+pub(super) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Form(wanted): Form<Wanted>) -> Response {
+    let started = async {
+        match pages.pipeline.diagnoses.check_wanted(wanted.which()) {
+            Ok(order) => {
+                pages.pipeline.diagnoses.order(DiagnosisOrder::Start(order)).await?;
+                Ok(see_other("/diagnoses#orders"))
+            }
+            Err(faults) => {
+                let (status, page) = build(&pages, &viewer, &Filters::default(), &wanted, Some(&faults)).await?;
+                Ok(viewer.respond(status, &page))
+            }
+        }
+    };
+    answered(&viewer, started.await)
 }
 
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
@@ -87,9 +89,9 @@ async fn build(
     wrong: Option<&Faults>,
 ) -> Result<(StatusCode, Page), Problem> {
     let t = viewer.text();
-    let filter = pages.pipeline.summary_filter(&filters.which(), said(&filters.effect).as_deref());
+    let filter = pages.pipeline.diagnoses.summary_filter(&filters.which(), said(&filters.effect).as_deref());
     let (summary, unusable) = match filter {
-        Ok(filter) => (pages.pipeline.diagnosis_summary(&filter).await?, None),
+        Ok(filter) => (pages.pipeline.diagnoses.summary(&filter).await?, None),
         Err(faults) => (SummaryBody::default(), Some(faults)),
     };
     let orders = orders::section(pages, viewer).await?;
@@ -180,7 +182,7 @@ fn overview(t: &Text, effects: &[OverviewBody]) -> Markup {
                     td.n { (one.gyros) }
                     td.words translate="no" { (names(&one.stations)) }
                     td.n { (one.campaigns) }
-                    td { (at(&one.first_at)) } td { (at(&one.last_at)) }
+                    td { (written(&one.first_at)) } td { (written(&one.last_at)) }
                 }
             } }
         } }
@@ -213,7 +215,7 @@ fn finding(t: &Text, one: &FindingBody) -> Markup {
             td translate="no" { a.id href={ "/gyros/" (encoded(&one.serial)) } { (one.serial) } " " (one.slot) }
             td { (imu_link(&one.imu)) }
             td.words translate="no" { @for (i, station) in one.stations.iter().enumerate() { @if i > 0 { ", " } (at_station(station)) } }
-            td { @if let Some(clear) = &one.clear_at { (at(clear)) } @else { "–" } }
+            td { @if let Some(clear) = &one.clear_at { (written(clear)) } @else { "–" } }
             td { (sighting(&one.first)) } td { (sighting(&one.last)) }
             td.n { (one.campaigns) " / " (one.of_since) " / " (one.of) }
             td.nowrap { (closure_bar(one.closure.median, Some([one.closure.least, one.closure.greatest]))) (percent(one.closure.median)) }
@@ -263,24 +265,12 @@ fn at_station(station: &AtStationBody) -> Markup {
 }
 
 fn sighting(seen: &SightingBody) -> Markup {
-    html! { a href={ "/campaigns/" (seen.campaign) "/diagnosis" } { (at(&seen.measured_at)) } }
-}
-
-fn at(text: &str) -> Markup {
-    html! { @if let Ok(at) = time::parse(text) { (instant(at)) } @else { (text) } }
+    html! { a href={ "/campaigns/" (seen.campaign) "/diagnosis" } { (written(&seen.measured_at)) } }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_date_stands_for_the_whole_day_and_a_time_for_itself() {
-        assert_eq!(beginning(" 2026-03-01 ").as_deref(), Some("2026-03-01T00:00:00Z"));
-        assert_eq!(end("2026-03-01").as_deref(), Some("2026-03-01T23:59:59.999999Z"));
-        assert_eq!(end("2026-03-01T08:00:00Z").as_deref(), Some("2026-03-01T08:00:00Z"));
-        assert_eq!((beginning(""), end("  ")), (None, None));
-    }
 
     #[test]
     fn the_way_to_the_csv_keeps_the_filters() {

@@ -20,7 +20,7 @@ use crate::core::effects::Effect;
 use crate::core::mounting::Slot;
 use crate::pages::reference;
 use crate::pages::reference::Against;
-use crate::pipeline::{Asked, StoredCampaign};
+use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
 use crate::wire::problem::Problem;
 use crate::words;
@@ -55,10 +55,10 @@ const PATIENCE: Duration = Duration::from_secs(10);
 async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
     let t = viewer.text();
     let stored = stored_campaign(pages, id).await?;
-    let diagnosis = match pages.pipeline.diagnosis(stored.row.id, PATIENCE).await? {
-        Asked::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
-        Asked::Waiting => return Ok(None),
-        Asked::Answered(diagnosed) => match &*diagnosed {
+    let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {
+        DiagnosisAnswer::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
+        DiagnosisAnswer::Waiting => return Ok(None),
+        DiagnosisAnswer::Answered(diagnosed) => match &*diagnosed {
             Ok(diagnosis) => diagnosis.clone().said_in(words::asked()),
             Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
         },
@@ -104,10 +104,10 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
     html! {
         h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
         p.note {
-            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.row.calibrated_at)) " · "
+            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.item.calibrated_at)) " · "
             (answer.calibration.dwells) " " (t.dwells) " · "
-            a href={ "/campaigns/" (stored.row.id) } { (t.campaign) } " · "
-            a href={ "/v1/campaigns/" (stored.row.id) "/diagnosis" } { "JSON" }
+            a href={ "/campaigns/" (stored.item.id) } { (t.campaign) } " · "
+            a href={ "/v1/campaigns/" (stored.item.id) "/diagnosis" } { "JSON" }
         }
         p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
         @if d.stands_out_by_pattern() { p { (t.by_pattern) } }

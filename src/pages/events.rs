@@ -71,7 +71,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
         "" => pages.clock.now(),
         at => text::instant("at", at, &mut faults),
     };
-    if let Err(impossible) = pages.pipeline.check_time("at", at) {
+    if let Err(impossible) = pages.pipeline.reader.check_time("at", at) {
         faults.absorb("", impossible);
     }
     let filled = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
@@ -82,7 +82,7 @@ async fn done(pages: &Pages, viewer: &Viewer, serial: &str, said: &Said) -> Resu
     let Word { by, reason, .. } = said.word.clone();
     let (fixed, author, by) = ([None; 2], Some(by), Actor::by_caller());
     let event = GyroEvent { serial: name, at, event, until, test, fixed, reason, author, by };
-    match pages.pipeline.submit(Submission::Event(event)).await? {
+    match pages.pipeline.ingest.submit(Submission::Event(event)).await? {
         Accepted::Stored { .. } | Accepted::There { same_bytes: true, .. } => {
             Ok(see_other(&format!("/gyros/{}#happenings", encoded(serial))))
         }

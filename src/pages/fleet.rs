@@ -14,7 +14,7 @@ use crate::core::judge::Status;
 use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
-use crate::pipeline::{Glimpse, Standing, Tables, Violation, sample_of};
+use crate::pipeline::{Names, RecentValues, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;
 
 /// Gyros on one page, and values in one small line.
@@ -51,10 +51,10 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters
 
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
     let t = viewer.text();
-    let fleet = pages.pipeline.fleet().await?;
+    let fleet = pages.pipeline.queries.fleet.all().await?;
     let all: Vec<Row> = {
-        let tables = pages.pipeline.store().names().read();
-        fleet.into_iter().map(|standing| Row::of(standing, &tables)).collect()
+        let names = pages.pipeline.queries.names();
+        fleet.into_iter().map(|standing| Row::of(standing, &names)).collect()
     };
     let mut found: Vec<&Row> = all.iter().filter(|row| filters.fit(row)).collect();
     found.sort_by(|a, b| b.urgency().partial_cmp(&a.urgency()).unwrap_or(std::cmp::Ordering::Equal));
@@ -63,7 +63,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
     let number = filters.page.min(last_page);
     let shown: Vec<&Row> = found.into_iter().skip(number * ROWS).take(ROWS).collect();
     let standings: Vec<&Standing> = shown.iter().map(|row| &row.standing).collect();
-    let glimpses = pages.pipeline.glimpses(&standings, VALUES).await?;
+    let recent_values = pages.pipeline.queries.fleet.recent_values(&standings, VALUES).await?;
     let now = pages.clock.now();
     let body = html! {
         h1 { (t.fleet) }
@@ -75,7 +75,7 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
             p.lead { (t.none_found) }
         } @else {
             p.note { (count) " " (t.gyros_found) " " (t.band_note) }
-            (table(viewer, pages, &shown, &glimpses, now))
+            (table(viewer, pages, &shown, &recent_values, now))
             (pager(viewer, filters, number, last_page))
         }
         (stations(viewer, &all))
@@ -84,11 +84,10 @@ async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page
 }
 
 impl Row {
-    fn of(standing: Standing, tables: &Tables) -> Self {
+    fn of(standing: Standing, names: &Names<'_>) -> Self {
         let newest = standing.newest.as_ref();
-        let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name).to_owned();
-        let station =
-            newest.and_then(|figures| tables.stations.name(figures.station)).map_or("", |name| &**name).to_owned();
+        let imu = newest.map_or("", |figures| names.imu(figures.imu)).to_owned();
+        let station = newest.map_or("", |figures| names.station(figures.station)).to_owned();
         Self { standing, imu, station }
     }
 
@@ -190,7 +189,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
     }
 }
 
-fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], now: UtcMicros) -> Markup {
+fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], recent_values: &[RecentValues], now: UtcMicros) -> Markup {
     let t = viewer.text();
     html! {
         div.scroll tabindex="0" {
@@ -200,13 +199,13 @@ fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], glimpses: &[Glimpse], no
                     th { (symbol("D_I")) ", " (t.unit) } th { (symbol("D_S")) ", " (t.unit) }
                     th { (t.violates) } th { (t.calibrated) }
                 } }
-                tbody { @for (row, glimpse) in rows.iter().zip(glimpses) { (line(viewer, pages, row, glimpse, now)) } }
+                tbody { @for (row, recent) in rows.iter().zip(recent_values) { (line(viewer, pages, row, recent, now)) } }
             }
         }
     }
 }
 
-fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMicros) -> Markup {
+fn line(viewer: &Viewer, pages: &Pages, row: &Row, recent: &RecentValues, now: UtcMicros) -> Markup {
     let (t, standing) = (viewer.text(), &row.standing);
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     html! {
@@ -220,7 +219,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
             }
             @for column in 0..2 {
                 td.trend data-label=(DRIFTS[column]) {
-                    @if let Some(sample) = &newest { (trend(glimpse, column, sample.d[column])) }
+                    @if let Some(sample) = &newest { (trend(recent, column, sample.d[column])) }
                 }
             }
             td {
@@ -234,11 +233,11 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, glimpse: &Glimpse, now: UtcMi
     }
 }
 
-fn trend(glimpse: &Glimpse, column: usize, newest: Measured) -> Markup {
-    let values: Vec<f64> = glimpse.samples.iter().map(|sample| sample.d[column].value).collect();
+fn trend(recent: &RecentValues, column: usize, newest: Measured) -> Markup {
+    let values: Vec<f64> = recent.samples.iter().map(|sample| sample.d[column].value).collect();
     let written = figure::drift(newest.value, newest.sd);
     html! {
-        (spark::line(&values, glimpse.level[column], glimpse.budget[column], &written))
+        (spark::line(&values, recent.level[column], recent.budget[column], &written))
         span.n { (written) }
     }
 }

@@ -12,12 +12,14 @@ use super::verdicts::{self, Said};
 use super::viewer::Viewer;
 use super::{Pages, alerts, before_after};
 use crate::core::access::Role;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pages::history;
 use crate::pages::history::{Bands, Shown};
 use crate::pages::status;
-use crate::pipeline::{Comparison, Course, Figures, Id, Standing, Statuses, Tables, sample_of};
+use crate::pipeline::{Comparison, Course, Names, Standing, Statuses, sample_of};
 use crate::wire::alert::AlertBody;
 use crate::wire::answer::VerdictBody;
 use crate::wire::problem::Problem;
@@ -30,7 +32,7 @@ pub(super) const MOST_ROWS: usize = 40;
 pub(super) struct Asked {
     /// `rigid`, `published` or `bench`; the judged one where it is left out.
     method: Option<String>,
-    /// Tables of older calibrations: how many to pass over.
+    /// Names of older calibrations: how many to pass over.
     #[serde(default)]
     skip: usize,
 }
@@ -64,17 +66,17 @@ impl Facts {
     /// `skip`: how many of the newest records the table passes over.
     pub async fn of(pages: &Pages, number: u32, serial: &str, shown: Shown, skip: usize) -> Result<Self, Problem> {
         let pipeline = &pages.pipeline;
-        let course = pipeline.course(number, serial, shown.separation()).await?;
-        let comparison = pipeline.compare_methods(number, None).await?;
+        let course = pipeline.queries.histories.course(number, serial, shown.separation()).await?;
+        let comparison = pipeline.queries.histories.compare_methods(number, None).await?;
         let bands = history::bands(&course, shown.separation());
-        let standing = pipeline.standings(vec![(number, course.figures.last().copied())]).await?.pop();
+        let standing = pipeline.queries.fleet.standings(vec![(number, course.figures.last().copied())]).await?.pop();
         let mut verdicts = newest_verdicts(pages, serial, &course).await?;
         for violation in standing.iter().flat_map(|standing| &standing.violations) {
             verdicts.iter_mut().for_each(|said| said.is_known_to_be(violation));
         }
         let drawn = history::drawn(&course, shown.separation());
         let listed = course.figures.iter().rev().skip(first_row(skip, course.figures.len())).take(MOST_ROWS);
-        let statuses = Statuses::of(pipeline.store(), number, drawn.chain(listed), &[0, 1, 2]).await?;
+        let statuses = pipeline.queries.histories.statuses(number, drawn.chain(listed), &[0, 1, 2]).await?;
         let alerts = alerts::open_ones(pages, number).await?;
         Ok(Self { course, bands, comparison, standing, statuses, verdicts, alerts })
     }
@@ -98,7 +100,7 @@ fn first_row(skip: usize, count: usize) -> usize {
 
 /// The number of a gyro.
 pub(super) fn known(pages: &Pages, serial: &str) -> Result<u32, Problem> {
-    let number = pages.pipeline.store().names().read().gyros.number(serial);
+    let number = pages.pipeline.queries.names().gyro_number(serial);
     number.ok_or_else(|| Problem::unknown_gyro(serial))
 }
 
@@ -106,19 +108,19 @@ async fn build(pages: &Pages, viewer: &Viewer, serial: &str, asked: &Asked) -> R
     let number = known(pages, serial)?;
     let shown = Shown::asked(asked.method.as_deref(), pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, shown, asked.skip).await?;
-    let tables = pages.pipeline.store().names().read();
+    let names = pages.pipeline.queries.names();
     let body = html! {
-        (head(viewer, serial, &facts, &tables))
+        (head(viewer, serial, &facts, &names))
         (deeds(viewer, serial))
         (verdict_section(viewer, &facts.verdicts))
-        (history(viewer, serial, shown, &facts, &tables))
+        (history(viewer, serial, shown, &facts, &names))
         (before_after::section(viewer, &facts.course, pages.config.judging.method))
         (alert_section(viewer, &facts.alerts))
         (agreement(viewer, serial, &facts.comparison))
-        (history::happenings(viewer, &facts.course, &tables))
+        (history::happenings(viewer, &facts.course, &names))
         (changes_explained(viewer, serial))
-        (benches(viewer, &facts.course, &tables))
-        (calibrations(viewer, serial, shown, asked.skip, &facts, &tables))
+        (benches(viewer, &facts.course))
+        (calibrations(viewer, serial, shown, asked.skip, &facts, &names))
     };
     Ok(Page { title: serial.to_owned(), section: Section::Fleet, plots: true, body })
 }
@@ -151,11 +153,11 @@ fn alert_section(viewer: &Viewer, open: &[AlertBody]) -> Markup {
 
 async fn newest_verdicts(pages: &Pages, serial: &str, course: &Course) -> Result<Vec<Said>, Problem> {
     let Some(newest) = course.figures.last() else { return Ok(Vec::new()) };
-    let stored = pages.pipeline.stored_record(newest.record).await?;
+    let stored = pages.pipeline.queries.records.record(newest.record).await?;
     Ok(stored.map_or_else(Vec::new, |stored| Said::of_gyro(serial, &stored.answer.verdicts, &stored.seen)))
 }
 
-fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup {
+fn head(viewer: &Viewer, serial: &str, facts: &Facts, names: &Names<'_>) -> Markup {
     let t = viewer.text();
     html! {
         h1 {
@@ -164,8 +166,8 @@ fn head(viewer: &Viewer, serial: &str, facts: &Facts, tables: &Tables) -> Markup
         }
         @if let Some(figures) = facts.course.figures.last() {
             p.lead {
-                a href={ "/imus/" (encoded(history::name(tables.imus.name(figures.imu)))) } { (history::seat(figures, tables)) }
-                " · " (t.station) " " (history::name(tables.stations.name(figures.station)))
+                a href={ "/imus/" (encoded(names.imu(figures.imu))) } { (history::seat(figures, names)) }
+                " · " (t.station) " " (names.station(figures.station))
                 " · " (t.calibrated) " " (instant(figures.at))
                 @match facts.alerts.len() {
                     0 => {}
@@ -190,9 +192,9 @@ fn verdict_section(viewer: &Viewer, verdicts: &[Said]) -> Markup {
     }
 }
 
-fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &Tables) -> Markup {
+fn history(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, names: &Names<'_>) -> Markup {
     let t = viewer.text();
-    let plot = history::plot(viewer, serial, shown, facts.plotted(), tables);
+    let plot = history::plot(viewer, serial, shown, facts.plotted(), names);
     let left_out = plot.strips.iter().flat_map(|strip| &strip.series).find_map(|series| series.thinned());
     html! {
         section {
@@ -271,7 +273,7 @@ fn changes_explained(viewer: &Viewer, serial: &str) -> Markup {
     }
 }
 
-fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts: &Facts, tables: &Tables) -> Markup {
+fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts: &Facts, names: &Names<'_>) -> Markup {
     let t = viewer.text();
     let count = facts.course.figures.len();
     let skip = first_row(skip, count);
@@ -285,7 +287,7 @@ fn calibrations(viewer: &Viewer, serial: &str, shown: Shown, skip: usize, facts:
                     (skip + 1) "–" ((skip + ROWS).min(count)) " / " (count) ", "
                     (t.method_of(shown.separation())) ", " (t.unit)
                 }
-                (calibration_table(viewer, shown, &facts.statuses, rows, tables, viewer.may(Role::Engineer)))
+                (calibration_table(viewer, shown, &facts.statuses, rows, names, viewer.may(Role::Engineer)))
                 nav.pager aria-label=(t.calibrations) {
                     @if skip > 0 { a href=(to(0)) { (t.newer) } }
                     @if skip + ROWS < count { a rel="next" href=(to(skip + ROWS)) { (t.older) } }
@@ -301,7 +303,7 @@ pub(super) fn calibration_table<'a>(
     shown: Shown,
     statuses: &Statuses,
     rows: impl Iterator<Item = &'a Figures>,
-    tables: &Tables,
+    names: &Names<'_>,
     deeds: bool,
 ) -> Markup {
     let t = viewer.text();
@@ -312,7 +314,7 @@ pub(super) fn calibration_table<'a>(
                 th.n { (symbol("D_I")) } th.n { (symbol("D_S")) } th.n { (symbol("D_O")) } th { (t.status_word) }
                 @if deeds { th { (t.actions_word) } }
             } }
-            tbody { @for figures in rows { (calibration(viewer, shown, figures, (statuses, tables), deeds)) } }
+            tbody { @for figures in rows { (calibration(viewer, shown, figures, (statuses, names), deeds)) } }
         } }
     }
 }
@@ -321,7 +323,7 @@ fn calibration(
     viewer: &Viewer,
     shown: Shown,
     figures: &Figures,
-    (statuses, tables): (&Statuses, &Tables),
+    (statuses, names): (&Statuses, &Names<'_>),
     deeds: bool,
 ) -> Markup {
     let t = viewer.text();
@@ -332,8 +334,8 @@ fn calibration(
     html! {
         tr {
             td { a href={ "/records/" (figures.record) } { (instant(figures.at)) } }
-            td { (history::seat(figures, tables)) }
-            td { (history::name(tables.stations.name(figures.station))) }
+            td { (history::seat(figures, names)) }
+            td { (names.station(figures.station)) }
             @for (measured, name) in sample.d.iter().zip(DRIFTS) {
                 td.n data-label=(name) { (figure::drift(measured.value, measured.sd)) }
             }
@@ -351,7 +353,7 @@ fn calibration(
 }
 
 /// Each bench result by itself, newest first.
-fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
+fn benches(viewer: &Viewer, course: &Course) -> Markup {
     let t = viewer.text();
     html! {
         @if !course.benches.is_empty() {
@@ -367,7 +369,7 @@ fn benches(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
                         tr {
                             td { (instant(row.measured_at)) }
                             td { (t.method(row.method.name())) }
-                            td { (history::name(tables.stations.name(row.station))) }
+                            td { (row.station) }
                             @for i in 0..2 { td.n data-label=(DRIFTS[i]) { (figure::drift(row.d[i], row.sd[i])) } }
                             @if may_void { td { (void_link(viewer, "bench-results", row.id, row.measured_at)) } }
                         }

@@ -1,7 +1,5 @@
 //! A gyro's course: its plot by one of the methods, and what happened to it.
 
-use std::sync::Arc;
-
 use maud::{Markup, html};
 
 use super::corrections;
@@ -11,11 +9,12 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Limits, Rule, Status};
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Baseline, BenchRow, Course, EventRow, Figures, Statuses, Tables, sample_of};
+use crate::pipeline::{Baseline, BenchItem, Course, EventItem, Names, Statuses, sample_of};
 
 /// Changes of seat or station that are drawn at the most: two stations in turn would hide the plot behind lines.
 const MOST_CHANGES: usize = 30;
@@ -74,12 +73,8 @@ impl Text {
 }
 
 /// `IMU-07 G1`.
-pub(super) fn seat(figures: &Figures, tables: &Tables) -> String {
-    format!("{} {}", name(tables.imus.name(figures.imu)), figures.slot.name())
-}
-
-pub(super) fn name(name: Option<&Arc<str>>) -> &str {
-    name.map_or("", |name| &**name)
+pub(super) fn seat(figures: &Figures, names: &Names<'_>) -> String {
+    format!("{} {}", names.imu(figures.imu), figures.slot.name())
 }
 
 pub(super) fn plot(
@@ -87,7 +82,7 @@ pub(super) fn plot(
     serial: &str,
     shown: Shown,
     (course, bands, statuses): (&Course, &Bands, &Statuses),
-    tables: &Tables,
+    names: &Names<'_>,
 ) -> Plot {
     let t = viewer.text();
     let bench_only = shown == Shown::Bench;
@@ -96,13 +91,13 @@ pub(super) fn plot(
         let bands = &bands[column];
         let mut series = Vec::new();
         if !bench_only && !course.figures.is_empty() {
-            let judged = (statuses, tables);
+            let judged = (statuses, names);
             series.push(separated(shown.title(t), &course.figures, (shown.separation(), column), judged));
         }
         for method in BenchMethod::ALL.into_iter().filter(|_| column < 2) {
-            let of_method: Vec<&BenchRow> = course.benches.iter().filter(|row| row.method == method).collect();
+            let of_method: Vec<&BenchItem> = course.benches.iter().filter(|row| row.method == method).collect();
             if !of_method.is_empty() {
-                series.push(benched(t.method(method.name()), &of_method, column, tables));
+                series.push(benched(t.method(method.name()), &of_method, column));
             }
         }
         let around = budgets(&course.limits)[column].unwrap_or(DEFAULT_BUDGET);
@@ -114,7 +109,7 @@ pub(super) fn plot(
         name: serial.to_owned(),
         unit: t.unit,
         strips: strips.collect(),
-        marks: marks(t, course, tables),
+        marks: marks(t, course, names),
         statuses: Status::ALL.map(|status| (status.name(), t.status(status))),
         since,
         alone: ALONE,
@@ -182,24 +177,24 @@ fn separated(
     name_of_method: &str,
     rows: &[Figures],
     (method, column): (JudgedMethod, usize),
-    (statuses, tables): (&Statuses, &Tables),
+    (statuses, names): (&Statuses, &Names<'_>),
 ) -> Series {
     let measured = |figures: &Figures| sample_of(figures, method).d[column];
     let point = |figures: &Figures| Point {
         at: figures.at,
         measured: measured(figures),
         status: Some(statuses.get(figures, column)),
-        place: format!("{} · {}", seat(figures, tables), name(tables.stations.name(figures.station))),
+        place: format!("{} · {}", seat(figures, names), names.station(figures.station)),
     };
     Series::new(name_of_method, false, rows, |figures| measured(figures).value, point)
 }
 
-fn benched(name_of_method: &str, rows: &[&BenchRow], column: usize, tables: &Tables) -> Series {
-    let point = |row: &&BenchRow| Point {
+fn benched(name_of_method: &str, rows: &[&BenchItem], column: usize) -> Series {
+    let point = |row: &&BenchItem| Point {
         at: row.measured_at,
         measured: Measured { value: row.d[column], sd: row.sd[column] },
         status: None,
-        place: name(tables.stations.name(row.station)).to_owned(),
+        place: row.station.clone(),
     };
     Series::new(name_of_method, true, rows, |row| row.d[column], point)
 }
@@ -213,31 +208,31 @@ struct Change {
     to: String,
 }
 
-fn changes(course: &Course, tables: &Tables) -> Vec<Change> {
+fn changes(course: &Course, names: &Names<'_>) -> Vec<Change> {
     let mut changes = Vec::new();
     for pair in course.figures.windows(2) {
         let (old, new) = (&pair[0], &pair[1]);
         if (old.imu, old.slot) != (new.imu, new.slot) {
-            changes.push(Change { at: new.at, seat: true, from: seat(old, tables), to: seat(new, tables) });
+            changes.push(Change { at: new.at, seat: true, from: seat(old, names), to: seat(new, names) });
         }
         if old.station != new.station {
-            let of = |figures: &Figures| name(tables.stations.name(figures.station)).to_owned();
+            let of = |figures: &Figures| names.station(figures.station).to_owned();
             changes.push(Change { at: new.at, seat: false, from: of(old), to: of(new) });
         }
     }
     changes
 }
 
-fn marks(t: &Text, course: &Course, tables: &Tables) -> Vec<Mark> {
+fn marks(t: &Text, course: &Course, names: &Names<'_>) -> Vec<Mark> {
     let events = course.events.iter();
-    let mark = |event: &EventRow| Mark {
+    let mark = |event: &EventItem| Mark {
         t: millis(event.at),
         until: event.until.map(millis),
         label: label(t, event),
         event: true,
     };
     let mut marks: Vec<Mark> = events.map(mark).collect();
-    let changes = changes(course, tables);
+    let changes = changes(course, names);
     if changes.len() <= MOST_CHANGES {
         marks.extend(changes.into_iter().map(|change| Mark {
             t: millis(change.at),
@@ -250,20 +245,20 @@ fn marks(t: &Text, course: &Course, tables: &Tables) -> Vec<Mark> {
 }
 
 /// `environmental test: vibration`.
-fn label(t: &Text, event: &EventRow) -> String {
+fn label(t: &Text, event: &EventItem) -> String {
     let name = t.event(event.event);
     event.test.as_ref().map_or_else(|| name.to_owned(), |test| format!("{name}{}{test}", t.colon))
 }
 
 /// The same on a page, of which the test's name is not translated.
-pub(super) fn event_name(t: &Text, event: &EventRow) -> Markup {
+pub(super) fn event_name(t: &Text, event: &EventItem) -> Markup {
     html! { (t.event(event.event)) @if let Some(test) = &event.test { (t.colon) span translate="no" { (test) } } }
 }
 
 /// Events and changes in the order of time, newest first.
-pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> Markup {
+pub(super) fn happenings(viewer: &Viewer, course: &Course, names: &Names<'_>) -> Markup {
     let t = viewer.text();
-    let changes = changes(course, tables);
+    let changes = changes(course, names);
     let mut all: Vec<(UtcMicros, Markup)> = course
         .events
         .iter()
@@ -281,7 +276,7 @@ pub(super) fn happenings(viewer: &Viewer, course: &Course, tables: &Tables) -> M
             let what = if change.seat { t.moved } else { t.other_station };
             (change.at, html! { td { (what) } td { (change.from) " → " (change.to) } })
         }))
-        .chain(course.corrections.iter().map(|one| (one.said.at, corrections::happening(viewer, one))))
+        .chain(course.corrections.iter().map(|one| (one.correction.at, corrections::happening(viewer, one))))
         .chain(course.set_aside.iter().map(|&(id, at)| (at, corrections::aside(viewer, id, at))))
         .collect();
     all.sort_by_key(|(at, _)| std::cmp::Reverse(*at));

@@ -8,14 +8,14 @@ use axum::response::Response;
 use maud::{Markup, html};
 
 use super::Pages;
-use super::alerts::written;
+use super::layout::written;
 use super::layout::{Page, Section};
 use super::viewer::Viewer;
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Severity};
 use crate::core::message::text;
 use crate::message;
-use crate::pipeline::Id;
 use crate::wire::hook::{FilterBody, HookBody};
 use crate::wire::problem::Problem;
 
@@ -30,7 +30,7 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
 
 async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
     let t = viewer.text();
-    let hooks = pages.pipeline.hooks().await?;
+    let hooks = pages.pipeline.hooks.all().await?;
     let body = html! {
         h1 { (t.hooks) }
         p.note { (t.hooks_note) }
@@ -107,5 +107,5 @@ fn buttons(viewer: &Viewer, hook: &HookBody) -> Markup {
 async fn known(pages: &Pages, id: &str) -> Result<(Id, HookBody), Problem> {
     let unknown = || Problem::new(404, "title_no_such_hook", message!("no_such_hook", id = text(id)));
     let number: Id = id.parse().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.hook(number, None).await?.ok_or_else(unknown)?))
+    Ok((number, pages.pipeline.hooks.get(number, None).await?.ok_or_else(unknown)?))
 }

@@ -20,9 +20,10 @@ use super::text::Text;
 use super::viewer::Viewer;
 use crate::core::alert_decision::Late;
 use crate::core::fault::{Fault, Faults};
+use crate::core::id::Id;
 use crate::core::note::Note;
 use crate::pages::upload_parts::{Piece, pieces};
-use crate::pipeline::{Accepted, Caller, Foreseen, Id, Origin, Pipeline, ReadDocument, Refused, Reply, Submission};
+use crate::pipeline::{Accepted, Caller, Origin, Pipeline, Preview, ReadDocument, Refused, Reply, Submission};
 use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
@@ -49,7 +50,7 @@ pub(super) async fn preview(
         (text, read)
     })
     .await;
-    let prospects = foreseen(&pages.pipeline, read).await;
+    let prospects = previews(&pages.pipeline, read).await;
     off_the_loop(move || viewer.show(Ok(previewed(&viewer, &prospects, &text)))).await
 }
 
@@ -64,19 +65,19 @@ enum Prospect {
 
 /// Every document with its line, and what storing it would come to: what is stored already may stand in the way of the first
 /// [`MOST_SHOWN`] that are sound.
-async fn foreseen(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
+async fn previews(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
     let sound: Vec<(usize, &ReadDocument)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();
     let documents: Vec<&ReadDocument> = sound.iter().map(|(_, document)| *document).take(MOST_SHOWN).collect();
-    let outcomes = pipeline.foresee(&documents).await;
+    let outcomes = pipeline.ingest.preview(&documents).await;
     let lines: Vec<usize> = sound.iter().map(|(line, _)| *line).collect();
     let mut outcomes = outcomes.into_iter();
     let mut prospect = |read| match read {
         Err(faults) => Prospect::Faulty(faults),
         Ok(ReadDocument { submission, .. }) => match outcomes.next() {
-            Some(Foreseen::Refused(why)) => Prospect::Refused(why),
-            Some(Foreseen::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
-            Some(Foreseen::Taken { notes }) => Prospect::Sound(Box::new(submission), notes),
+            Some(Preview::Refused(why)) => Prospect::Refused(why),
+            Some(Preview::Contradicts(earlier)) => Prospect::Contradicts(lines[earlier]),
+            Some(Preview::Taken { notes }) => Prospect::Sound(Box::new(submission), notes),
             None => Prospect::Sound(Box::new(submission), [].into()),
         },
     };
@@ -105,13 +106,13 @@ fn text_of(form: &str) -> String {
 fn read(pipeline: &Pipeline, caller: &Caller, piece: &Piece) -> Result<ReadDocument, Faults> {
     let document = match piece.form {
         Form::Json => {
-            let read = pipeline.read_document(piece.text.as_bytes());
+            let read = pipeline.reader.document(piece.text.as_bytes());
             read.map_err(|faults| from_line(piece.line, piece.text, faults))
         }
-        Form::Csv => pipeline.read_campaign_document(piece.text.as_bytes(), Form::Csv),
+        Form::Csv => pipeline.reader.campaign_document(piece.text.as_bytes(), Form::Csv),
     }?;
     let refused = |refused: Refused| Fault { pointer: "/station".into(), message: refused.message() };
-    caller.may_submit(&document.submission).map_err(refused)?;
+    document.submission.may_be_sent_by(caller).map_err(refused)?;
     Ok(document)
 }
 
@@ -178,8 +179,8 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
             Err(faults) => outcomes.push((line, Outcome::Faulty(faults))),
         }
     }
-    let replies = pipeline.enqueue(submissions, Late::Digest).await.await;
-    if let Err(error) = pipeline.end_import().await {
+    let replies = pipeline.ingest.enqueue(submissions, Late::Digest).await.await;
+    if let Err(error) = pipeline.ingest.end_import().await {
         tracing::warn!(%error, "the digest of an import could not be queued; it is when nothing has come for a while");
     }
     for ((line, origin, place), reply) in sound.into_iter().zip(replies) {
@@ -195,7 +196,7 @@ async fn submit(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faul
 
 async fn settle(pipeline: &Pipeline, reply: Reply, origin: &Origin) -> Result<(Id, bool), Refused> {
     let accepted = reply?;
-    let id = pipeline.settle_document(&accepted, origin).await?;
+    let id = pipeline.ingest.settle_document(&accepted, origin).await?;
     Ok((id, matches!(accepted, Accepted::Stored { .. })))
 }
 

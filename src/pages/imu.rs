@@ -10,11 +10,11 @@ use super::layout::{DRIFTS, Page, Section, encoded, instant, symbol};
 use super::parameters::{self, Parameters};
 use super::text::Text;
 use super::viewer::Viewer;
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::message;
 use crate::pages::status;
-use crate::pipeline::store;
-use crate::pipeline::{Kind, RecordHead, Seats, Standing, sample_of};
+use crate::pipeline::{RecordSummary, Seats, Standing, sample_of};
 use crate::wire::campaign::CampaignBody;
 use crate::wire::problem::Problem;
 use crate::wire::record::RecordBody;
@@ -30,18 +30,18 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Path(imu): Pa
 pub(super) struct Facts {
     pub seats: Seats,
     /// Newest first.
-    pub records: Vec<RecordHead>,
+    pub records: Vec<RecordSummary>,
     /// The newest, as tables.
     pub parameters: Option<Markup>,
 }
 
 impl Facts {
     pub async fn of(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Self, Problem> {
-        let number = pages.pipeline.store().names().read().imus.number(imu);
+        let number = pages.pipeline.queries.names().imu_number(imu);
         let number =
             number.ok_or_else(|| Problem::new(404, "title_unknown_imu", message!("unknown_imu", imu = text(imu))))?;
-        let records = store::record::of_imu(pages.pipeline.store(), number, RECORDS).await?;
-        let seats = pages.pipeline.seated_in(number).await?;
+        let records = pages.pipeline.queries.records.of_imu(number, RECORDS).await?;
+        let seats = pages.pipeline.queries.fleet.seated_in(number).await?;
         let parameters = match records.first() {
             Some(head) => Some(newest_parameters(pages, viewer.text(), head).await?),
             None => None,
@@ -58,25 +58,25 @@ async fn build(pages: &Pages, viewer: &Viewer, imu: &str) -> Result<Page, Proble
         p.actions { a.action href={ "/imus/" (encoded(imu)) "/report" } { (t.report) } }
         (seated(pages, t, &seats))
         @if let Some(newest) = parameters { section { h2 { (t.newest_parameters) } (newest) } }
-        section { h2 { (t.records) } (list(pages, t, &records)) }
+        section { h2 { (t.records) } (list(t, &records)) }
     };
     Ok(Page { title: imu.to_owned(), section: Section::Fleet, plots: false, body })
 }
 
-async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordHead) -> Result<Markup, Problem> {
+async fn newest_parameters(pages: &Pages, t: &Text, head: &RecordSummary) -> Result<Markup, Problem> {
     let judging = &pages.config.judging;
     let tables = match head.kind {
         Kind::Campaign => {
-            let stored = pages.pipeline.stored_campaign(head.id).await?;
+            let stored = pages.pipeline.queries.records.campaign(head.id).await?;
             stored.and_then(|stored| {
                 let gyros: Vec<_> = stored.answer.calibration.gyros.iter().map(Parameters::fitted).collect();
-                let body = serde_json::from_str::<CampaignBody>(&stored.row.body).ok()?;
+                let body = serde_json::from_str::<CampaignBody>(&stored.item.body).ok()?;
                 Some(parameters::tables(t, &gyros, parameters::required(judging, &body.imu, &body.geometry)))
             })
         }
         Kind::Record => {
-            let stored = store::record::get(pages.pipeline.store(), head.id).await?;
-            let body = stored.and_then(|row| serde_json::from_str::<RecordBody>(&row.body).ok());
+            let stored = pages.pipeline.queries.records.sent(head.id).await?;
+            let body = stored.and_then(|item| serde_json::from_str::<RecordBody>(&item.body).ok());
             body.map(|body| {
                 let gyros: Vec<_> = body.gyros.iter().map(Parameters::stated).collect();
                 parameters::tables(t, &gyros, parameters::required(judging, &body.imu, &body.geometry))
@@ -130,8 +130,7 @@ fn standings(pages: &Pages, t: &Text, gyros: &[Standing], when: &str) -> Markup 
     }
 }
 
-fn list(pages: &Pages, t: &Text, records: &[RecordHead]) -> Markup {
-    let tables = pages.pipeline.store().names().read();
+fn list(t: &Text, records: &[RecordSummary]) -> Markup {
     html! {
         div.scroll.tall tabindex="0" { table {
             thead { tr { th { (t.calibrated) } th { (t.station) } th { (t.kind) } } }
@@ -139,7 +138,7 @@ fn list(pages: &Pages, t: &Text, records: &[RecordHead]) -> Markup {
                 @let campaign = head.kind == Kind::Campaign;
                 tr {
                     td { a href={ (if campaign { "/campaigns/" } else { "/records/" }) (head.id) } { (instant(head.calibrated_at)) } }
-                    td { (crate::pages::history::name(tables.stations.name(head.station))) }
+                    td { (head.station) }
                     td {
                         @if campaign { (t.kind_campaign) " · " a href={ "/campaigns/" (head.id) "/diagnosis" } { (t.diagnosis) } }
                         @else { (t.kind_record) }

@@ -165,6 +165,16 @@ fn clock(utc: &str) -> String {
     format!("{} UTC", utc.get(start..start + 5).unwrap_or_default())
 }
 
+/// A time as the service writes it on the wire.
+pub(super) fn written(text: &str) -> Markup {
+    time::parse(text).map_or_else(|_| html! { (text) }, instant)
+}
+
+/// Who said something, and why.
+pub(super) fn remark(said_by: &str, by: &str, reason: &str) -> Markup {
+    html! { br; span.quiet { (said_by) " " span translate="no" { (by) ": " (reason) } } }
+}
+
 /// What is separated, in the order of the figures.
 pub(super) const DRIFTS: [&str; 3] = ["D_I", "D_S", "D_O"];
 

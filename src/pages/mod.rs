@@ -33,6 +33,7 @@ mod separation;
 mod sign_in;
 mod silences;
 mod spark;
+mod state;
 mod stations;
 mod status;
 mod text;
@@ -40,21 +41,10 @@ mod upload_parts;
 mod verdicts;
 mod viewer;
 
-use std::sync::Arc;
-
-use crate::config::Config;
-use crate::pipeline::Pipeline;
 use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, STATION, VIEWER};
-use crate::system::Clock;
-use crate::words;
 
-/// What every page may use. Cheap to clone.
-#[derive(Clone)]
-pub struct Pages {
-    pub config: Arc<Config>,
-    pub clock: Clock,
-    pub pipeline: Arc<Pipeline>,
-}
+pub use state::Pages;
+use state::off_the_loop;
 
 /// Every page, and what they load.
 pub fn routes() -> Routes<Pages> {
@@ -106,13 +96,4 @@ pub fn routes() -> Routes<Pages> {
         .post(ANYONE, "/sign-out", sign_in::leave)
         .get(ANYONE, "/preference", viewer::prefer)
         .get(ANYONE, "/assets/{name}", assets::serve)
-}
-
-/// For what takes its time: other requests are not to wait for it.
-async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
-    match words::spawn_blocking(work).await {
-        Ok(done) => done,
-        // It is never cancelled, so it has panicked: as if it had done so here.
-        Err(failed) => std::panic::resume_unwind(failed.into_panic()),
-    }
 }

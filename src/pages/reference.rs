@@ -5,13 +5,14 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::alerts::written;
 use super::figure::{self, short};
+use super::layout::written;
 use super::layout::{instant, symbol};
 use super::text::Text;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::message::Message;
-use crate::pipeline::store;
-use crate::pipeline::{Id, Kind, NotSplit, RecordHead, StoredCampaign};
+use crate::pipeline::{NotSplit, RecordSummary, StoredCampaign};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::problem::Problem;
 use crate::wire::split::{MovedBody, PartsBody, SplitBody};
@@ -28,7 +29,7 @@ pub(super) struct Asked {
 /// What the campaign can be held against, and what came of the one that was chosen.
 pub(super) struct Against {
     /// Newest first.
-    offered: Vec<RecordHead>,
+    offered: Vec<RecordSummary>,
     chosen: Option<Id>,
     split: Option<Result<SplitBody, Message>>,
 }
@@ -42,19 +43,23 @@ impl Against {
         diagnosis: &DiagnosisBody,
         asked: &Asked,
     ) -> Result<Self, Problem> {
-        let mut offered = store::record::of_imu(pages.pipeline.store(), stored.row.imu, OFFERED).await?;
-        offered.retain(|head| head.id != stored.row.id);
-        let newest_before = offered.iter().find(|head| head.calibrated_at < stored.row.calibrated_at);
+        let imu = pages.pipeline.queries.names().imu_number(&stored.item.imu);
+        let mut offered = match imu {
+            Some(imu) => pages.pipeline.queries.records.of_imu(imu, OFFERED).await?,
+            None => Vec::new(),
+        };
+        offered.retain(|head| head.id != stored.item.id);
+        let newest_before = offered.iter().find(|head| head.calibrated_at < stored.item.calibrated_at);
         let chosen = match asked.reference.as_deref().filter(|text| !text.is_empty()) {
             Some(text) => Some(text.parse::<Id>().map_err(|_| unknown(text))?),
             None => newest_before.map(|head| head.id),
         };
         let split = match chosen {
-            Some(id) => Some(match pages.pipeline.split(stored.row.id, diagnosis, id).await {
+            Some(id) => Some(match pages.pipeline.diagnoses.split(stored.item.id, diagnosis, id).await {
                 Ok(split) => Ok(split),
                 Err(NotSplit::NoSuchReference(id)) => return Err(unknown(&id.to_string())),
                 Err(NotSplit::NoReference(why)) => Err(why.message()),
-                Err(NotSplit::Store(error)) => return Err(error.into()),
+                Err(NotSplit::Storage(error)) => return Err(error.into()),
             }),
             None => None,
         };
@@ -78,7 +83,7 @@ impl Against {
     }
 
     fn choice(&self, t: &Text) -> Markup {
-        let kind = |head: &RecordHead| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
+        let kind = |head: &RecordSummary| if head.kind == Kind::Campaign { t.kind_campaign } else { t.kind_record };
         html! {
             form method="get" {
                 label { (t.reference) " "

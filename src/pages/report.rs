@@ -10,9 +10,9 @@ use super::layout::{Page, Section, instant, symbol};
 use super::viewer::Viewer;
 use super::{Pages, alerts, before_after, chart, figure, imu, verdicts};
 use crate::core::judge::Rule;
+use crate::core::kind::Kind;
 use crate::pages::history;
 use crate::pages::history::Shown;
-use crate::pipeline::Kind;
 use crate::wire::problem::Problem;
 
 /// Calibrations that a report on a gyro lists; all are in its pictures.
@@ -31,23 +31,23 @@ async fn of_gyro(pages: &Pages, viewer: &Viewer, serial: &str) -> Result<Page, P
     let number = known(pages, serial)?;
     let shown = Shown::asked(None, pages.config.judging.method);
     let facts = Facts::of(pages, number, serial, shown, 0).await?;
-    let tables = pages.pipeline.store().names().read();
+    let names = pages.pipeline.queries.names();
     let count = facts.course.figures.len();
     let body = html! {
         article.report {
             h1 { (t.report_of_gyro) " " (serial) " " (facts.badge(t)) }
             (as_of(pages, viewer))
-            section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &tables)) }
+            section { h2 { (t.identity) } (identity(viewer, serial, shown, &facts, &names)) }
             section { h2 { (t.verdicts) } (verdicts::all(viewer, &facts.verdicts)) }
-            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &tables))) }
+            section { h2 { (t.history) } p.note { (t.report_plot_note) } (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &names))) }
             (before_after::section(viewer, &facts.course, pages.config.judging.method))
             (agreement(viewer, serial, &facts.comparison))
-            (history::happenings(viewer, &facts.course, &tables))
+            (history::happenings(viewer, &facts.course, &names))
             (open_alerts(viewer, &facts))
             section {
                 h2 { (t.calibrations) }
                 p.note { (t.newest_of) " " (count.min(ROWS)) " / " (count) ", " (t.method_of(shown.separation())) ", " (t.unit) }
-                (calibration_table(viewer, shown, &facts.statuses, facts.course.figures.iter().rev().take(ROWS), &tables, false))
+                (calibration_table(viewer, shown, &facts.statuses, facts.course.figures.iter().rev().take(ROWS), &names, false))
             }
             (signature(viewer))
         }
@@ -63,7 +63,7 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
     for standing in &found.seats.now {
         gyros.push((standing.serial.clone(), Facts::of(pages, standing.number, &standing.serial, shown, 0).await?));
     }
-    let tables = pages.pipeline.store().names().read();
+    let names = pages.pipeline.queries.names();
     let campaigns = found.records.iter().filter(|head| head.kind == Kind::Campaign).count();
     let body = html! {
         article.report {
@@ -84,10 +84,10 @@ async fn of_imu(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Prob
                 section.sheet {
                     h2 { (t.serial) " " (serial) " " (facts.badge(t)) }
                     (verdicts::all(viewer, &facts.verdicts))
-                    (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &tables)))
+                    (chart::strips(&history::plot(viewer, serial, shown, facts.plotted(), &names)))
                     (before_after::section(viewer, &facts.course, pages.config.judging.method))
                     (agreement(viewer, serial, &facts.comparison))
-                    (history::happenings(viewer, &facts.course, &tables))
+                    (history::happenings(viewer, &facts.course, &names))
                     (open_alerts(viewer, facts))
                 }
             }
@@ -101,7 +101,7 @@ fn as_of(pages: &Pages, viewer: &Viewer) -> Markup {
     html! { p.note { (viewer.text().printed_at) " " (instant(pages.clock.now())) " · gyrowatch " (env!("CARGO_PKG_VERSION")) } }
 }
 
-fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: &crate::pipeline::Tables) -> Markup {
+fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, names: &crate::pipeline::Names<'_>) -> Markup {
     let t = viewer.text();
     let limits = &facts.course.limits;
     let budgets =
@@ -110,8 +110,8 @@ fn identity(viewer: &Viewer, serial: &str, shown: Shown, facts: &Facts, tables: 
         dl.facts {
             dt { (t.serial) } dd { (serial) }
             @if let Some(newest) = facts.course.figures.last() {
-                dt { (t.imu) } dd { (history::seat(newest, tables)) }
-                dt { (t.station) } dd { (history::name(tables.stations.name(newest.station))) }
+                dt { (t.imu) } dd { (history::seat(newest, names)) }
+                dt { (t.station) } dd { (names.station(newest.station)) }
                 dt { (t.calibrated) } dd { (instant(newest.at)) }
             } @else { dt { (t.calibrated) } dd { (t.never_calibrated) } }
             dt { (t.records_word) } dd { (facts.course.figures.len()) }

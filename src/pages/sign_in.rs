@@ -48,7 +48,7 @@ pub(super) async fn enter(
     let back = shown.back.as_deref().filter(|back| is_local(back)).unwrap_or("/");
     let t = viewer.text();
     let agent = headers.get(USER_AGENT).and_then(|sent| Caller::agent(sent.as_bytes()));
-    match pages.pipeline.sign_in(&shown.token, peer.ip(), agent).await {
+    match pages.pipeline.access.sign_in(&shown.token, peer.ip(), agent).await {
         Ok(Ok(signed_in)) => {
             let cookie = session_cookie(&signed_in.cookie.reveal(), signed_in.seconds);
             (StatusCode::SEE_OTHER, [(LOCATION, header(back)), (SET_COOKIE, header(&cookie))]).into_response()
@@ -65,7 +65,7 @@ pub(super) async fn enter(
 }
 
 pub(super) async fn leave(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
-    match pages.pipeline.sign_out().await {
+    match pages.pipeline.access.sign_out().await {
         Ok(()) => {
             let gone = session_cookie("", 0);
             (StatusCode::SEE_OTHER, [(LOCATION, header("/sign-in")), (SET_COOKIE, header(&gone))]).into_response()

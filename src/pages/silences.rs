@@ -7,24 +7,28 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::Pages;
-use super::alerts::{LONGEST_SILENCE, remark, written};
 use super::form::{Deed, Word, answered, see_other};
-use super::layout::Section;
+use super::layout::{Section, remark, written};
 use super::viewer::Viewer;
 use crate::core::access::Role;
+use crate::core::alert_filter::Matchers;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::message::Message;
 use crate::message;
-use crate::pipeline::{Id, Matchers, SilenceOrder};
+use crate::pipeline::SilenceOrder;
 use crate::wire::problem::Problem;
 use crate::wire::silence::{MatchersBody, MatchingSilenceBody};
 use crate::wire::text;
 
+/// Longest silence, days.
+pub(super) const LONGEST_SILENCE: f64 = 365.0;
+
 /// Those that hold, and how to begin one.
 pub(super) async fn list(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
     let t = viewer.text();
-    let silences = pages.pipeline.silences(false).await?;
+    let silences = pages.pipeline.alerts.silences(false).await?;
     let may = viewer.may(Role::Engineer);
     Ok(html! {
         @if may { p.actions.no-print { a.action href="/silences/new" { (t.silence_many) } } }
@@ -101,7 +105,7 @@ async fn begun(pages: &Pages, viewer: &Viewer, new: &NewSilence) -> Result<Respo
     }
     let until = pages.clock.now().plus_days(days.unwrap_or_default());
     let Word { by, reason, .. } = new.word.clone();
-    pages.pipeline.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
+    pages.pipeline.alerts.order_silence(SilenceOrder::Begin { matchers, until, by, reason }).await?;
     Ok(see_other("/alerts"))
 }
 
@@ -132,7 +136,7 @@ fn with_form<T>(viewer: &Viewer, new: &NewSilence, show: impl FnOnce(&Deed<'_>) 
 async fn known(pages: &Pages, id: &str) -> Result<(Id, MatchingSilenceBody), Problem> {
     let unknown = || Problem::new(404, "title_unknown_silence", message!("unknown_silence", id = id.to_owned()));
     let number: Id = id.parse().map_err(|_| unknown())?;
-    Ok((number, pages.pipeline.silence(number).await?.ok_or_else(unknown)?))
+    Ok((number, pages.pipeline.alerts.silence(number).await?.ok_or_else(unknown)?))
 }
 
 pub(super) async fn ask_end(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
@@ -157,7 +161,7 @@ pub(super) async fn end(
             return Ok(end_form(&viewer, &body, |deed| deed.again(&viewer, &word, &faults)));
         }
         let Word { by, reason, .. } = word;
-        pages.pipeline.order_silence(SilenceOrder::End { silence, by, reason }).await?;
+        pages.pipeline.alerts.order_silence(SilenceOrder::End { silence, by, reason }).await?;
         Ok(see_other("/alerts"))
     };
     answered(&viewer, ended.await)

@@ -18,7 +18,7 @@ pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer) -> Response {
 
 async fn build(pages: &Pages, viewer: &Viewer) -> Result<Page, Problem> {
     let t = viewer.text();
-    let stations = pages.pipeline.station_effects().await?;
+    let stations = pages.pipeline.queries.fleet.stations().await?;
     let body = html! {
         h1 { (t.stations) }
         @if stations.is_empty() { p.lead { (t.nothing_yet) } } @else {

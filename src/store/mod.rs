@@ -16,18 +16,16 @@ mod secrets;
 mod sqlite;
 mod tables;
 
-pub use crate::store::packed::history_row::{Figures, PublishedFigures, States};
 pub use crate::store::packed::verdicts::{StoredVerdict, VerdictSheet};
 pub use crate::store::sqlite::backup::{
     Holdings, backup, check, check_all_but_records, check_checksums, open_to_read, restore,
 };
-pub use crate::store::tables::access::{AccessChanges, AuditFilter, AuditRow, Beside, SessionRow, TokenRow};
-pub use crate::store::tables::alerts::{AlertFilter, AlertRow, Remark, StepRow};
+pub use crate::store::tables::access::{AccessChanges, AuditRow, Beside, SessionRow, TokenRow};
+pub use crate::store::tables::alerts::{AlertRow, Remark, StepRow};
 pub use crate::store::tables::bench::BenchRow;
 pub use crate::store::tables::correction::{CorrectionRow, GyroCorrection, Withdrawn};
 pub use crate::store::tables::delivery::{
-    AttemptRow, DeliveryRow, DeliveryState, DueDelivery, NewDelivery, OutboxChanges, Part, Progress, QueueState,
-    Subject,
+    AttemptRow, DeliveryRow, DueDelivery, NewDelivery, OutboxChanges, Part, Progress, QueueState, Subject,
 };
 pub use crate::store::tables::diagnosis::{DiagnosisRow, NewDiagnosis};
 pub use crate::store::tables::diagnosis_digest::GistRow;
@@ -36,18 +34,18 @@ pub use crate::store::tables::diagnosis_job::{
 };
 pub use crate::store::tables::event::EventRow;
 pub use crate::store::tables::histories::Stretch;
-pub use crate::store::tables::history::{HistoryRow, Span};
+pub use crate::store::tables::history::HistoryRow;
 pub use crate::store::tables::hook::HookRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
 pub use crate::store::tables::names::{Names, Table, Tables};
-pub use crate::store::tables::record::{Kind, RecordAt, RecordHead, RecordRow};
+pub use crate::store::tables::record::{RecordAt, RecordHead, RecordRow};
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
-pub use crate::store::tables::silence::{Matchers, SilenceRow};
+pub use crate::store::tables::silence::SilenceRow;
 pub use commit::{Changes, Committer, Rejudged, Writer, Written};
 pub use copy::{Copied, copy};
 pub use error::StoreError;
-pub use id::{Id, IdSource};
+pub use id::IdSource;
 pub use open::{Options, Store, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use secrets::Secrets;

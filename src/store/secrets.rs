@@ -8,7 +8,7 @@ use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD, URL_SAFE, URL_S
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 
 use super::error::StoreError;
-use super::id::Id;
+use crate::core::id::Id;
 use crate::store::tables::hook::HookRow;
 use crate::system::fill_random;
 

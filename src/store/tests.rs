@@ -1,3 +1,8 @@
+use crate::core::figures::Figures;
+use crate::core::figures::States;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::time::Span;
 use crate::store;
 use std::time::{Duration, Instant};
 

@@ -126,6 +126,20 @@ impl House {
         ties
     }
 
+    /// The arrows into the files below a place.
+    pub fn takes_from(&self, place: &str) -> Vec<String> {
+        let mut ties = Vec::new();
+        for (from, to) in self.arrows() {
+            for (to, names) in to {
+                let (from, to) = (&self.modules[from].file, &self.modules[to].file);
+                if to.starts_with(place) && !from.starts_with(place) {
+                    ties.push(format!("{from} -> {to}: {}", Vec::from_iter(names).join(", ")));
+                }
+            }
+        }
+        ties
+    }
+
     /// Types by the files that have inherent implementations of them.
     pub fn implementations(&self) -> BTreeMap<(Module, String), BTreeSet<String>> {
         let mut found: BTreeMap<(Module, String), BTreeSet<String>> = BTreeMap::new();
@@ -168,7 +182,12 @@ impl House {
                 let mut child = module.clone();
                 child.push(name.to_owned());
                 let source = self.modules.get(module)?;
-                if let Some((target, _)) = source.uses.get(name) {
+                // `use open::open` beside `mod open`: the name in a path is the module.
+                let used = source
+                    .uses
+                    .get(name)
+                    .filter(|(target, _)| target.first() != Some(head) || !self.modules.contains_key(&child));
+                if let Some((target, _)) = used {
                     if target.first() == Some(head) {
                         return None;
                     }

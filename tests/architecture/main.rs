@@ -26,8 +26,8 @@ const CORE_CRATES: [&str; 9] = [
 const IMPURE_STD: [&str; 7] = ["fs", "io", "net", "env", "process", "thread", "time"];
 const MOST_FILES_OF_A_TYPE: usize = 2;
 /// Circles and spread types that are left: none is to be added.
-const MOST_CIRCLES: usize = 7;
-const MOST_SPREAD: usize = 8;
+const MOST_CIRCLES: usize = 4;
+const MOST_SPREAD: usize = 4;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -317,6 +317,26 @@ fn spread_types(house: &House) -> Vec<String> {
     spread.map(|((module, name), files)| format!("{}::{name}: {files:?}", module.join("::"))).collect()
 }
 
+/// Who may take from the store: the pipeline, whoever puts it together, the configuration that says how a database is opened, and the
+/// subcommands that look after the database itself.
+const KNOW_THE_STORE: [&str; 10] = [
+    "pipeline/",
+    "config/mod.rs",
+    "cli/serve.rs",
+    "cli/backup.rs",
+    "cli/copy.rs",
+    "cli/export/mod.rs",
+    "cli/fleet_noise.rs",
+    "cli/restore.rs",
+    "cli/token.rs",
+    "cli/verify.rs",
+];
+
+fn takes_from_the_store(house: &House) -> Vec<String> {
+    let taken = house.takes_from("store/").into_iter();
+    taken.filter(|tie| !KNOW_THE_STORE.iter().any(|place| tie.starts_with(place))).collect()
+}
+
 fn the_house() -> House {
     House::read(&root().join("src"))
 }
@@ -334,6 +354,22 @@ fn no_files_take_from_one_another_in_a_circle() {
     assert!(House::of(&handed_on).circles().is_empty());
     let circles = circles(&the_house());
     assert!(circles.len() <= MOST_CIRCLES, "{} circles\n{}", circles.len(), circles.join("\n"));
+}
+
+#[test]
+fn nothing_but_the_pipeline_and_whoever_keeps_the_database_takes_from_the_store() {
+    let broken = [
+        ("pages/a.rs", "use crate::pipeline::{Row, store};\nfn f(row: &Row) { store::g() }"),
+        ("pipeline/mod.rs", "pub use crate::store;\npub use crate::store::Row;"),
+        ("cli/copy.rs", "use crate::store::Row;"),
+        ("http.rs", "use crate::store::{open, Kept};"),
+        ("store/mod.rs", "mod open;\npub use open::{open, Kept};\npub struct Row;\npub fn g() {}"),
+        ("store/open.rs", "pub struct Kept;\npub fn open() {}"),
+    ];
+    let found = ["http.rs -> store/open.rs: Kept", "pages/a.rs -> store/mod.rs: Row, g"];
+    assert_eq!(takes_from_the_store(&House::of(&broken)), found);
+    let taken = takes_from_the_store(&the_house());
+    assert!(taken.is_empty(), "\n{}", taken.join("\n"));
 }
 
 #[test]

@@ -85,7 +85,7 @@ impl Lab {
         let (store, writer) = store::open(&config.database.options()).await.expect("the database opens");
         let (pipeline, written) =
             Pipeline::start(store, writer, config.clone(), self.clock.clone()).await.expect("the pipeline starts");
-        let outbox = Outbox::start(&pipeline).expect("the delivery worker starts");
+        let outbox = Outbox::start(&pipeline.hooks).expect("the delivery worker starts");
         let listener = TcpListener::bind(config.server.listen).await.expect("a free port");
         let address = listener.local_addr().expect("an address");
         let app = App { config: config.clone(), clock: self.clock.clone(), pipeline: Arc::new(pipeline) };

@@ -46,7 +46,7 @@ impl Queue {
 
     /// The alert and the step that a `webhook-id` is about; none for what is not of this queue.
     pub fn place(self, webhook_id: &str) -> Option<(i64, i64)> {
-        let id: gyrowatch::store::Id = webhook_id.strip_prefix("evt_")?.parse().ok()?;
+        let id: gyrowatch::core::id::Id = webhook_id.strip_prefix("evt_")?.parse().ok()?;
         let place = ((id.0 - 1) / self.steps, (id.0 - 1) % self.steps);
         (place.0 < self.alerts).then_some(place)
     }
@@ -98,7 +98,7 @@ async fn add_delivery(
     state: &str,
     now: i64,
 ) {
-    let hook: gyrowatch::store::Id = hook["id"].as_str().unwrap().parse().unwrap();
+    let hook: gyrowatch::core::id::Id = hook["id"].as_str().unwrap().parse().unwrap();
     let sql = "INSERT INTO delivery (id, hook, step, alert, queued_at, state, due_at, attempts)
                VALUES ($1, $2, $3, $4, $5, $6, $5, 0)";
     let delivery = sqlx::query(sql).bind(id).bind(hook.0).bind(step).bind(alert).bind(now).bind(state);

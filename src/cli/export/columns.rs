@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::core::figures::Figures;
 use crate::core::judge::{State, Status};
 use crate::core::time::UtcMicros;
-use crate::store::Figures;
 
 /// One gyro in one calibration.
 #[derive(Debug, Clone)]

@@ -19,9 +19,11 @@ use self::csv::Csv;
 use self::parquet::Parquet;
 use super::{Usage, block_on};
 use crate::config::Config;
+use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::Statuses;
-use crate::store::{self, Figures, Span, Store};
+use crate::store::{self, Store};
 
 /// Write the history of every gyro into one file, CSV or Parquet: a row a gyro and calibration, all methods, all verdicts
 #[derive(Debug, Args)]

@@ -7,11 +7,8 @@ use axum::http::header::{CONTENT_TYPE, ETAG, IF_NONE_MATCH, LINK, VARY};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 
-use super::{Request, Written};
+use super::request::{Request, Written};
 use crate::http::query;
-
-/// A record or an event that an answer holds, and the status of the record.
-pub(super) type Seen = (i64, Option<&'static str>);
 
 /// A tag of what the answer holds (rows by identifier and status, or periods with the events), and how it is asked for.
 pub(super) fn etag(request: &Request, holds: &impl Hash, next: &Option<String>) -> HeaderValue {

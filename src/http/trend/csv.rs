@@ -1,6 +1,6 @@
 //! A trend as CSV.
 
-use super::Trend;
+use super::body::Trend;
 use crate::wire::time::Stamp;
 
 const COLUMNS: [&str; 12] = [

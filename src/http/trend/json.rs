@@ -3,23 +3,11 @@
 
 use std::io::Write;
 
-use serde::{Serialize, Serializer};
-
-use super::{Point, Trend};
-use crate::core::time::UtcMicros;
-use crate::pipeline::Id;
+use super::body::{Point, Trend};
 use crate::wire::time::Stamp;
 
 /// A point takes about 220 bytes; growing would copy hundreds of kilobytes again and again.
 const POINT: usize = 256;
-
-pub(super) fn stamp<S: Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
-    Stamp::of(*at).serialize(serializer)
-}
-
-pub(super) fn shown<S: Serializer>(id: &Id, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(id)
-}
 
 pub(super) fn written(trend: &Trend<'_>) -> Option<Vec<u8>> {
     let mut text = Vec::with_capacity(POINT * (trend.points.len() + 2));
@@ -110,6 +98,8 @@ impl<'t> Quoted<'t> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::id::Id;
+    use crate::core::time::UtcMicros;
 
     #[test]
     fn it_is_byte_for_byte_what_serde_writes() {

@@ -3,16 +3,15 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{Method, Request, Written, cut};
+use super::request::{Method, Request, Written, cut};
 use crate::config::JudgedMethod;
 use crate::core::period::{Gatherer, Period, Summary};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::http::App;
 use crate::http::events::EventBody;
-use crate::http::query::{bad, not_one_of};
 use crate::message;
-use crate::pipeline::store;
-use crate::pipeline::{Span, sample_of};
+use crate::pipeline::sample_of;
 use crate::wire::problem::Problem;
 use crate::wire::time::Stamp;
 
@@ -50,16 +49,6 @@ struct PeriodBody {
 }
 
 impl Request {
-    /// `every`, which goes with what counts only.
-    pub(super) fn period(name: Option<&str>, voided: bool) -> Result<Option<Period>, Problem> {
-        let Some(name) = name else { return Ok(None) };
-        let period = Period::from_name(name).ok_or_else(|| not_one_of("every", ["day", "week", "month"], name))?;
-        if voided {
-            return Err(bad(message!("every_counts_only")));
-        }
-        Ok(Some(period))
-    }
-
     /// One page of periods, and where the next begins.
     pub(super) async fn periods(
         &self,
@@ -74,7 +63,7 @@ impl Request {
                 let Some(column) = self.coefficient.column().filter(|&column| column < 2) else {
                     return Ok((Vec::new(), None));
                 };
-                let rows = store::bench::of_gyro(app.pipeline.store(), gyro, self.span).await?;
+                let rows = app.pipeline.queries.histories.benches(gyro, self.span).await?;
                 rows.iter()
                     .filter(|row| row.method == method)
                     .for_each(|row| gatherer.push(row.measured_at, row.d[column]));
@@ -95,7 +84,7 @@ impl Request {
         let column = self.coefficient.column().unwrap_or_default();
         let mut span = self.span;
         loop {
-            let rows = store::history::oldest(app.pipeline.store(), gyro, span, ROWS).await?;
+            let rows = app.pipeline.queries.histories.oldest(gyro, span, ROWS).await?;
             // Where the published method is not defined, a mean of both methods would be a figure of neither.
             let of_method = rows.iter().filter(|row| method == JudgedMethod::Rigid || row.published.is_some());
             of_method.for_each(|row| gatherer.push(row.at, sample_of(row, method).d[column].value));

@@ -1,20 +1,21 @@
 //! Orders to diagnose many campaigns: how they go, a form to begin one, a button to cancel one.
 
-use axum::Form;
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 use serde::Deserialize;
 
-use super::{Filters, at, beginning, build, end, said};
+use super::fields::{beginning, end, said};
 use crate::core::access::Role;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{answered, see_other};
+use crate::pages::layout::written;
 use crate::pages::text::Text;
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DiagnosisOrder, Id};
+use crate::pipeline::DiagnosisOrder;
 use crate::wire::diagnoses::{FailureBody, JobBody, WhichBody};
 use crate::wire::problem::Problem;
 
@@ -34,7 +35,7 @@ pub(in crate::pages) struct Wanted {
 }
 
 impl Wanted {
-    fn which(&self) -> WhichBody {
+    pub fn which(&self) -> WhichBody {
         WhichBody {
             imu: said(&self.imu),
             station: said(&self.station),
@@ -45,27 +46,11 @@ impl Wanted {
     }
 }
 
-pub(in crate::pages) async fn start(Held(pages): Held<Pages>, viewer: Viewer, Form(wanted): Form<Wanted>) -> Response {
-    let started = async {
-        match pages.pipeline.check_wanted_diagnoses(wanted.which()) {
-            Ok(order) => {
-                pages.pipeline.order_diagnoses(DiagnosisOrder::Start(order)).await?;
-                Ok(see_other("/diagnoses#orders"))
-            }
-            Err(faults) => {
-                let (status, page) = build(&pages, &viewer, &Filters::default(), &wanted, Some(&faults)).await?;
-                Ok(viewer.respond(status, &page))
-            }
-        }
-    };
-    answered(&viewer, started.await)
-}
-
 pub(in crate::pages) async fn cancel(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let canceled = async {
         let unknown = || Problem::new(404, "title_no_such_diagnoses", message!("no_such_diagnoses", id = id.clone()));
         let number: Id = id.parse().map_err(|_| unknown())?;
-        pages.pipeline.order_diagnoses(DiagnosisOrder::Cancel(number)).await?;
+        pages.pipeline.diagnoses.order(DiagnosisOrder::Cancel(number)).await?;
         Ok(see_other("/diagnoses#orders"))
     };
     answered(&viewer, canceled.await)
@@ -88,11 +73,11 @@ pub(super) fn faults(t: &Text, faults: &Faults) -> Markup {
 /// The newest orders with their progress.
 pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Problem> {
     let t = viewer.text();
-    let orders = pages.pipeline.diagnosis_jobs(None, ORDERS).await?;
+    let orders = pages.pipeline.diagnoses.jobs(None, ORDERS).await?;
     let mut failed = Vec::new();
     for order in orders.iter().filter(|order| order.counts.failed > 0) {
         if let Ok(id) = order.id.parse()
-            && let Some(detail) = pages.pipeline.diagnosis_job(id, None, FAILURES).await?
+            && let Some(detail) = pages.pipeline.diagnoses.job(id, None, FAILURES).await?
         {
             failed.push(detail);
         }
@@ -111,7 +96,7 @@ pub(super) async fn section(pages: &Pages, viewer: &Viewer) -> Result<Markup, Pr
             }
             @for order in &failed {
                 details {
-                    summary { (t.not_diagnosed) " " (at(&order.job.asked_at)) " (" (order.job.counts.failed) ")" }
+                    summary { (t.not_diagnosed) " " (written(&order.job.asked_at)) " (" (order.job.counts.failed) ")" }
                     (failures(t, &order.failures))
                     @if order.next.is_some() { p { a href={ "/v1/diagnoses/" (order.job.id) } { "JSON" } } }
                 }
@@ -133,7 +118,7 @@ fn line(viewer: &Viewer, order: &JobBody) -> Markup {
     let open = order.ended_at.is_none();
     html! {
         tr {
-            th scope="row" { (at(&order.asked_at)) " " span.quiet translate="no" { (order.asked_by) } }
+            th scope="row" { (written(&order.asked_at)) " " span.quiet translate="no" { (order.asked_by) } }
             td.words { (which(t, &order.asked)) }
             td { span class={ "badge " (badge) } { (state) } }
             td.nowrap {
@@ -141,7 +126,7 @@ fn line(viewer: &Viewer, order: &JobBody) -> Markup {
                 (settled) " / " (counts.campaigns)
             }
             td.n { (counts.failed) }
-            td { @if let Some(ended) = &order.ended_at { (at(ended)) } @else { "–" } }
+            td { @if let Some(ended) = &order.ended_at { (written(ended)) } @else { "–" } }
             td { @if open && viewer.may(Role::Engineer) {
                 form action={ "/diagnoses/" (order.id) "/cancel" } method="post" { button { (t.cancel) } }
             } }
@@ -155,8 +140,8 @@ fn which(t: &Text, asked: &WhichBody) -> Markup {
         @if all { (t.all_campaigns) " " }
         @if let Some(imu) = &asked.imu { (t.imu) " " span translate="no" { (imu) } " " }
         @if let Some(station) = &asked.station { (t.station) " " span translate="no" { (station) } " " }
-        @if let Some(since) = &asked.since { (t.measured_since) " " (at(since)) " " }
-        @if let Some(until) = &asked.until { (t.measured_until) " " (at(until)) " " }
+        @if let Some(since) = &asked.since { (t.measured_since) " " (written(since)) " " }
+        @if let Some(until) = &asked.until { (t.measured_until) " " (written(until)) " " }
         @if asked.again { span.quiet { (t.again_short) } }
     }
 }
@@ -168,7 +153,7 @@ fn failures(t: &Text, failures: &[FailureBody]) -> Markup {
             tbody { @for failure in failures {
                 tr {
                     td translate="no" { (failure.imu) }
-                    td { a href={ "/campaigns/" (failure.campaign) } { (at(&failure.measured_at)) } }
+                    td { a href={ "/campaigns/" (failure.campaign) } { (written(&failure.measured_at)) } }
                     td.words { (failure.reason) }
                 }
             } }

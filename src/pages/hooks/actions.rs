@@ -9,14 +9,16 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::known;
+use crate::core::delivery::DeliveryState;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::message;
 use crate::pages::Pages;
 use crate::pages::form::{Deed, Word, answered, see_other};
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DeliveryPage, DeliveryState, HookKind, Id, Order};
+use crate::pipeline::{DeliveryPage, HookKind, Order};
 use crate::wire::problem::Problem;
 
 /// Dead letters that are sent again together.
@@ -69,14 +71,14 @@ pub(crate) async fn add(Held(pages): Held<Pages>, viewer: Viewer, Form(new): For
 async fn added(pages: &Pages, viewer: &Viewer, new: &NewHook) -> Result<Response, Problem> {
     let mut faults = Faults::default();
     new.word.check_meant(viewer, &mut faults);
-    let read = pages.pipeline.read_hook(new.document().to_string().as_bytes());
+    let read = pages.pipeline.hooks.read(new.document().to_string().as_bytes());
     let read = read.map_err(|wrong| faults.absorb("", wrong)).ok().filter(|_| faults.is_empty());
     let Some(hook) = read else {
         return Ok(with_form(viewer, new, |deed| deed.again(viewer, &new.word, &faults)));
     };
     let drawn = hook.drawn();
-    let id = pages.pipeline.order(Order::Create(hook)).await?;
-    let hook = pages.pipeline.hook(id, drawn.as_ref()).await?;
+    let id = pages.pipeline.hooks.order(Order::Create(hook)).await?;
+    let hook = pages.pipeline.hooks.get(id, drawn.as_ref()).await?;
     match hook.and_then(|hook| hook.secret) {
         Some(secret) => Ok(viewer.respond(StatusCode::CREATED, &shown_once(viewer, id, &secret))),
         None => Ok(see_other(&format!("/hooks/{id}"))),
@@ -146,7 +148,7 @@ pub(crate) async fn delete(
         if !faults.is_empty() {
             return Ok(delete_form(&viewer, id, &hook.url, |deed| deed.again(&viewer, &word, &faults)));
         }
-        pages.pipeline.order(Order::Delete(id)).await?;
+        pages.pipeline.hooks.order(Order::Delete(id)).await?;
         Ok(see_other("/hooks"))
     };
     answered(&viewer, deleted.await)
@@ -169,7 +171,7 @@ fn delete_form<T>(viewer: &Viewer, id: Id, url: &str, show: impl FnOnce(&Deed<'_
 pub(crate) async fn test(Held(pages): Held<Pages>, viewer: Viewer, Path(id): Path<String>) -> Response {
     let tested = async {
         let (number, _) = known(&pages, &id).await?;
-        pages.pipeline.order(Order::Test(number)).await?;
+        pages.pipeline.hooks.order(Order::Test(number)).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };
     answered(&viewer, tested.await)
@@ -189,9 +191,9 @@ pub(crate) async fn switch(
     let switched = async {
         let (number, _) = known(&pages, &id).await?;
         let document = json!({"enabled": switch.enabled == "true"}).to_string();
-        let patch = pages.pipeline.read_hook_patch(document.as_bytes());
+        let patch = pages.pipeline.hooks.read_patch(document.as_bytes());
         let patch = patch.map_err(|faults| Problem::of_faults(422, "title_cannot_be_stored", faults))?;
-        pages.pipeline.order(Order::Change(number, patch)).await?;
+        pages.pipeline.hooks.order(Order::Change(number, patch)).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };
     answered(&viewer, switched.await)
@@ -205,7 +207,7 @@ pub(crate) async fn redeliver(
     let sent = async {
         let unknown =
             || Problem::new(404, "title_no_such_delivery", message!("no_such_delivery", id = delivery.clone()));
-        pages.pipeline.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
+        pages.pipeline.hooks.order(Order::Redeliver(delivery.parse().map_err(|_| unknown())?)).await?;
         known(&pages, &id).await?;
         Ok(see_other(&format!("/hooks/{id}")))
     };
@@ -217,9 +219,9 @@ pub(crate) async fn redeliver_dead(Held(pages): Held<Pages>, viewer: Viewer, Pat
     let sent = async {
         let (number, _) = known(&pages, &id).await?;
         let dead = DeliveryPage { state: Some(DeliveryState::Dead), before: None, limit: MOST_AT_ONCE };
-        for delivery in pages.pipeline.deliveries(number, dead).await?.iter().rev() {
+        for delivery in pages.pipeline.hooks.deliveries(number, dead).await?.iter().rev() {
             if let Ok(delivery) = delivery.id.parse() {
-                pages.pipeline.order(Order::Redeliver(delivery)).await?;
+                pages.pipeline.hooks.order(Order::Redeliver(delivery)).await?;
             }
         }
         Ok(see_other(&format!("/hooks/{id}")))

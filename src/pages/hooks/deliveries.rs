@@ -6,10 +6,12 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{buttons, filter, known, state, written};
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::pages::Pages;
 use crate::pages::layout::{Page, Section};
 use crate::pages::viewer::Viewer;
-use crate::pipeline::{DeliveryPage, DeliveryState, Id};
+use crate::pipeline::DeliveryPage;
 use crate::wire::hook::{DeliveryBody, HookBody};
 use crate::wire::problem::Problem;
 
@@ -42,7 +44,7 @@ async fn build(pages: &Pages, viewer: &Viewer, id: &str, filters: &Filters) -> R
         before: filters.before.parse::<Id>().ok(),
         limit: ROWS as u32 + 1,
     };
-    let mut deliveries = pages.pipeline.deliveries(number, asked).await?;
+    let mut deliveries = pages.pipeline.hooks.deliveries(number, asked).await?;
     let more = deliveries.len() > ROWS;
     deliveries.truncate(ROWS);
     let to = |state: &str, before: &str| format!("/hooks/{id}?state={state}&before={before}");

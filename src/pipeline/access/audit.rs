@@ -8,10 +8,9 @@ use std::net::IpAddr;
 use serde::Serialize;
 
 use crate::core::access::Role;
-use crate::core::name::normal_form;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Refused, Submission};
-use crate::store::{AuditRow, Id};
+use crate::store::AuditRow;
 
 tokio::task_local! {
     static CALLER: Caller;
@@ -61,19 +60,6 @@ impl Caller {
         match self.by {
             By::Presence | By::Setup => None,
             By::Token(token) | By::Session { token, .. } => Some(token),
-        }
-    }
-
-    /// Whether they may send what is measured where this was.
-    ///
-    /// # Errors
-    /// [`Refused::OtherStation`].
-    pub fn may_submit(&self, item: &Submission) -> Result<(), Refused> {
-        match (&self.station, item.station()) {
-            (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
-                Err(Refused::OtherStation { station: own.clone() })
-            }
-            _ => Ok(()),
         }
     }
 

@@ -6,17 +6,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Weak};
 use std::time::{Duration, Instant};
 
-use super::REREAD;
 use super::audit::{By, Caller, SETUP};
 use super::limits::{Allowance, Failures};
 use super::secret::Secret;
 use crate::config::Access;
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::store;
-use crate::store::{Id, SessionRow, Store, StoreError, TokenRow};
+use crate::store::{SessionRow, Store, StoreError, TokenRow};
+
+/// How long a token that was revoked by the command line may still be used.
+const REREAD: Duration = Duration::from_secs(1);
 
 /// Why somebody is not let in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,7 +60,7 @@ impl Denied {
 }
 
 #[derive(Debug, Default)]
-struct Book {
+struct CredentialCache {
     tokens: HashMap<Id, TokenRow>,
     sessions: HashMap<Id, SessionRow>,
 }
@@ -70,19 +73,19 @@ pub struct Guard(Arc<Inner>);
 struct Inner {
     store: Store,
     settings: Access,
-    book: RwLock<Book>,
+    cache: RwLock<CredentialCache>,
     failures: Mutex<Failures>,
     allowances: Mutex<HashMap<Id, Allowance>>,
     /// Makes the first token; in memory alone, and of no use once there is one.
     setup: Option<Secret>,
     /// A proxy has been seen, or is configured: an address says nothing about who asks.
     behind_proxy: AtomicBool,
-    /// When the book was last begun to be read.
+    /// When the cache was last begun to be read.
     reading: tokio::sync::Mutex<Instant>,
 }
 
 impl Guard {
-    /// Reads the book, and goes on reading it as long as a clone is alive.
+    /// Reads the cache, and goes on reading it as long as a clone is alive.
     pub async fn start(store: Store, settings: Access, behind_proxy: bool) -> Result<Self, StoreError> {
         let failures = Mutex::new(Failures::new(settings.failures_per_minute));
         let setup = Secret::draw(Id(0)).map_err(|error| StoreError::Other(error.into()))?;
@@ -90,7 +93,7 @@ impl Guard {
         let guard = Self(Arc::new(Inner {
             store,
             settings,
-            book: RwLock::default(),
+            cache: RwLock::default(),
             failures,
             allowances: Mutex::default(),
             setup,
@@ -107,13 +110,13 @@ impl Guard {
         let tokens = store::access::tokens(&self.0.store).await?.into_iter().map(|token| (token.id, token)).collect();
         let sessions =
             store::access::sessions(&self.0.store).await?.into_iter().map(|session| (session.id, session)).collect();
-        *self.0.book.write().unwrap_or_else(PoisonError::into_inner) = Book { tokens, sessions };
+        *self.0.cache.write().unwrap_or_else(PoisonError::into_inner) = CredentialCache { tokens, sessions };
         Ok(())
     }
 
     /// Whether a token was ever made. Revoking the last one does not open the doors again.
     pub fn asks_for_tokens(&self) -> bool {
-        !self.book().tokens.is_empty()
+        !self.cache().tokens.is_empty()
     }
 
     /// What makes the first token, where there is none.
@@ -150,7 +153,7 @@ impl Guard {
             (None, Some(cookie)) => {
                 let session =
                     self.by_cookie(cookie).filter(|session| now < session.expires_at).ok_or(Denied::SignedOut)?;
-                let row = self.book().tokens.get(&session.token).cloned().ok_or(Denied::SignedOut)?;
+                let row = self.cache().tokens.get(&session.token).cloned().ok_or(Denied::SignedOut)?;
                 self.admit(row, |token| By::Session { session: session.id, token }, source, now, arrived)
             }
             (None, None) => Err(Denied::NoToken),
@@ -212,8 +215,8 @@ impl Guard {
         let secret = Secret::read(text);
         let find = |guard: &Self| {
             let secret = secret.as_ref()?;
-            let book = guard.book();
-            let row = book.tokens.get(&secret.id);
+            let cache = guard.cache();
+            let row = cache.tokens.get(&secret.id);
             secret.is(row.map(|row| &row.secret_sha256)).then(|| row.cloned()).flatten()
         };
         if let Some(row) = find(self) {
@@ -236,7 +239,7 @@ impl Guard {
         Err(Denied::Wrong)
     }
 
-    /// Reads the book unless that was begun after `arrived`: of many who wait for it one reads for all.
+    /// Reads the cache unless that was begun after `arrived`: of many who wait for it one reads for all.
     async fn read_since(&self, arrived: Instant) -> Result<(), StoreError> {
         let mut reading = self.0.reading.lock().await;
         if *reading < arrived {
@@ -248,22 +251,22 @@ impl Guard {
 
     fn by_cookie(&self, cookie: &str) -> Option<SessionRow> {
         let secret = Secret::read(cookie)?;
-        let book = self.book();
-        let row = book.sessions.get(&secret.id);
+        let cache = self.cache();
+        let row = cache.sessions.get(&secret.id);
         secret.is(row.map(|row| &row.secret_sha256)).then(|| row.cloned()).flatten()
     }
 
     /// Sessions that are over.
     pub(super) fn ended_sessions(&self, now: UtcMicros) -> Vec<Id> {
-        self.book().sessions.values().filter(|session| session.expires_at <= now).map(|session| session.id).collect()
+        self.cache().sessions.values().filter(|session| session.expires_at <= now).map(|session| session.id).collect()
     }
 
     pub(super) fn session_us(&self) -> i64 {
         (self.0.settings.session_hours * 3.6e9) as i64
     }
 
-    fn book(&self) -> RwLockReadGuard<'_, Book> {
-        self.0.book.read().unwrap_or_else(PoisonError::into_inner)
+    fn cache(&self) -> RwLockReadGuard<'_, CredentialCache> {
+        self.0.cache.read().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -1,27 +1,158 @@
 //! Who may use the service: tokens, browsers that signed in with one, and the trail of what everybody did.
 //!
-//! The book of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be read
+//! The cache of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be read
 //! anew, so that what the command line wrote into the database counts at once; what it revoked counts within
-//! [`REREAD`]. As long as no token was ever made, a caller from this machine may do what an engineer may, unless a proxy was seen: behind
+//! a second. As long as no token was ever made, a caller from this machine may do what an engineer may, unless a proxy was seen: behind
 //! one everybody comes from this machine. Administrators then show the setup secret of the start.
 
 mod audit;
+mod error;
 mod guard;
 mod limits;
 mod orders;
 mod secret;
 
-pub use audit::{Actor, By, Caller};
+use std::net::IpAddr;
 
+use super::error::{StorageError, WriteError};
+use super::write_queue::{Job, WriteQueue};
+use crate::core::access::{AuditFilter, Role};
+use crate::core::id::Id;
+use crate::core::time::UtcMicros;
+use crate::store;
+use crate::store::{AuditRow, Store, TokenRow};
+use crate::system::Clock;
+
+pub use audit::{Actor, By, Caller};
+pub use error::AccessError;
 pub use guard::{Denied, Guard};
-pub(super) use orders::Registrar;
+pub(super) use orders::AccessHandler;
 pub use orders::{AccessOrder, NewToken, SignedIn, create_beside, revoke_beside};
 pub use secret::Secret;
 
 /// Under which name a browser keeps what it was given when it signed in.
 pub const SESSION_COOKIE: &str = "gyrowatch_session";
 
-use std::time::Duration;
+/// A token, without its secret.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Token {
+    pub id: Id,
+    pub name: String,
+    pub role: Role,
+    /// The only station that it may send for.
+    pub station: Option<String>,
+    pub created_at: UtcMicros,
+    pub expires_at: Option<UtcMicros>,
+    pub revoked_at: Option<UtcMicros>,
+}
 
-/// How long a token that was revoked by the command line may still be used.
-pub const REREAD: Duration = Duration::from_secs(1);
+impl From<TokenRow> for Token {
+    fn from(row: TokenRow) -> Self {
+        let TokenRow { id, name, role, station, created_at, expires_at, revoked_at, .. } = row;
+        Self { id, name, role, station, created_at, expires_at, revoked_at }
+    }
+}
+
+/// A line of the audit trail.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditEntry {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub who: String,
+    pub token: Option<Id>,
+    pub source: String,
+    /// The program that was used, by its own word.
+    pub agent: Option<String>,
+    pub action: String,
+    pub subject: String,
+    /// JSON.
+    pub before: Option<String>,
+    pub after: Option<String>,
+}
+
+impl From<AuditRow> for AuditEntry {
+    fn from(row: AuditRow) -> Self {
+        let AuditRow { id, at, who, token, source, agent, action, subject, before, after } = row;
+        Self { id, at, who, token, source, agent, action, subject, before, after }
+    }
+}
+
+/// Who may use the service, and what they did. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Access {
+    pub(super) store: Store,
+    pub(super) clock: Clock,
+    pub(super) guard: Guard,
+    pub(super) queue: WriteQueue,
+}
+
+impl Access {
+    pub fn guard(&self) -> &Guard {
+        &self.guard
+    }
+
+    /// Has the writer carry out an order about access.
+    ///
+    /// # Errors
+    /// [`AccessError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, AccessError> {
+        self.order_by(order, Actor::by_caller()).await
+    }
+
+    async fn order_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, AccessError> {
+        self.queue.ask(|reply| Job::Access { order, by, reply }).await
+    }
+
+    /// Signs a browser in with a token; what it is then to send along comes back.
+    ///
+    /// # Errors
+    /// [`Denied`] where the token is not right, else why it cannot be written down.
+    pub async fn sign_in(
+        &self,
+        token: &str,
+        source: IpAddr,
+        agent: Option<String>,
+    ) -> Result<Result<SignedIn, Denied>, AccessError> {
+        let caller = match self.guard.sign_in(token, source, self.clock.now()).await {
+            Ok(caller) => Caller { agent, ..caller },
+            Err(denied) => return Ok(Err(denied)),
+        };
+        let Some(token) = caller.token() else { return Ok(Err(Denied::Wrong)) };
+        let drawn = self.order_by(AccessOrder::SignIn { token }, Actor::by(&caller)).await?;
+        let cookie = drawn.ok_or(WriteError::Stopping)?;
+        Ok(Ok(SignedIn { cookie, seconds: self.guard.session_us() / UtcMicros::SECOND }))
+    }
+
+    /// Ends the session of this task's caller, if it is one.
+    ///
+    /// # Errors
+    /// [`AccessError`].
+    pub async fn sign_out(&self) -> Result<(), AccessError> {
+        if let Some(Caller { by: By::Session { session, .. }, .. }) = Caller::current() {
+            self.order(AccessOrder::SignOut { session }).await?;
+        }
+        Ok(())
+    }
+
+    /// Every token there ever was, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn tokens(&self) -> Result<Vec<Token>, StorageError> {
+        Ok(store::access::tokens(&self.store).await?.into_iter().map(Token::from).collect())
+    }
+
+    /// The audit trail, newest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn audit(
+        &self,
+        filter: &AuditFilter,
+        before: Option<Id>,
+        limit: u32,
+    ) -> Result<Vec<AuditEntry>, StorageError> {
+        let rows = store::access::audit(&self.store, filter, before, limit).await?;
+        Ok(rows.into_iter().map(AuditEntry::from).collect())
+    }
+}

@@ -1,20 +1,15 @@
-//! What changes who may use the service: asked for here, carried out by the one writer.
-
-use std::net::IpAddr;
+//! What changes who may use the service, carried out by the one writer.
 
 use serde::Serialize;
-use tokio::sync::oneshot;
 
-use super::audit::{Actor, By, Caller};
-use super::guard::{Denied, Guard};
+use super::audit::Actor;
+use super::error::AccessError;
+use super::guard::Guard;
 use super::secret::Secret;
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Job, Pipeline, Refused};
-use crate::store;
-use crate::store::{
-    AccessChanges, AuditFilter, AuditRow, Beside, Changes, Id, SessionRow, StoreError, TokenRow, Writer,
-};
+use crate::store::{AccessChanges, AuditRow, Beside, Changes, SessionRow, TokenRow, Writer};
 use crate::wire::time;
 
 /// A token to be made.
@@ -72,26 +67,26 @@ impl<'a> From<&'a TokenRow> for Audited<'a> {
 }
 
 /// The writer at work on orders about access.
-pub(in crate::pipeline) struct Registrar<'a> {
+pub(in crate::pipeline) struct AccessHandler<'a> {
     pub guard: &'a Guard,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,
 }
 
-impl Registrar<'_> {
+impl AccessHandler<'_> {
     /// Carries out one order; on disk, and known to the guard, when this returns. A secret that was drawn comes back.
     pub async fn carry_out(
         &mut self,
         order: &AccessOrder,
         by: &Actor,
         known: &[TokenRow],
-    ) -> Result<Option<Secret>, Refused> {
+    ) -> Result<Option<Secret>, AccessError> {
         let (now, mut access) = (self.now, AccessChanges::default());
         let line = self.writer.next_id(now);
         let mut drawn = None;
         match order {
             // Of two that came at once, the second.
-            AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(Refused::SetupOver),
+            AccessOrder::Create(_) if by.is_setup() && !known.is_empty() => return Err(AccessError::SetupOver),
             AccessOrder::Create(new) => {
                 let secret = draw(self.writer.next_id(now))?;
                 let row = token_row(new, &secret, now);
@@ -100,7 +95,7 @@ impl Registrar<'_> {
                 drawn = Some(secret);
             }
             AccessOrder::Revoke(id) => {
-                let row = known.iter().find(|row| row.id == *id).ok_or(Refused::NoSuchToken { id: *id })?;
+                let row = known.iter().find(|row| row.id == *id).ok_or(AccessError::NoSuchToken { id: *id })?;
                 let Some((row, audit)) = revoked(by, line, row, now) else { return Ok(None) };
                 access.tokens.push(row);
                 access.audit.push(audit);
@@ -133,10 +128,10 @@ impl Registrar<'_> {
 
 const NOTHING: Option<&()> = None;
 
-fn draw(id: Id) -> Result<Secret, Refused> {
+fn draw(id: Id) -> Result<Secret, AccessError> {
     Secret::draw(id).map_err(|error| {
         tracing::error!(%error, "the operating system gives no random numbers");
-        Refused::NoRandomNumbers
+        AccessError::NoRandomNumbers
     })
 }
 
@@ -165,8 +160,8 @@ fn revoked(by: &Actor, line: Id, row: &TokenRow, now: UtcMicros) -> Option<(Toke
 /// Makes a token in a database that a service may be serving.
 ///
 /// # Errors
-/// [`Refused`]; then there is no new token that anybody could use.
-pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, Refused> {
+/// [`AccessError`]; then there is no new token that anybody could use.
+pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros) -> Result<Secret, AccessError> {
     let secret = draw(database.next_id(now))?;
     let row = token_row(new, &secret, now);
     let audit = vec![created(&Actor::by_command_line(), database.next_id(now), &row)];
@@ -177,86 +172,14 @@ pub async fn create_beside(database: &mut Beside, new: &NewToken, now: UtcMicros
 /// Revokes a token in a database that a service may be serving; false where it was revoked before.
 ///
 /// # Errors
-/// [`Refused::NoSuchToken`], or what the database says.
-pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, Refused> {
+/// [`AccessError::NoSuchToken`], or what the database says.
+pub async fn revoke_beside(database: &mut Beside, id: Id, now: UtcMicros) -> Result<bool, AccessError> {
     let known = database.tokens().await?;
-    let row = known.iter().find(|row| row.id == id).ok_or(Refused::NoSuchToken { id })?;
+    let row = known.iter().find(|row| row.id == id).ok_or(AccessError::NoSuchToken { id })?;
     let Some((row, audit)) = revoked(&Actor::by_command_line(), database.next_id(now), row, now) else {
         return Ok(false);
     };
     let access = AccessChanges { tokens: vec![row], audit: vec![audit], ..AccessChanges::default() };
     database.commit(access).await?;
     Ok(true)
-}
-
-impl Pipeline {
-    pub fn guard(&self) -> &Guard {
-        &self.guard
-    }
-
-    /// Has the writer carry out an order about access.
-    ///
-    /// # Errors
-    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
-    pub async fn order_access(&self, order: AccessOrder) -> Result<Option<Secret>, Refused> {
-        self.order_access_by(order, Actor::by_caller()).await
-    }
-
-    async fn order_access_by(&self, order: AccessOrder, by: Actor) -> Result<Option<Secret>, Refused> {
-        let (reply, answer) = oneshot::channel();
-        self.offer(Job::Access { order, by, reply })?;
-        answer.await.map_err(|_| Refused::Stopping)?
-    }
-
-    /// Signs a browser in with a token; what it is then to send along comes back.
-    ///
-    /// # Errors
-    /// [`Denied`] where the token is not right, else why it cannot be written down.
-    pub async fn sign_in(
-        &self,
-        token: &str,
-        source: IpAddr,
-        agent: Option<String>,
-    ) -> Result<Result<SignedIn, Denied>, Refused> {
-        let caller = match self.guard.sign_in(token, source, self.clock.now()).await {
-            Ok(caller) => Caller { agent, ..caller },
-            Err(denied) => return Ok(Err(denied)),
-        };
-        let Some(token) = caller.token() else { return Ok(Err(Denied::Wrong)) };
-        let drawn = self.order_access_by(AccessOrder::SignIn { token }, Actor::by(&caller)).await?;
-        let cookie = drawn.ok_or(Refused::Stopping)?;
-        Ok(Ok(SignedIn { cookie, seconds: self.guard.session_us() / UtcMicros::SECOND }))
-    }
-
-    /// Ends the session of this task's caller, if it is one.
-    ///
-    /// # Errors
-    /// [`Refused`].
-    pub async fn sign_out(&self) -> Result<(), Refused> {
-        if let Some(Caller { by: By::Session { session, .. }, .. }) = Caller::current() {
-            self.order_access(AccessOrder::SignOut { session }).await?;
-        }
-        Ok(())
-    }
-
-    /// Every token there ever was, oldest first.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
-        store::access::tokens(&self.store).await
-    }
-
-    /// The audit trail, newest first.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn audit(
-        &self,
-        filter: &AuditFilter,
-        before: Option<Id>,
-        limit: u32,
-    ) -> Result<Vec<AuditRow>, StoreError> {
-        store::access::audit(&self.store, filter, before, limit).await
-    }
 }

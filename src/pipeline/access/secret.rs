@@ -4,7 +4,7 @@
 
 use std::hint::black_box;
 
-use crate::store::Id;
+use crate::core::id::Id;
 use crate::system;
 
 /// A secret with the identifier of what it opens. Written once, to whom it is given; its `Debug` shows nothing.

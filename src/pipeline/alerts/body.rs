@@ -1,9 +1,11 @@
 //! Alerts and their verdicts in the words that clients and hooks read.
 
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{AlertRow, Changes, Figures, Id, StoreError, Tables};
+use crate::store::{AlertRow, Changes, StoreError, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;

@@ -6,21 +6,22 @@ use super::body::{Naming, Origin};
 use super::silences::Silences;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Arrival, Decision, Late, Policy, Status};
+use crate::core::id::Id;
 use crate::core::judge::{Rule, Verdict};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::Undone;
 use crate::store;
-use crate::store::{AlertRow, Changes, Id, Remark, StepRow, Store, StoreError, Writer};
+use crate::store::{AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
 
 /// Every alert by gyro, and those that the transaction under construction changes.
 #[derive(Debug)]
-pub(crate) struct AlertBook {
+pub(crate) struct AlertCache {
     policy: Policy,
     pub(super) alerts: BTreeMap<u32, Vec<AlertRow>>,
-    /// Gyro and place of what has changed since the last [`AlertBook::write`].
+    /// Gyro and place of what has changed since the last [`AlertCache::write`].
     pub(super) changed: BTreeSet<(u32, usize)>,
     steps: Vec<StepRow>,
-    /// What hooks may have to be told, since the last [`AlertBook::news`].
+    /// What hooks may have to be told, since the last [`AlertCache::news`].
     pub(super) news: Vec<News>,
     /// Those of many alerts that are in force.
     pub(super) silences: Silences,
@@ -55,9 +56,9 @@ pub(crate) struct News {
     pub cause: Option<Id>,
 }
 
-impl AlertBook {
+impl AlertCache {
     pub async fn load(store: &Store, policy: Policy, now: UtcMicros) -> Result<Self, StoreError> {
-        let mut book = Self {
+        let mut cache = Self {
             policy,
             alerts: BTreeMap::new(),
             changed: BTreeSet::new(),
@@ -66,8 +67,8 @@ impl AlertBook {
             silences: Silences::default(),
             stale: true,
         };
-        book.refresh(store, now).await?;
-        Ok(book)
+        cache.refresh(store, now).await?;
+        Ok(cache)
     }
 
     /// What was noted is not what was committed: it is read again before it is used.

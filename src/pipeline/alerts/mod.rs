@@ -1,19 +1,137 @@
 //! Alerts, in step with what is stored: every change of a group's verdicts becomes a step of an alert, written in the
 //! transaction of the records that caused it.
 //!
-//! The book holds every alert in memory (there are as many as troubled gyros, not as records), so that a record whose
+//! The cache holds every alert in memory (there are as many as troubled gyros, not as records), so that a record whose
 //! verdicts are all within costs one look into a map. Deciding is the core's ([`crate::core::alert_decision`]); this keeps the
 //! states, finds what each verdict is about, and writes down what became of it.
 
 mod body;
 mod book;
+mod error;
 mod orders;
 mod silences;
 mod sources;
 
-pub use orders::{AlertChange, AlertOrder, AlertRecord, AlertStep};
-pub use silences::SilenceOrder;
+use super::access::Actor;
+use super::error::StorageError;
+use super::write_queue::{Job, WriteQueue};
+use crate::core::alert_filter::AlertFilter;
+use crate::core::id::Id;
+use crate::core::time::UtcMicros;
+use crate::store;
+use crate::store::{StepRow, Store, StoreError};
+use crate::system::Clock;
+use crate::wire::alert::AlertBody;
+use crate::wire::silence::MatchingSilenceBody;
+use silences::MOST_SILENCES;
+
+pub use error::AlertError;
+pub use orders::{AlertChange, AlertOrder, SilenceOrder};
 
 pub(super) use body::{Naming, Origin, finding_of, status_of};
-pub(super) use book::{AlertBook, News, Pen};
+pub(super) use book::{AlertCache, News, Pen};
 pub(super) use sources::{Causes, follow_clock, follow_group};
+
+/// An alert with what became of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AlertRecord {
+    pub alert: AlertBody,
+    /// Oldest first.
+    pub steps: Vec<AlertStep>,
+}
+
+/// One step of an alert's history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AlertStep {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub action: String,
+    pub told: bool,
+    pub author: Option<String>,
+    pub reason: Option<String>,
+    /// The alert as it then was.
+    pub alert: AlertBody,
+}
+
+/// Most steps that an answer holds; older ones are left out.
+const MOST_STEPS: u32 = 1000;
+
+/// Alerts and silences. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Alerts {
+    pub(super) store: Store,
+    pub(super) clock: Clock,
+    pub(super) queue: WriteQueue,
+}
+
+impl Alerts {
+    /// Alerts that a filter lets through, newest first, each with its identifier.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn find(
+        &self,
+        filter: &AlertFilter,
+        before: Option<Id>,
+        limit: u32,
+    ) -> Result<Vec<(Id, AlertBody)>, StorageError> {
+        let now = self.clock.now();
+        let rows = store::alerts::find(&self.store, filter, now, before, limit).await?;
+        let tables = self.store.names().read();
+        let naming = Naming { tables: &tables, new: None };
+        rows.iter().map(|row| Ok((row.id, naming.alert(row, now)?))).collect()
+    }
+
+    /// One alert and its newest steps.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn get(&self, id: Id) -> Result<Option<AlertRecord>, StorageError> {
+        let Some(row) = store::alerts::get(&self.store, id).await? else { return Ok(None) };
+        let steps = store::alerts::steps(&self.store, id, MOST_STEPS).await?;
+        let steps = steps.into_iter().map(|step| {
+            let alert = serde_json::from_str(&step.body)
+                .map_err(|error| StoreError::Damaged(format!("step {} of alert {id}: {error}", step.id)))?;
+            let StepRow { id, at, action, told, author, reason, .. } = step;
+            Ok(AlertStep { id, at, action, told, author, reason, alert })
+        });
+        let steps = steps.collect::<Result<_, StoreError>>()?;
+        let tables = self.store.names().read();
+        let alert = Naming { tables: &tables, new: None }.alert(&row, self.clock.now())?;
+        Ok(Some(AlertRecord { alert, steps }))
+    }
+
+    /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
+    ///
+    /// # Errors
+    /// [`AlertError`].
+    pub async fn change(&self, order: AlertOrder) -> Result<AlertBody, AlertError> {
+        let by = Actor::by_caller();
+        self.queue.ask(|reply| Job::Alert { order, by, reply }).await
+    }
+
+    /// Silences of many alerts, the newest first: those in force, or the newest of all.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn silences(&self, all: bool) -> Result<Vec<MatchingSilenceBody>, StorageError> {
+        let now = self.clock.now();
+        let rows = store::silence::list(&self.store, (!all).then_some(now), MOST_SILENCES).await?;
+        Ok(rows.iter().map(|row| silences::body(row, now)).collect())
+    }
+
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn silence(&self, id: Id) -> Result<Option<MatchingSilenceBody>, StorageError> {
+        Ok(store::silence::get(&self.store, id).await?.map(|row| silences::body(&row, self.clock.now())))
+    }
+
+    /// Begins or ends a silence of many alerts; returns its identifier once that is on disk.
+    ///
+    /// # Errors
+    /// [`AlertError`].
+    pub async fn order_silence(&self, order: SilenceOrder) -> Result<Id, AlertError> {
+        let by = Actor::by_caller();
+        self.queue.ask(|reply| Job::Silence { order, by, reply }).await
+    }
+}

@@ -1,15 +1,14 @@
-//! What people say of alerts, and what is answered about them.
+//! What people say of alerts, done by the one writer.
 
+use super::book::{AlertCache, Pen};
+use super::error::AlertError;
+use super::silences::{MOST_SILENCES, body};
 use crate::core::alert_decision;
+use crate::core::alert_filter::Matchers;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::{Actor, Job, Pipeline, Refused};
-use crate::store;
-use crate::store::{AlertFilter, AlertRow, Id, Remark, StoreError};
-use crate::wire::alert::AlertBody;
-
-use super::Naming;
-use super::book::{AlertBook, Pen};
-use tokio::sync::oneshot;
+use crate::pipeline::access::Actor;
+use crate::store::{AlertRow, AuditRow, Changes, Remark, SilenceRow};
 
 /// Somebody says something of an alert.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,87 +39,22 @@ impl AlertChange {
     }
 }
 
-/// An alert with what became of it.
+/// Somebody begins or ends a silence of many alerts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AlertRecord {
-    pub alert: AlertBody,
-    /// Oldest first.
-    pub steps: Vec<AlertStep>,
+pub enum SilenceOrder {
+    Begin { matchers: Matchers, until: UtcMicros, by: String, reason: String },
+    End { silence: Id, by: String, reason: String },
 }
 
-/// One step of an alert's history.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AlertStep {
-    pub id: Id,
-    pub at: UtcMicros,
-    pub action: String,
-    pub told: bool,
-    pub author: Option<String>,
-    pub reason: Option<String>,
-    /// The alert as it then was.
-    pub alert: AlertBody,
-}
-
-/// Most steps that an answer holds; older ones are left out.
-const MOST_STEPS: u32 = 1000;
-
-impl Pipeline {
-    /// Alerts that a filter lets through, newest first, each with its identifier.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn alerts(
-        &self,
-        filter: &AlertFilter,
-        before: Option<Id>,
-        limit: u32,
-    ) -> Result<Vec<(Id, AlertBody)>, StoreError> {
-        let now = self.clock.now();
-        let rows = store::alerts::find(&self.store, filter, now, before, limit).await?;
-        let tables = self.store.names().read();
-        let naming = Naming { tables: &tables, new: None };
-        rows.iter().map(|row| Ok((row.id, naming.alert(row, now)?))).collect()
-    }
-
-    /// One alert and its newest steps.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn alert(&self, id: Id) -> Result<Option<AlertRecord>, StoreError> {
-        let Some(row) = store::alerts::get(&self.store, id).await? else { return Ok(None) };
-        let steps = store::alerts::steps(&self.store, id, MOST_STEPS).await?;
-        let steps = steps.into_iter().map(|step| {
-            let alert = serde_json::from_str(&step.body)
-                .map_err(|error| StoreError::Damaged(format!("step {} of alert {id}: {error}", step.id)))?;
-            let crate::store::StepRow { id, at, action, told, author, reason, .. } = step;
-            Ok(AlertStep { id, at, action, told, author, reason, alert })
-        });
-        let steps = steps.collect::<Result<_, StoreError>>()?;
-        let tables = self.store.names().read();
-        let alert = Naming { tables: &tables, new: None }.alert(&row, self.clock.now())?;
-        Ok(Some(AlertRecord { alert, steps }))
-    }
-
-    /// Acknowledges an alert or takes that back, or silences it; returns it once that is on disk.
-    ///
-    /// # Errors
-    /// [`Refused::UnknownAlert`], [`Refused::AlertResolved`], or as [`Pipeline::submit`].
-    pub async fn change_alert(&self, order: AlertOrder) -> Result<AlertBody, Refused> {
-        let (reply, answer) = oneshot::channel();
-        self.offer(Job::Alert { order, by: Actor::by_caller(), reply })?;
-        answer.await.map_err(|_| Refused::Stopping)?
-    }
-}
-
-impl AlertBook {
+impl AlertCache {
     /// Does what somebody has said; returns the alert as it then is.
-    pub fn obey(&mut self, order: &AlertOrder, pen: &mut Pen<'_>) -> Result<AlertRow, Refused> {
-        let unknown = || Refused::UnknownAlert { id: order.alert };
+    pub fn obey(&mut self, order: &AlertOrder, pen: &mut Pen<'_>) -> Result<AlertRow, AlertError> {
+        let unknown = || AlertError::UnknownAlert { id: order.alert };
         let row = self.alert(order.alert).ok_or_else(unknown)?;
         let remark = Remark { by: order.by.clone(), reason: order.reason.clone(), at: pen.now };
         let changed = match order.change {
             AlertChange::Acknowledge if row.alert.status == alert_decision::Status::Resolved => {
-                return Err(Refused::AlertResolved { id: order.alert });
+                return Err(AlertError::AlertResolved { id: order.alert });
             }
             // There is nothing to take back.
             AlertChange::Unacknowledge if !row.alert.acknowledged => Some(row.clone()),
@@ -148,4 +82,65 @@ impl AlertBook {
         };
         changed.ok_or_else(unknown)
     }
+
+    /// Begins or ends a silence. What is untold at the end is told at once.
+    ///
+    /// # Errors
+    /// [`AlertError::TooManySilences`].
+    pub fn order_silence(
+        &mut self,
+        order: &SilenceOrder,
+        known: Option<SilenceRow>,
+        by: &Actor,
+        pen: &mut Pen<'_>,
+    ) -> Result<(Id, Changes), AlertError> {
+        let mut changes = Changes::default();
+        let (before, after, action) = match (order, known) {
+            (SilenceOrder::Begin { matchers, until, by, reason }, _) => {
+                self.silences.pass(pen.now);
+                if self.silences.0.len() >= MOST_SILENCES as usize {
+                    return Err(AlertError::TooManySilences { most: MOST_SILENCES as usize });
+                }
+                let said = Remark { by: by.clone(), reason: reason.clone(), at: pen.now };
+                let id = pen.writer.next_id(pen.now);
+                let row = SilenceRow { id, matchers: matchers.clone(), until: *until, said, ended: None };
+                self.silences.0.push(row.clone());
+                (None, row, "begin silence")
+            }
+            (SilenceOrder::End { silence, .. }, None) => return Err(AlertError::UnknownSilence { id: *silence }),
+            // It is over already.
+            (SilenceOrder::End { silence, .. }, Some(row)) if row.ended.is_some() || row.until <= pen.now => {
+                return Ok((*silence, changes));
+            }
+            (SilenceOrder::End { silence, by, reason }, Some(row)) => {
+                self.silences.0.retain(|one| one.id != *silence);
+                let ended = Some(Remark { by: by.clone(), reason: reason.clone(), at: pen.now });
+                (Some(row.clone()), SilenceRow { ended, ..row }, "end silence")
+            }
+        };
+        for at in self.places() {
+            let row = &self.alerts[&at.0][at.1];
+            let was_muted = row.alert.muted_until.is_some();
+            let muting = self.silences.of_row(row, &pen.naming, pen.now);
+            // One that ends now is over with the tick that follows.
+            let until = muting.as_ref().map(|(_, until)| *until).or(was_muted.then_some(pen.now));
+            if until != row.alert.muted_until {
+                let row = &mut self.alerts.get_mut(&at.0).expect("it was found")[at.1];
+                row.alert.muted_until = until;
+                row.muted = muting.map(|(muted, _)| muted).or(row.muted.take());
+                self.changed.insert(at);
+            }
+        }
+        self.tick(pen);
+        changes.access.audit.push(audited(pen, by, action, before.as_ref(), &after));
+        let id = after.id;
+        changes.silences.push(after);
+        Ok((id, changes))
+    }
+}
+
+fn audited(pen: &mut Pen<'_>, by: &Actor, action: &str, before: Option<&SilenceRow>, after: &SilenceRow) -> AuditRow {
+    let (before, now) = (before.map(|row| body(row, pen.now)), pen.now);
+    let line = pen.writer.next_id(now);
+    by.line(line, now, (action, format!("silences/{}", after.id)), before.as_ref(), Some(&body(after, now)))
 }

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 
 use super::body::Origin;
-use super::book::{AlertBook, Pen};
+use super::book::{AlertCache, Pen};
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::core::judge::{Rule, State, Verdict, overdue};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::{Judge, Judged, Newest};
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::pipeline::queries::agreement::Agreement;
-use crate::store::{AlertRow, Changes, Id};
+use crate::store::{AlertRow, Changes};
 
 /// Which item of a group has changed what is known of a gyro, and how that is told if it comes late.
 #[derive(Debug, Default)]
@@ -41,7 +42,7 @@ impl Causes {
 ///
 /// `sent` are the calibrations of the group by their identifiers: verdicts that need no history are with them.
 pub(crate) fn follow_group(
-    book: &mut AlertBook,
+    alerts: &mut AlertCache,
     judge: &Judge,
     judged: &Judged,
     sent: &HashMap<Id, &Calibration>,
@@ -62,28 +63,28 @@ pub(crate) fn follow_group(
             Rule::Overdue => fires.is_some() && judged.newest.iter().all(|newest| newest.gyro != *gyro),
             rule => fires.is_some_and(|fires| !fires.contains(&(row.coefficient, rule))),
         };
-        book.undo(*gyro, is_undone, undone, pen);
+        alerts.undo(*gyro, is_undone, undone, pen);
         // The newest that counts may be older than before.
         if let Some(Newest { figures, .. }) = judged.newest.iter().rfind(|newest| newest.gyro == *gyro) {
-            follow_clock(book, judge, *gyro, figures.at, figures.imu, pen);
+            follow_clock(alerts, judge, *gyro, figures.at, figures.imu, pen);
         }
     }
     for newest in &judged.newest {
         causes.sign(newest.gyro, Some(newest.figures.record), pen);
-        follow_newest(book, judge, judged, newest, sent, pen);
+        follow_newest(alerts, judge, judged, newest, sent, pen);
     }
     for agreement in agreements {
         causes.sign(agreement.gyro, agreement.origin.item, pen);
         for verdict in &agreement.verdicts {
-            book.follow(agreement.gyro, verdict, &agreement.origin, pen);
+            alerts.follow(agreement.gyro, verdict, &agreement.origin, pen);
         }
         let judged = |row: &AlertRow| agreement.verdicts.iter().any(|verdict| verdict.coefficient == row.coefficient);
-        book.reset(agreement.gyro, |row| row.rule == Rule::Agreement && !judged(row), pen);
+        alerts.reset(agreement.gyro, |row| row.rule == Rule::Agreement && !judged(row), pen);
     }
 }
 
 fn follow_newest(
-    book: &mut AlertBook,
+    alerts: &mut AlertCache,
     judge: &Judge,
     judged: &Judged,
     newest: &Newest,
@@ -94,14 +95,14 @@ fn follow_newest(
     let by_history = judged.verdicts.get(&(figures.record, *gyro)).map(Vec::as_slice);
     let calibrated = sent.get(&figures.record).and_then(|sent| sent.gyros.iter().find(|g| g.slot == figures.slot));
     let verdicts = || by_history.into_iter().flatten().chain(calibrated.into_iter().flat_map(requirements));
-    if !book.knows(*gyro) && verdicts().all(|verdict| verdict.severity().is_none()) {
+    if !alerts.knows(*gyro) && verdicts().all(|verdict| verdict.severity().is_none()) {
         return;
     }
     let origin = Origin::from(figures);
     // An event since the newest record has cut it off from what comes: its verdict is of the past.
     let is_past = |rule: Rule| rule != Rule::Overdue && judge.is_reset_since(*gyro, figures.at, rule);
     for verdict in verdicts().filter(|verdict| !is_past(verdict.rule)) {
-        book.follow(*gyro, verdict, &origin, pen);
+        alerts.follow(*gyro, verdict, &origin, pen);
     }
     let is_switched_off = |row: &AlertRow| {
         let was_asked = match row.rule {
@@ -111,8 +112,8 @@ fn follow_newest(
         };
         was_asked && !verdicts().any(|verdict| (verdict.coefficient, verdict.rule) == (row.coefficient, row.rule))
     };
-    book.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), pen);
-    follow_clock(book, judge, *gyro, figures.at, figures.imu, pen);
+    alerts.reset(*gyro, |row| is_past(row.rule) || is_switched_off(row), pen);
+    follow_clock(alerts, judge, *gyro, figures.at, figures.imu, pen);
 }
 
 fn requirements(gyro: &CalibratedGyro) -> impl Iterator<Item = &Verdict> {
@@ -121,21 +122,21 @@ fn requirements(gyro: &CalibratedGyro) -> impl Iterator<Item = &Verdict> {
 
 /// Judges by the clock whether a gyro, calibrated last at `last` in `imu`, is overdue.
 pub(crate) fn follow_clock(
-    book: &mut AlertBook,
+    alerts: &mut AlertCache,
     judge: &Judge,
     gyro: u32,
     last: UtcMicros,
     imu: u32,
     pen: &mut Pen<'_>,
 ) {
-    let fires = book.firing(gyro).any(|row| row.rule == Rule::Overdue);
+    let fires = alerts.firing(gyro).any(|row| row.rule == Rule::Overdue);
     let interval = judge.interval_days(gyro, last, imu, &pen.naming);
     match interval {
         Some(days) if fires || pen.now.days_since(last) > days.value => {
             let origin = Origin { at: last, item: None, imu: Some(imu), slot: None, station: None };
-            book.follow(gyro, &overdue(last, pen.now, days), &origin, pen);
+            alerts.follow(gyro, &overdue(last, pen.now, days), &origin, pen);
         }
-        None if fires => book.reset(gyro, |row| row.rule == Rule::Overdue, pen),
+        None if fires => alerts.reset(gyro, |row| row.rule == Rule::Overdue, pen),
         _ => {}
     }
 }

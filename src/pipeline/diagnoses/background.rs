@@ -52,20 +52,20 @@ fn step_back() {}
 
 /// When something last came in whose sender waits for its answer. Cheap to clone.
 #[derive(Debug, Clone)]
-pub(crate) struct Bustle(Arc<Mutex<Instant>>);
+pub(crate) struct IdleDetector(Arc<Mutex<Instant>>);
 
-impl Bustle {
+impl IdleDetector {
     pub fn new() -> Self {
         Self(Arc::new(Mutex::new(Instant::now())))
     }
 
     /// Something comes in.
-    pub fn stir(&self) {
+    pub fn note_activity(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
     /// Returns when nothing has come in for as long as `quiet`, after `most` in any case.
-    pub async fn lull(&self, quiet: Duration, most: Duration) {
+    pub async fn wait_for_idle(&self, quiet: Duration, most: Duration) {
         let end = Instant::now() + most;
         loop {
             let settled = *self.0.lock().unwrap_or_else(PoisonError::into_inner) + quiet;
@@ -84,7 +84,7 @@ mod tests {
     use tokio::time::Instant;
 
     use super::Awaited::{ByNobody, BySomebody};
-    use super::{Bustle, beside_others};
+    use super::{IdleDetector, beside_others};
 
     #[tokio::test]
     async fn its_result_comes_back_and_a_panic_comes_back_as_nothing() {
@@ -106,20 +106,20 @@ mod tests {
     async fn it_waits_for_a_lull_and_not_for_ever() {
         let (quiet, most) = (Duration::from_millis(200), Duration::from_millis(600));
         let begun = Instant::now();
-        let bustle = Bustle::new();
-        bustle.lull(quiet, Duration::from_secs(3600)).await;
+        let idle = IdleDetector::new();
+        idle.wait_for_idle(quiet, Duration::from_secs(3600)).await;
         assert!(begun.elapsed() >= quiet);
 
-        let coming = bustle.clone();
+        let coming = idle.clone();
         let senders = tokio::spawn(async move {
             loop {
-                coming.stir();
+                coming.note_activity();
                 tokio::time::sleep(Duration::from_millis(5)).await;
             }
         });
         let begun = Instant::now();
-        bustle.stir();
-        bustle.lull(quiet, most).await;
+        idle.note_activity();
+        idle.wait_for_idle(quiet, most).await;
         assert!(begun.elapsed() >= most);
         senders.abort();
     }

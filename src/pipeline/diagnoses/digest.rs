@@ -2,15 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Diagnosed;
 use crate::core::campaign::Campaign;
+use crate::core::message::Message;
+use crate::wire::diagnosis::DiagnosisBody;
 
 /// The verdict of a campaign that leaves nothing to diagnose.
 pub(super) const REFUSED: &str = "refused";
 
 /// Verdict, gyros and effects of one diagnosis, as they are kept beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Gist {
+pub(super) struct Digest {
     /// As the diagnosis names it, or [`REFUSED`].
     pub verdict: String,
     /// All of the campaign.
@@ -62,11 +63,11 @@ pub(super) fn seats(campaign: &Campaign) -> Vec<Seat> {
     campaign.gyros.iter().map(seat).collect()
 }
 
-impl Gist {
-    pub fn of(gyros: Vec<Seat>, diagnosed: &Diagnosed) -> Self {
+impl Digest {
+    pub fn of(gyros: Vec<Seat>, diagnosed: &Result<DiagnosisBody, Message>) -> Self {
         let nothing =
             Self { verdict: REFUSED.to_owned(), gyros, effects: Vec::new(), impact: Vec::new(), signs: Vec::new() };
-        let Ok(d) = &**diagnosed else { return nothing };
+        let Ok(d) = diagnosed else { return nothing };
         let effects = d.effects.iter().map(|e| Named {
             effect: e.effect.clone(),
             class: e.class.clone(),

@@ -8,301 +8,90 @@
 //! diagnoses say together, from the [`digest`] that is kept of each.
 
 pub(super) mod background;
+mod diagnoser;
 pub(super) mod digest;
+mod error;
 mod jobs;
+mod made;
 pub(super) mod models;
 mod queue;
 mod summary;
 
-use std::collections::{HashMap, VecDeque};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Duration;
 
-use tokio::sync::{Semaphore, mpsc, oneshot, watch};
-
-use super::{Job, Pipeline, Refused};
-use crate::core::campaign::Campaign;
-use crate::core::diagnose::{METHOD, NoReference, Reference, diagnose, split};
-use crate::core::message::Message;
+use super::access::Actor;
+use super::error::StorageError;
+use super::ingest::Accepted;
+use super::write_queue::{Job, WriteQueue};
+use crate::core::augmented::AugmentedModel;
+use crate::core::diagnose::{Reference, split};
+use crate::core::effects::{self, Effect};
+use crate::core::fault::Faults;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::message::text as shown_text;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::diagnoses::background::{Awaited, Bustle, beside_others};
-use crate::pipeline::diagnoses::digest::{Gist, Seat, seats};
-use crate::pipeline::diagnoses::models::{InForce, ModelBook};
-use crate::pipeline::ingest::campaign::damaged;
+use crate::pipeline::diagnoses::background::Awaited;
+use crate::pipeline::diagnoses::models::read;
+use crate::pipeline::ingest::fitted::damaged;
 use crate::pipeline::ingest::submission::anything;
 use crate::store;
-use crate::store::{
-    Changes, DiagnosisRow, Id, JobChanges, Kind, NewDiagnosis, RecordRow, SettledTask, Store, StoreError, Writer,
-};
-use crate::system::Clock;
-use crate::telemetry;
+use crate::store::{CampaignFilter, FailedTask, JobRow, ModelRow, Store, StoreError, TaskCounts};
 use crate::wire::campaign;
+use crate::wire::diagnoses::{CountsBody, FailureBody, JobBody, JobDetailBody, SummaryBody, WhichBody};
 use crate::wire::diagnosis::{DiagnosisBody, residuals};
-use crate::wire::message::{from_stored, to_stored};
+use crate::wire::message::from_stored;
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
+use crate::wire::{cursor, json, text, time};
+use crate::words;
 
-pub(super) use jobs::JobDesk;
+pub(super) use diagnoser::Diagnoser;
+pub use diagnoser::DiagnosisAnswer;
+pub use error::{DiagnosisError, NotSplit};
+pub(super) use jobs::DiagnosisHandler;
 pub use jobs::{DiagnosisOrder, WantedDiagnoses};
+pub use made::Diagnosed;
+pub(super) use made::Made;
+pub use models::{Adoption, InForce};
 pub use summary::SummaryFilter;
 
-/// Computed at the same time at the least, where there is but one processor: one asked for need not wait for another.
-const AT_ONCE: usize = 2;
-/// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
-const IN_MEMORY: usize = 32;
-/// The answer, or why there is none.
-pub type Diagnosed = Arc<Result<DiagnosisBody, Message>>;
+/// A model that was adopted for an IMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AdoptedModel {
+    pub id: Id,
+    pub adopted_at: UtcMicros,
+    pub author: String,
+    pub reason: String,
+    pub model: Arc<AugmentedModel>,
+}
 
-/// What has become of the question.
+impl AdoptedModel {
+    fn of(row: ModelRow, InForce { model, .. }: InForce) -> Self {
+        let ModelRow { id, adopted_at, author, reason, .. } = row;
+        Self { id, adopted_at, author, reason, model }
+    }
+}
+
+/// Diagnoses of stored campaigns, and the models in force for IMUs. Cheap to clone.
 #[derive(Debug, Clone)]
-pub enum Asked {
-    NoSuchCampaign,
-    /// It is being made; ask again.
-    Waiting,
-    Answered(Diagnosed),
+pub struct Diagnoses {
+    pub(super) store: Store,
+    pub(super) diagnoser: Diagnoser,
+    pub(super) queue: WriteQueue,
 }
 
-/// One diagnosis, and what it was made against.
-#[derive(Debug, Clone)]
-struct Known {
-    campaign: Id,
-    imu: u32,
-    model: Option<Id>,
-    diagnosed: Diagnosed,
-}
-
-/// What has come of a campaign that was to be diagnosed.
-#[derive(Debug)]
-pub(super) struct Made {
-    campaign: Id,
-    begun_at: UtcMicros,
-    ended_at: UtcMicros,
-    outcome: Outcome,
-}
-
-#[derive(Debug)]
-enum Outcome {
-    Known {
-        known: Known,
-        gyros: Vec<Seat>,
-    },
-    /// There is no answer, not even why the campaign leaves none: a fault of the program or of the disk.
-    Failed(String),
-}
-
-/// Those who wait for one that is being made learn of its end.
-type UnderWay = HashMap<(Id, Option<Id>), watch::Receiver<Option<Diagnosed>>>;
-
-/// Who makes diagnoses and has them kept. Cheap to clone.
-#[derive(Debug, Clone)]
-pub(super) struct Diagnoser {
-    store: Store,
-    models: ModelBook,
-    clock: Clock,
-    /// Weak: the writer ends when nobody but this could send to it.
-    jobs: mpsc::WeakSender<Job>,
-    bustle: Bustle,
-    /// How many are computed at the same time.
-    at_once: usize,
-    turns: Arc<Semaphore>,
-    under_way: Arc<Mutex<UnderWay>>,
-    known: Arc<Mutex<VecDeque<Known>>>,
-}
-
-/// Which program a kept diagnosis is of.
-fn program() -> String {
-    format!("{}, method {METHOD}", env!("CARGO_PKG_VERSION"))
-}
-
-impl Known {
-    fn row(&self) -> DiagnosisRow {
-        let (refused, body) = match &*self.diagnosed {
-            Ok(body) => (false, text(body)),
-            Err(why) => (true, to_stored(why)),
-        };
-        DiagnosisRow { record: self.campaign, model: self.model, program: program(), refused, body }
-    }
-}
-
-fn text(body: &impl serde::Serialize) -> String {
-    serde_json::to_string(body).expect("strings and finite numbers always serialise")
-}
-
-impl Made {
-    /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that wait for
-    /// the campaign are told in the same.
-    pub async fn keep(&self, writer: &mut Writer, models: &ModelBook) -> Result<(), Refused> {
-        let Self { campaign, begun_at, ended_at, outcome } = self;
-        let mut changes = Changes::default();
-        let failed = match outcome {
-            Outcome::Known { known, .. } if models.of(Some(known.imu)).id != known.model => return Ok(()),
-            Outcome::Known { known, gyros } => {
-                let gist = text(&Gist::of(gyros.clone(), &known.diagnosed));
-                changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
-                known.diagnosed.as_ref().as_ref().err().map(to_stored)
-            }
-            Outcome::Failed(why) => Some(why.clone()),
-        };
-        let settled = vec![SettledTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
-        changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
-        Ok(writer.commit(&changes).await?)
-    }
-}
-
-impl Diagnoser {
-    pub fn new(store: Store, models: ModelBook, clock: Clock, jobs: mpsc::WeakSender<Job>, bustle: Bustle) -> Self {
-        let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
-        let turns = Arc::new(Semaphore::new(at_once));
-        Self { store, models, clock, jobs, bustle, at_once, turns, under_way: Arc::default(), known: Arc::default() }
-    }
-
-    /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
-    async fn diagnosis(&self, id: Id, awaited: Awaited, patience: Duration) -> Result<Asked, StoreError> {
-        if let Some(diagnosed) = self.recall(id) {
-            return Ok(Asked::Answered(diagnosed));
-        }
-        let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
-            return Ok(Asked::NoSuchCampaign);
-        };
-        let in_force = self.models.of(Some(row.imu));
-        if let Some(diagnosed) = self.kept(&row, &in_force).await? {
-            return Ok(Asked::Answered(diagnosed));
-        }
-        let mut end = self.begin(&row, in_force, awaited)?;
-        let ended = tokio::time::timeout(patience, end.wait_for(Option::is_some)).await;
-        let Ok(ended) = ended else { return Ok(Asked::Waiting) };
-        let gone = || StoreError::Damaged(format!("the diagnosis of campaign {id} failed"));
-        let diagnosed = ended.map_err(|_| gone())?.clone().ok_or_else(gone)?;
-        Ok(Asked::Answered(diagnosed))
-    }
-
-    /// As it was kept by this program against the model in force.
-    async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
-        let kept = store::diagnosis::get(&self.store, row.id).await?;
-        let Some(kept) = kept.filter(|kept| kept.program == program() && kept.model == in_force.id) else {
-            return Ok(None);
-        };
-        let read = |body: &str| {
-            serde_json::from_str(body).map_err(|error| {
-                StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id))
-            })
-        };
-        let diagnosed = Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) });
-        self.remember(Known { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
-        Ok(Some(diagnosed))
-    }
-
-    /// Has it made by a task of its own, whether or not the caller stays; once, however many ask.
-    fn begin(
-        &self,
-        row: &RecordRow,
-        in_force: InForce,
-        awaited: Awaited,
-    ) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
-        let key = (row.id, in_force.id);
-        let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(end) = under_way.get(&key) {
-            return Ok(end.clone());
-        }
-        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
-        let (ended, end) = watch::channel(None);
-        under_way.insert(key, end.clone());
-        let (diagnoser, imu) = (self.clone(), row.imu);
-        tokio::spawn(async move {
-            let gyros = seats(&campaign);
-            let (begun_at, made) = diagnoser.compute(campaign, &in_force, awaited).await;
-            let (campaign, model) = key;
-            let outcome = match &made {
-                Some(diagnosed) => {
-                    let known = Known { campaign, imu, model, diagnosed: Arc::clone(diagnosed) };
-                    diagnoser.remember(known.clone());
-                    Outcome::Known { known, gyros }
-                }
-                None => Outcome::Failed(to_stored(&message!("computation_broke_off"))),
-            };
-            diagnoser.have_kept(Made { campaign, begun_at, ended_at: diagnoser.clock.now(), outcome }).await;
-            if made.is_some() {
-                ended.send_replace(made);
-            }
-            diagnoser.under_way.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
-        });
-        Ok(end)
-    }
-
-    /// When it is its turn: since when, and the answer; none where it panicked.
-    async fn compute(
-        &self,
-        campaign: Campaign,
-        in_force: &InForce,
-        awaited: Awaited,
-    ) -> (UtcMicros, Option<Diagnosed>) {
-        // Nobody closes it: a turn always comes.
-        let _turn = self.turns.acquire().await;
-        let (begun_at, begun) = (self.clock.now(), Instant::now());
-        let options = in_force.model.options_as_asked(&campaign);
-        let work = move || match diagnose(&campaign, &options) {
-            Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
-            Err(why) => Err(why.message()),
-        };
-        let made = beside_others("diagnosis", awaited, work).await;
-        let outcome = match &made {
-            Some(Ok(_)) => "made",
-            Some(Err(_)) => "refused",
-            None => "failed",
-        };
-        metrics::counter!(telemetry::DIAGNOSES, "outcome" => outcome).increment(1);
-        metrics::histogram!(telemetry::DIAGNOSIS_TIME).record(begun.elapsed());
-        (begun_at, made.map(Arc::new))
-    }
-
-    /// Puts it on disk. Where that fails it is made again after the next start, or for the orders that wait for it.
-    async fn have_kept(&self, made: Made) {
-        let Some(jobs) = self.jobs.upgrade() else { return };
-        let campaign = made.campaign;
-        let (reply, answer) = oneshot::channel();
-        if jobs.send(Job::Diagnosed { made, reply }).await.is_err() {
-            return;
-        }
-        drop(jobs);
-        if let Ok(Err(error)) = answer.await {
-            tracing::warn!(%error, %campaign, "a diagnosis could not be kept");
-        }
-    }
-
-    fn recall(&self, id: Id) -> Option<Diagnosed> {
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known.iter().find(|known| known.campaign == id)?;
-        (self.models.of(Some(found.imu)).id == found.model).then(|| Arc::clone(&found.diagnosed))
-    }
-
-    fn remember(&self, new: Known) {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.retain(|known| known.campaign != new.campaign);
-        known.truncate(IN_MEMORY - 1);
-        known.push_front(new);
-    }
-}
-
-/// Why a diagnosis cannot be held against a reference.
-#[derive(Debug, thiserror::Error)]
-pub enum NotSplit {
-    #[error("there is no campaign or record {0}")]
-    NoSuchReference(Id),
-    #[error(transparent)]
-    NoReference(#[from] NoReference),
-    #[error(transparent)]
-    Store(#[from] StoreError),
-}
-
-impl Pipeline {
-    /// The diagnosis of a stored campaign against the model in force for its IMU; [`Asked::Waiting`] where it is not made
+impl Diagnoses {
+    /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where it is not made
     /// within `patience`.
     ///
     /// # Errors
-    /// [`StoreError`], where the campaign cannot be read.
-    pub async fn diagnosis(&self, id: Id, patience: Duration) -> Result<Asked, StoreError> {
-        self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await
+    /// [`StorageError`], where the campaign cannot be read.
+    pub async fn of_campaign(&self, id: Id, patience: Duration) -> Result<DiagnosisAnswer, StorageError> {
+        Ok(self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await?)
     }
 
     /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few milliseconds.
@@ -320,8 +109,179 @@ impl Pipeline {
             Kind::Record => parse_record(body, &anything()).map(Reference::Record),
         };
         let reference = reference.map_err(|faults| damaged(held_against.id, &faults))?;
-        let options = self.models.of(Some(row.imu)).model.options_as_asked(&campaign);
+        let options = self.diagnoser.models.of(Some(row.imu)).model.options_as_asked(&campaign);
         let split = split(&campaign, &options, &residuals(&diagnosis.residuals), &reference)?;
         Ok(SplitBody::from(&split))
     }
+
+    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those before it.
+    ///
+    /// # Errors
+    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, DiagnosisError> {
+        let (adoption, by) = (Box::new(adoption), Actor::by_caller());
+        self.queue.ask(|reply| Job::Model { adoption, by, reply }).await
+    }
+
+    /// The models of an IMU, newest first; none where no such IMU is known.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn models(&self, imu: &str) -> Result<Option<Vec<AdoptedModel>>, StorageError> {
+        let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
+        let rows = store::model::of_imu(&self.store, imu).await?;
+        let read = rows.into_iter().map(|row| read(&row).map(|in_force| AdoptedModel::of(row, in_force)));
+        Ok(Some(read.collect::<Result<_, _>>()?))
+    }
+
+    /// Reads which campaigns are to be diagnosed.
+    ///
+    /// # Errors
+    /// Every fault by its place.
+    pub fn read_wanted(&self, bytes: &[u8]) -> Result<WantedDiagnoses, Faults> {
+        self.check_wanted(json::parse(bytes)?)
+    }
+
+    /// As [`Diagnoses::read_wanted`], of what has been taken apart already.
+    ///
+    /// # Errors
+    /// Every fault by its place.
+    pub fn check_wanted(&self, asked: WhichBody) -> Result<WantedDiagnoses, Faults> {
+        let mut faults = Faults::default();
+        let which = self.campaign_filter(&asked, &mut faults);
+        let in_utc = |at: Option<String>, instant| at.map(|_| time::format(instant));
+        let asked = WhichBody {
+            since: in_utc(asked.since, which.measured.from),
+            until: in_utc(asked.until, which.measured.to),
+            ..asked
+        };
+        faults.or(WantedDiagnoses { asked, which })
+    }
+
+    /// The campaigns that are meant, faults noted at their places.
+    pub(super) fn campaign_filter(&self, asked: &WhichBody, faults: &mut Faults) -> CampaignFilter {
+        let mut known = |what: &str, name: &Option<String>, number: Option<u32>| {
+            if let (Some(name), None) = (name, number) {
+                let unknown = match what {
+                    "imu" => message!("unknown_imu", imu = name.clone()),
+                    _ => message!("unknown_station", station = name.clone()),
+                };
+                faults.push(format!("/{what}"), unknown);
+            }
+            number
+        };
+        let (imu, station) = {
+            let tables = self.store.names().read();
+            let imu = asked.imu.as_deref().and_then(|name| tables.imus.number(name));
+            let station = asked.station.as_deref().and_then(|name| tables.stations.number(name));
+            (known("imu", &asked.imu, imu), known("station", &asked.station, station))
+        };
+        let mut instant = |place: &str, at: &Option<String>, otherwise| {
+            at.as_deref().map_or(otherwise, |at| text::instant(place, at, faults))
+        };
+        let from = instant("/since", &asked.since, Span::EVER.from);
+        let to = instant("/until", &asked.until, Span::EVER.to);
+        if faults.is_empty() && from > to {
+            faults.push("/until", message!("until_before_since"));
+        }
+        CampaignFilter { imu, station, measured: Span { from, to } }
+    }
+
+    /// Has the writer carry out an order about many diagnoses; returns once it is on disk.
+    ///
+    /// # Errors
+    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, DiagnosisError> {
+        let by = Actor::by_caller();
+        self.queue.ask(|reply| Job::Diagnoses { order, by, reply }).await
+    }
+
+    /// Orders with their progress, newest first, those before `before`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn jobs(&self, before: Option<Id>, limit: u32) -> Result<Vec<JobBody>, StorageError> {
+        let mut bodies = Vec::new();
+        for row in store::diagnosis_job::list(&self.store, before, limit).await? {
+            let counts = store::diagnosis_job::task_counts(&self.store, row.id).await?;
+            bodies.push(shown(row, counts)?);
+        }
+        Ok(bodies)
+    }
+
+    /// One order, and what failed of it after `after`.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn job(&self, id: Id, after: Option<Id>, limit: u32) -> Result<Option<JobDetailBody>, StorageError> {
+        let Some(row) = store::diagnosis_job::get(&self.store, id).await? else { return Ok(None) };
+        let job = shown(row, store::diagnosis_job::task_counts(&self.store, id).await?)?;
+        let mut failed = store::diagnosis_job::failed_tasks(&self.store, id, after, limit + 1).await?;
+        let more = failed.len() > limit as usize;
+        failed.truncate(limit as usize);
+        let next = failed.last().filter(|_| more).map(|last| cursor::encode(last.record.0));
+        let tables = self.store.names().read();
+        let failure = |task: FailedTask| FailureBody {
+            campaign: task.record.to_string(),
+            imu: tables.imus.name(task.imu).map_or_else(String::new, |name| name.to_string()),
+            measured_at: time::format(task.measured_at),
+            reason: words::asked().words(&from_stored(&task.reason)),
+        };
+        Ok(Some(JobDetailBody { job, failures: failed.into_iter().map(failure).collect(), next }))
+    }
+
+    /// Campaigns that wait for their first diagnosis, and those that orders wait for.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn waiting(&self) -> Result<(u64, u64), StorageError> {
+        Ok(store::diagnosis_job::diagnoses_waiting(&self.store).await?)
+    }
+
+    /// Checks of what a summary is to be: campaigns as an order names them, and an effect by its catalogue name.
+    ///
+    /// # Errors
+    /// Every fault by its place.
+    pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
+        let mut faults = Faults::default();
+        let campaigns = self.campaign_filter(asked, &mut faults);
+        let known = effect.and_then(Effect::from_id);
+        if let (Some(id), None) = (effect, known) {
+            faults.push(
+                "/effect",
+                message!("unknown_effect", effect = shown_text(id), effects = shown_text(effects::known())),
+            );
+        }
+        faults.or(SummaryFilter { campaigns, effect: known })
+    }
+
+    /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StorageError> {
+        Ok(filter.summary(&self.store).await?)
+    }
+}
+
+fn shown(row: JobRow, counts: TaskCounts) -> Result<JobBody, StorageError> {
+    let damaged = |error| StoreError::Damaged(format!("order {} of diagnoses cannot be read: {error}", row.id));
+    let asked: WhichBody = serde_json::from_str(&row.asked).map_err(damaged)?;
+    let state = match (row.canceled, row.ended_at, row.begun_at) {
+        (true, ..) => "canceled",
+        (false, Some(_), _) => "done",
+        (false, None, Some(_)) => "running",
+        (false, None, None) => "waiting",
+    };
+    let TaskCounts { waiting, done, failed, canceled } = counts;
+    Ok(JobBody {
+        id: row.id.to_string(),
+        state: state.to_owned(),
+        asked,
+        asked_by: row.asked_by,
+        asked_at: time::format(row.asked_at),
+        begun_at: row.begun_at.map(time::format),
+        ended_at: row.ended_at.map(time::format),
+        counts: CountsBody { campaigns: waiting + done + failed + canceled, waiting, done, failed, canceled },
+    })
 }

@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
-use tokio::sync::oneshot;
-
 use crate::core::augmented::AugmentedModel;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::pipeline::access::Actor;
-use crate::pipeline::{Accepted, Job, Pipeline, Refused};
+use crate::pipeline::diagnoses::error::DiagnosisError;
+use crate::pipeline::ingest::Accepted;
 use crate::store;
-use crate::store::{AccessChanges, Changes, Id, ModelRow, Store, StoreError, Writer};
+use crate::store::{AccessChanges, Changes, ModelRow, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::wire::model;
 
@@ -32,13 +32,13 @@ pub struct InForce {
 
 /// The newest model of each IMU, by its number.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct ModelBook(Arc<RwLock<HashMap<u32, InForce>>>);
+pub(crate) struct ModelCache(Arc<RwLock<HashMap<u32, InForce>>>);
 
-impl ModelBook {
+impl ModelCache {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
-        let book = Self::default();
-        book.read_again(store).await?;
-        Ok(book)
+        let cache = Self::default();
+        cache.read_again(store).await?;
+        Ok(cache)
     }
 
     /// Takes over what others have adopted.
@@ -47,8 +47,8 @@ impl ModelBook {
     }
 
     pub fn of(&self, imu: Option<u32>) -> InForce {
-        let book = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        imu.and_then(|imu| book.get(&imu)).cloned().unwrap_or_default()
+        let cache = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        imu.and_then(|imu| cache.get(&imu)).cloned().unwrap_or_default()
     }
 
     fn note(&self, row: &ModelRow) -> Result<(), StoreError> {
@@ -70,11 +70,11 @@ pub(crate) async fn adopt(
     store: &Store,
     writer: &mut Writer,
     clock: &Clock,
-    book: &ModelBook,
+    cache: &ModelCache,
     adoption: &Adoption,
     by: &Actor,
-) -> Result<Accepted, Refused> {
-    let unknown = || Refused::UnknownImu { imu: adoption.imu.clone() };
+) -> Result<Accepted, DiagnosisError> {
+    let unknown = || DiagnosisError::UnknownImu { imu: adoption.imu.clone() };
     let imu = store.names().read().imus.number(&adoption.imu).ok_or_else(unknown)?;
     let body = model::to_json(&adoption.model);
     if let Some(newest) = store::model::of_imu(store, imu).await?.first()
@@ -86,41 +86,13 @@ pub(crate) async fn adopt(
     let id = writer.next_id(now);
     let (author, reason) = (adoption.author.clone(), adoption.reason.clone());
     let audited = serde_json::json!({ "id": id.to_string(), "author": author, "reason": reason, "model": serde_json::from_str::<serde_json::Value>(&body).unwrap_or_default() });
-    let before = book.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
+    let before = cache.of(Some(imu)).id.map(|id| serde_json::json!({ "id": id.to_string() }));
     let what = ("adopt model", format!("imus/{}/model", adoption.imu));
     let audit = vec![by.line(writer.next_id(now), now, what, before.as_ref(), Some(&audited))];
     let row = ModelRow { id, imu, adopted_at: now, author, reason, body };
     let access = AccessChanges { audit, ..AccessChanges::default() };
     let changes = Changes { models: vec![row], access, ..Changes::default() };
     writer.commit(&changes).await?;
-    book.note(&changes.models[0])?;
+    cache.note(&changes.models[0])?;
     Ok(Accepted::stored(id))
-}
-
-impl Pipeline {
-    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those before it.
-    ///
-    /// # Errors
-    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
-    pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, Refused> {
-        let (reply, answer) = oneshot::channel();
-        self.offer(Job::Model { adoption: Box::new(adoption), by: Actor::by_caller(), reply })?;
-        answer.await.map_err(|_| Refused::Stopping)?
-    }
-
-    /// The model that the next campaign of an IMU is fitted with.
-    pub fn in_force(&self, imu: &str) -> InForce {
-        self.models.of(self.store.names().read().imus.number(imu))
-    }
-
-    /// The models of an IMU, newest first; none where no such IMU is known.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn models(&self, imu: &str) -> Result<Option<Vec<(ModelRow, InForce)>>, StoreError> {
-        let Some(imu) = self.store.names().read().imus.number(imu) else { return Ok(None) };
-        let rows = store::model::of_imu(&self.store, imu).await?;
-        let read = rows.into_iter().map(|row| read(&row).map(|in_force| (row, in_force)));
-        read.collect::<Result<_, _>>().map(Some)
-    }
 }

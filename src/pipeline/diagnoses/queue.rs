@@ -11,10 +11,13 @@ use std::time::Duration;
 use futures::{StreamExt, stream};
 use tokio::sync::watch;
 
-use super::{Diagnoser, Made, Outcome};
+use super::diagnoser::Diagnoser;
+use super::made::{Made, Outcome};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::pipeline::diagnoses::background::Awaited;
 use crate::store;
-use crate::store::{Id, Kind, StoreError};
+use crate::store::StoreError;
 
 /// How many due campaigns are looked up at once.
 const PAGE: u32 = 64;
@@ -72,7 +75,7 @@ impl Diagnoser {
                 let made = stream::iter(claimed.iter().copied())
                     .take_while(|_| ready(due.has_changed().is_ok()))
                     .map(|id| async move {
-                        self.bustle.lull(QUIET, GIVES_WAY).await;
+                        self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
                         (id, self.diagnosis(id, Awaited::ByNobody, Duration::MAX).await)
                     })
                     .buffer_unordered(self.at_once)
@@ -122,7 +125,7 @@ impl Diagnoser {
     /// Makes a diagnosis that orders wait for, whether or not there is one. Where the database cannot be read now it goes on
     /// waiting; what can never be read has failed.
     async fn settle(&self, id: Id) {
-        self.bustle.lull(QUIET, GIVES_WAY).await;
+        self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
         let begun_at = self.clock.now();
         match self.make(id).await {
             Ok(()) => {}

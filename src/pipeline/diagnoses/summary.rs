@@ -1,30 +1,27 @@
 //! What the diagnoses of many campaigns say together: which effects, in which gyros, at which stations, since when.
 //!
-//! One pass over the gists in order of time; what is held grows with gyros and findings, not with campaigns.
+//! One pass over the digests in order of time; what is held grows with gyros and findings, not with campaigns.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::program;
-use crate::core::effects::{self, Effect};
-use crate::core::fault::Faults;
-use crate::core::message::text;
+use crate::core::effects::Effect;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::message;
-use crate::pipeline::Pipeline;
-use crate::pipeline::diagnoses::digest::{Gist, Named, REFUSED};
+use crate::pipeline::diagnoses::digest::{Digest, Named, REFUSED};
+use crate::pipeline::diagnoses::made::program;
 use crate::store;
-use crate::store::{CampaignFilter, GistRow, Id, StoreError, Table, Tables};
+use crate::store::{CampaignFilter, GistRow, Store, StoreError, Table, Tables};
 use crate::wire::diagnoses::{
     AtStationBody, ClosuresBody, CoverageBody, DoubtBody, FindingBody, LargestShiftBody, OverviewBody, SightingBody,
-    SummaryBody, WhichBody,
+    SummaryBody,
 };
 use crate::wire::time;
 
 /// Of which campaigns, and of which effect.
 #[derive(Debug, Clone)]
 pub struct SummaryFilter {
-    campaigns: CampaignFilter,
-    effect: Option<Effect>,
+    pub(super) campaigns: CampaignFilter,
+    pub(super) effect: Option<Effect>,
 }
 
 /// A campaign in which something was seen.
@@ -95,22 +92,22 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, row: &GistRow, gist: &Gist, program: &str) {
-        self.cover(row, gist, program);
-        if gist.verdict == REFUSED {
+    fn add(&mut self, row: &GistRow, digest: &Digest, program: &str) {
+        self.cover(row, digest, program);
+        if digest.verdict == REFUSED {
             return;
         }
         let seen = Sighting { record: row.record, at: row.measured_at, station: row.station };
         *self.imus.entry(row.imu).or_default() += 1;
-        for named in &gist.effects {
+        for named in &digest.effects {
             if self.effect.is_none_or(|wanted| wanted == named.effect) {
-                self.note(row.imu, seen, gist, named);
+                self.note(row.imu, seen, digest, named);
             }
         }
-        if self.effect.is_none() && matches!(gist.verdict.as_str(), "unexplained" | "partly_explained") {
-            self.doubt(row.imu, seen, gist);
+        if self.effect.is_none() && matches!(digest.verdict.as_str(), "unexplained" | "partly_explained") {
+            self.doubt(row.imu, seen, digest);
         }
-        for seat in &gist.gyros {
+        for seat in &digest.gyros {
             let course = self.courses.entry((row.imu, seat.serial.clone())).or_default();
             course.campaigns += 1;
             *course.stations.entry(row.station).or_default() += 1;
@@ -118,8 +115,8 @@ impl Tally {
         }
     }
 
-    fn cover(&mut self, row: &GistRow, gist: &Gist, program: &str) {
-        let of_verdict = match gist.verdict.as_str() {
+    fn cover(&mut self, row: &GistRow, digest: &Digest, program: &str) {
+        let of_verdict = match digest.verdict.as_str() {
             "no_gap" => &mut self.coverage.no_gap,
             "explained" => &mut self.coverage.explained,
             "partly_explained" => &mut self.coverage.partly_explained,
@@ -127,18 +124,18 @@ impl Tally {
             _ => &mut self.coverage.unexplained,
         };
         *of_verdict += 1;
-        self.coverage.diagnosed += u64::from(gist.verdict != REFUSED);
+        self.coverage.diagnosed += u64::from(digest.verdict != REFUSED);
         self.coverage.outdated += u64::from(row.program != program);
     }
 
     /// An effect that a campaign names. The campaign itself has not been added to the courses of its gyros yet.
-    fn note(&mut self, imu: u32, seen: Sighting, gist: &Gist, named: &Named) {
+    fn note(&mut self, imu: u32, seen: Sighting, digest: &Digest, named: &Named) {
         let new = || Overview { campaigns: 0, first: seen.at, last: seen.at };
         let overview = self.overview.entry(named.effect.clone()).or_insert_with(new);
         overview.campaigns += 1;
         overview.last = seen.at;
         for slot in &named.gyros {
-            let Some(serial) = gist.serial(slot) else { continue };
+            let Some(serial) = digest.serial(slot) else { continue };
             let course = self.courses.get(&(imu, serial.to_owned()));
             let key = (named.effect.clone(), imu, serial.to_owned());
             let finding = self.findings.entry(key).or_insert_with(|| Finding {
@@ -153,12 +150,12 @@ impl Tally {
                 closures: Vec::new(),
                 impact: BTreeMap::new(),
             });
-            finding.add(seen, slot, gist, named);
+            finding.add(seen, slot, digest, named);
         }
     }
 
-    fn doubt(&mut self, imu: u32, seen: Sighting, gist: &Gist) {
-        let doubt = self.doubts.entry((gist.verdict.clone(), imu)).or_insert_with(|| Doubt {
+    fn doubt(&mut self, imu: u32, seen: Sighting, digest: &Digest) {
+        let doubt = self.doubts.entry((digest.verdict.clone(), imu)).or_insert_with(|| Doubt {
             serials: BTreeSet::new(),
             signs: BTreeSet::new(),
             stations: BTreeSet::new(),
@@ -169,9 +166,9 @@ impl Tally {
         doubt.campaigns += 1;
         doubt.last = seen;
         doubt.stations.insert(seen.station);
-        for sign in &gist.signs {
+        for sign in &digest.signs {
             doubt.signs.insert(sign.kind.clone());
-            doubt.serials.extend(sign.gyros.iter().filter_map(|slot| gist.serial(slot)).map(str::to_owned));
+            doubt.serials.extend(sign.gyros.iter().filter_map(|slot| digest.serial(slot)).map(str::to_owned));
         }
     }
 
@@ -247,14 +244,14 @@ impl Tally {
 }
 
 impl Finding {
-    fn add(&mut self, seen: Sighting, slot: &str, gist: &Gist, named: &Named) {
+    fn add(&mut self, seen: Sighting, slot: &str, digest: &Digest, named: &Named) {
         self.campaigns += 1;
         self.last = seen;
         slot.clone_into(&mut self.slot);
         *self.stations.entry(seen.station).or_default() += 1;
         self.class.retain(|id| named.class.contains(id));
         self.closures.push(named.closure);
-        for shift in gist.impact.iter().filter(|shift| shift.slot == slot) {
+        for shift in digest.impact.iter().filter(|shift| shift.slot == slot) {
             let new = || LargestShiftBody {
                 coefficient: shift.coefficient.clone(),
                 shift: shift.shift,
@@ -292,36 +289,19 @@ fn closures(all: &[f64]) -> ClosuresBody {
     ClosuresBody { least: at(0), median: at(last / 2), greatest: at(last) }
 }
 
-impl Pipeline {
-    /// Checks of what a summary is to be: campaigns as an order names them, and an effect by its catalogue name.
-    ///
-    /// # Errors
-    /// Every fault by its place.
-    pub fn summary_filter(&self, asked: &WhichBody, effect: Option<&str>) -> Result<SummaryFilter, Faults> {
-        let mut faults = Faults::default();
-        let campaigns = self.campaign_filter(asked, &mut faults);
-        let known = effect.and_then(Effect::from_id);
-        if let (Some(id), None) = (effect, known) {
-            faults.push("/effect", message!("unknown_effect", effect = text(id), effects = text(effects::known())));
-        }
-        faults.or(SummaryFilter { campaigns, effect: known })
-    }
-
-    /// What the diagnoses of stored campaigns say together. Campaigns that count no more are left out.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn diagnosis_summary(&self, filter: &SummaryFilter) -> Result<SummaryBody, StoreError> {
-        let (mut tally, program) = (Tally { effect: filter.effect.map(Effect::id), ..Tally::default() }, program());
+impl SummaryFilter {
+    /// Campaigns that count no more are left out.
+    pub(super) async fn summary(&self, store: &Store) -> Result<SummaryBody, StoreError> {
+        let (mut tally, program) = (Tally { effect: self.effect.map(Effect::id), ..Tally::default() }, program());
         let add = |row: GistRow| {
             let damaged = |error| StoreError::Damaged(format!("the gist of diagnosis {}: {error}", row.record));
             tally.add(&row, &serde_json::from_str(&row.gist).map_err(damaged)?, &program);
             Ok(())
         };
         // First: what is diagnosed in between then counts twice, and never not at all.
-        let waiting = store::diagnosis_digest::not_diagnosed(&self.store, &filter.campaigns).await?;
-        store::diagnosis_digest::each(&self.store, &filter.campaigns, add).await?;
-        let mut body = tally.into_body(&self.store.names().read());
+        let waiting = store::diagnosis_digest::not_diagnosed(store, &self.campaigns).await?;
+        store::diagnosis_digest::each(store, &self.campaigns, add).await?;
+        let mut body = tally.into_body(&store.names().read());
         body.campaigns.waiting = waiting;
         Ok(body)
     }

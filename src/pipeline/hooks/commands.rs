@@ -7,15 +7,18 @@ use serde::Serialize;
 use super::read::{HookPatch, NewHook};
 use crate::alert::HookKind;
 use crate::core::alert_decision::Status;
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::hooks::registry::{Ear, Scribe, Standing, introduce};
-use crate::pipeline::{Actor, Refused};
+use crate::pipeline::access::Actor;
+use crate::pipeline::error::WriteError;
+use crate::pipeline::hooks::error::HookError;
+use crate::pipeline::hooks::registry::{OutboxContext, Standing, Subscription, introduce};
 use crate::store;
 use crate::store::{
-    AttemptRow, AuditRow, Changes, DeliveryState, HookRow, Id, NewDelivery, OutboxChanges, Progress, Store, StoreError,
-    Subject, Writer,
+    AttemptRow, AuditRow, Changes, HookRow, NewDelivery, OutboxChanges, Progress, Store, StoreError, Subject, Writer,
 };
 use crate::wire::message::to_stored;
 use crate::wire::time;
@@ -69,7 +72,7 @@ impl<'a> From<&'a HookRow> for Audited<'a> {
     }
 }
 
-/// What a lane has found out and is to be written down.
+/// What a delivery queue has found out and is to be written down.
 #[derive(Debug, Clone)]
 pub enum Found {
     Attempted(Attempted),
@@ -97,7 +100,7 @@ pub struct Attempted {
 }
 
 /// The writer at work on orders.
-pub(crate) struct HookDesk<'a> {
+pub(crate) struct HookHandler<'a> {
     pub store: &'a Store,
     pub writer: &'a mut Writer,
     pub now: UtcMicros,
@@ -109,9 +112,9 @@ pub(crate) struct HookDesk<'a> {
     pub heard: HashMap<Id, Severity>,
 }
 
-impl HookDesk<'_> {
+impl HookHandler<'_> {
     /// Carries out one order; on disk, with its line in the audit trail, when this returns.
-    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
+    pub async fn carry_out(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
         let mut changes = Changes::default();
         let about = match order {
             Order::Create(new) => self.create(new, &mut changes).await?,
@@ -133,7 +136,13 @@ impl HookDesk<'_> {
         Ok(about)
     }
 
-    async fn audited(&mut self, order: &Order, by: &Actor, about: Id, changes: &Changes) -> Result<AuditRow, Refused> {
+    async fn audited(
+        &mut self,
+        order: &Order,
+        by: &Actor,
+        about: Id,
+        changes: &Changes,
+    ) -> Result<AuditRow, HookError> {
         let (action, subject) = match order {
             Order::Create(_) => ("create hook", format!("hooks/{about}")),
             Order::Change(..) => ("change hook", format!("hooks/{about}")),
@@ -150,8 +159,8 @@ impl HookDesk<'_> {
         Ok(by.line(self.writer.next_id(self.now), self.now, (action, subject), before.as_ref(), after.as_ref()))
     }
 
-    /// Writes down what many lanes have found out, in one transaction.
-    pub async fn write_down(&mut self, found: impl Iterator<Item = &Found>) -> Result<(), Refused> {
+    /// Writes down what many delivery queues have found out, in one transaction.
+    pub async fn write_down(&mut self, found: impl Iterator<Item = &Found>) -> Result<(), WriteError> {
         let mut changes = Changes::default();
         for found in found {
             match found {
@@ -163,9 +172,9 @@ impl HookDesk<'_> {
         Ok(self.writer.commit(&changes).await?)
     }
 
-    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, Refused> {
+    async fn create(&mut self, new: &NewHook, changes: &mut Changes) -> Result<Id, HookError> {
         if store::hook::all(self.store).await?.len() >= MOST_HOOKS {
-            return Err(Refused::TooManyHooks { most: MOST_HOOKS });
+            return Err(HookError::TooManyHooks { most: MOST_HOOKS });
         }
         let id = self.writer.next_id(self.now);
         let row = HookRow {
@@ -199,8 +208,8 @@ impl HookDesk<'_> {
         heard: &HashMap<Id, Severity>,
         outbox: &mut OutboxChanges,
     ) -> Result<(), StoreError> {
-        let mut scribe = Scribe { now: self.now, ids: self.writer.ids(), outbox };
-        introduce(&Ear::of(row)?, heard, &self.alerts, &mut scribe);
+        let mut context = OutboxContext { now: self.now, ids: self.writer.ids(), outbox };
+        introduce(&Subscription::of(row)?, heard, &self.alerts, &mut context);
         Ok(())
     }
 
@@ -216,12 +225,12 @@ impl HookDesk<'_> {
         self.introduce(row, &heard, outbox)
     }
 
-    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, Refused> {
+    async fn change(&mut self, id: Id, patch: &HookPatch, changes: &mut Changes) -> Result<Id, HookError> {
         let mut hook = self.hook(id).await?;
         let was_enabled = hook.enabled;
         if let Some(secret) = &patch.secret {
             if secret.is_none() && hook.kind == HookKind::StandardWebhooks.name() {
-                return Err(Refused::SecretNeeded);
+                return Err(HookError::SecretNeeded);
             }
             let earlier = std::mem::replace(&mut hook.secret, secret.as_ref().map(|secret| secret.reveal()));
             // The same secret again replaces nothing, and what ends signing ends it for the secret before too.
@@ -257,7 +266,7 @@ impl HookDesk<'_> {
         Ok(id)
     }
 
-    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, Refused> {
+    async fn test(&mut self, hook: Id, changes: &mut Changes) -> Result<Id, HookError> {
         self.enabled_hook(hook).await?;
         let id = self.writer.next_id(self.now);
         let (subject, queued_at) = (Subject::Test, self.now);
@@ -266,12 +275,12 @@ impl HookDesk<'_> {
         Ok(id)
     }
 
-    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, Refused> {
-        let delivery = store::outbox::get(self.store, id).await?.ok_or(Refused::NoSuchDelivery { id })?;
+    async fn redeliver(&mut self, id: Id, outbox: &mut OutboxChanges) -> Result<Id, HookError> {
+        let delivery = store::outbox::get(self.store, id).await?.ok_or(HookError::NoSuchDelivery { id })?;
         self.enabled_hook(delivery.hook).await?;
         match delivery.state {
-            DeliveryState::Behind => Err(Refused::StillBehind { id }),
-            DeliveryState::Dropped => Err(Refused::NoSuchHook { id: delivery.hook }),
+            DeliveryState::Behind => Err(HookError::StillBehind { id }),
+            DeliveryState::Dropped => Err(HookError::NoSuchHook { id: delivery.hook }),
             DeliveryState::Waiting | DeliveryState::Delivered | DeliveryState::Dead => {
                 outbox.replayed.push((id, self.now));
                 Ok(id)
@@ -315,13 +324,13 @@ impl HookDesk<'_> {
         Ok(delivery.is_some_and(|delivery| delivery.attempts.iter().any(|attempt| attempt.at == attempted.at)))
     }
 
-    async fn hook(&self, id: Id) -> Result<HookRow, Refused> {
-        store::hook::get(self.store, id).await?.ok_or(Refused::NoSuchHook { id })
+    async fn hook(&self, id: Id) -> Result<HookRow, HookError> {
+        store::hook::get(self.store, id).await?.ok_or(HookError::NoSuchHook { id })
     }
 
-    async fn enabled_hook(&self, id: Id) -> Result<HookRow, Refused> {
+    async fn enabled_hook(&self, id: Id) -> Result<HookRow, HookError> {
         let hook = self.hook(id).await?;
-        if hook.enabled { Ok(hook) } else { Err(Refused::HookDisabled { id }) }
+        if hook.enabled { Ok(hook) } else { Err(HookError::HookDisabled { id }) }
     }
 }
 

@@ -3,25 +3,38 @@
 //! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`commands`]), so that changes never overlap.
 
 mod commands;
-pub(super) mod delivery;
+mod delivery;
+mod error;
 mod read;
 mod registry;
 mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
-pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookDesk};
-pub(super) use crate::pipeline::hooks::registry::{HookBook, Scribe, Standing};
+pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
+pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, Standing};
+pub use delivery::{Outbox, OutboxError};
+pub use error::HookError;
 pub use read::{HookPatch, NewHook};
 pub(super) use show::webhook_id;
 
+use std::sync::Arc;
+
+use tokio::sync::watch;
+
 use super::access::Actor;
-use super::{Job, Pipeline, Refused};
+use super::error::{StorageError, WriteError};
+use super::write_queue::{Job, WriteQueue};
 use crate::alert::sign::Secret;
+use crate::config::Config;
+use crate::core::delivery::DeliveryState;
 use crate::core::fault::Faults;
+use crate::core::id::Id;
+use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{DeliveryState, Id, StoreError};
+use crate::store::{QueueState, Store};
+use crate::system::Clock;
 use crate::wire::hook::{DeliveryBody, HookBody};
-use tokio::sync::oneshot;
+use delivery::pulse::Pulse;
 
 /// A page of deliveries: their state, if it matters, and where the page before ended.
 #[derive(Debug, Clone, Copy)]
@@ -31,12 +44,36 @@ pub struct DeliveryPage {
     pub limit: u32,
 }
 
-impl Pipeline {
+/// How the queues of all hooks stand together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QueueTotals {
+    pub open: i64,
+    pub dead: i64,
+    pub oldest_open: Option<UtcMicros>,
+}
+
+/// What is told to whom. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Hooks {
+    store: Store,
+    config: Arc<Config>,
+    clock: Clock,
+    queue: WriteQueue,
+    /// Moves when a hook has changed or has something new to be told.
+    pub(super) wake: watch::Sender<u64>,
+    pulse: Pulse,
+}
+
+impl Hooks {
+    pub(super) fn new(store: Store, config: Arc<Config>, clock: Clock, queue: WriteQueue) -> Self {
+        Self { store, config, clock, queue, wake: watch::Sender::default(), pulse: Pulse::default() }
+    }
+
     /// Reads a hook to be set up; a secret is drawn where its kind needs one.
     ///
     /// # Errors
     /// Every fault by its place.
-    pub fn read_hook(&self, bytes: &[u8]) -> Result<NewHook, Faults> {
+    pub fn read(&self, bytes: &[u8]) -> Result<NewHook, Faults> {
         read::new_hook(bytes, &self.config.target_policy())
     }
 
@@ -44,7 +81,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// Every fault by its place.
-    pub fn read_hook_patch(&self, bytes: &[u8]) -> Result<HookPatch, Faults> {
+    pub fn read_patch(&self, bytes: &[u8]) -> Result<HookPatch, Faults> {
         read::patch(bytes, &self.config.target_policy())
     }
 
@@ -52,22 +89,19 @@ impl Pipeline {
     /// it is about.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing has changed, but after [`StoreError::Unanswered`](crate::store::StoreError) that is not known.
-    pub async fn order(&self, order: Order) -> Result<Id, Refused> {
-        let (reply, answer) = oneshot::channel();
-        self.offer(Job::Hook { order, by: Actor::by_caller(), reply })?;
-        answer.await.map_err(|_| Refused::Stopping)?
+    /// [`HookError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    pub async fn order(&self, order: Order) -> Result<Id, HookError> {
+        let by = Actor::by_caller();
+        self.queue.ask(|reply| Job::Hook { order, by, reply }).await
     }
 
-    /// Writes down what a lane has found out; waits for room in the queue.
-    pub(super) async fn write_down(&self, found: Found) -> Result<(), Refused> {
-        let (reply, answer) = oneshot::channel();
-        self.jobs.send(Job::Found { found, reply }).await.map_err(|_| Refused::Stopping)?;
-        answer.await.map_err(|_| Refused::Stopping)?
+    /// Writes down what a delivery queue has found out; waits for room with the writer.
+    pub(super) async fn write_down(&self, found: Found) -> Result<(), WriteError> {
+        self.queue.ask_in_turn(|reply| Job::Found { found, reply }).await
     }
 
     /// Every hook, oldest first.
-    pub async fn hooks(&self) -> Result<Vec<HookBody>, StoreError> {
+    pub async fn all(&self) -> Result<Vec<HookBody>, StorageError> {
         let mut bodies = Vec::new();
         for row in store::hook::all(&self.store).await? {
             let queue = store::outbox::queue_state(&self.store, row.id).await?;
@@ -77,7 +111,7 @@ impl Pipeline {
     }
 
     /// One hook. `drawn`: the secret that has just been drawn for it, which is shown this once.
-    pub async fn hook(&self, id: Id, drawn: Option<&Secret>) -> Result<Option<HookBody>, StoreError> {
+    pub async fn get(&self, id: Id, drawn: Option<&Secret>) -> Result<Option<HookBody>, StorageError> {
         let Some(row) = store::hook::get(&self.store, id).await? else { return Ok(None) };
         let queue = store::outbox::queue_state(&self.store, id).await?;
         let body = show::hook(row, queue, self.clock.now())?;
@@ -85,12 +119,23 @@ impl Pipeline {
     }
 
     /// Deliveries of a hook, newest first, with all their attempts.
-    pub async fn deliveries(&self, hook: Id, page: DeliveryPage) -> Result<Vec<DeliveryBody>, StoreError> {
+    pub async fn deliveries(&self, hook: Id, page: DeliveryPage) -> Result<Vec<DeliveryBody>, StorageError> {
         let rows = store::outbox::of_hook(&self.store, hook, page.state, page.before, page.limit).await?;
         Ok(rows.into_iter().map(show::delivery).collect())
     }
 
-    pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryBody>, StoreError> {
+    pub async fn delivery(&self, id: Id) -> Result<Option<DeliveryBody>, StorageError> {
         Ok(store::outbox::get(&self.store, id).await?.map(show::delivery))
+    }
+
+    /// Whether the delivery worker is at work.
+    pub fn delivers(&self) -> bool {
+        self.pulse.is_alive()
+    }
+
+    /// How the queues of all hooks stand together.
+    pub async fn outbox_totals(&self) -> Result<QueueTotals, StorageError> {
+        let QueueState { open, dead, oldest_open } = store::outbox::outbox_totals(&self.store).await?;
+        Ok(QueueTotals { open, dead, oldest_open })
     }
 }

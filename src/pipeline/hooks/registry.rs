@@ -4,13 +4,15 @@ use std::cmp::Reverse;
 use std::collections::HashMap;
 
 use super::show;
+use super::show::DIGEST;
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Action, Alert};
+use crate::core::id::Id;
 use crate::core::judge::Severity;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::News;
 use crate::store;
-use crate::store::{HookRow, Id, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
+use crate::store::{HookRow, IdSource, NewDelivery, OutboxChanges, Part, Store, StoreError, Subject};
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::{DigestBody, FilterBody};
 
@@ -19,8 +21,8 @@ const MOST_OF_A_MESSAGE: usize = 1000;
 
 /// The enabled hooks, what each wants to hear, and what it has heard.
 #[derive(Debug, Default)]
-pub(crate) struct HookBook {
-    hooks: Vec<Ear>,
+pub(crate) struct HookCache {
+    hooks: Vec<Subscription>,
     /// By hook and alert: that it fires, with this severity.
     heard: HashMap<(Id, Id), Severity>,
     /// What is in memory is ahead of what is stored.
@@ -29,13 +31,13 @@ pub(crate) struct HookBook {
 
 /// A hook that listens.
 #[derive(Debug, Clone)]
-pub(crate) struct Ear {
+pub(crate) struct Subscription {
     pub hook: Id,
     pub filter: FilterBody,
     pub batch: bool,
 }
 
-impl Ear {
+impl Subscription {
     pub fn of(row: &HookRow) -> Result<Self, StoreError> {
         Ok(Self { hook: row.id, filter: show::filter(row)?, batch: row.batch })
     }
@@ -50,16 +52,16 @@ pub(crate) struct Standing {
 }
 
 /// Where what hooks are told is written.
-pub(crate) struct Scribe<'a> {
+pub(crate) struct OutboxContext<'a> {
     pub now: UtcMicros,
     pub ids: &'a mut IdSource,
     pub outbox: &'a mut OutboxChanges,
 }
 
-impl HookBook {
+impl HookCache {
     pub async fn load(store: &Store) -> Result<Self, StoreError> {
         let enabled = store::hook::all(store).await?.into_iter().filter(|hook| hook.enabled);
-        let hooks = enabled.map(|hook| Ear::of(&hook)).collect::<Result<_, _>>()?;
+        let hooks = enabled.map(|hook| Subscription::of(&hook)).collect::<Result<_, _>>()?;
         let heard = store::hook::heard(store).await?.into_iter();
         let unknown = |hook| StoreError::Damaged(format!("what hook {hook} has heard: unknown severity"));
         let heard = heard.map(|(hook, alert, severity)| {
@@ -82,39 +84,39 @@ impl HookBook {
     }
 
     /// Queues what each hook is to be told of what has become of alerts.
-    pub fn tell(&mut self, news: &[News], scribe: &mut Scribe<'_>) -> Result<(), StoreError> {
+    pub fn tell(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
         let mut bodies = Vec::with_capacity(news.len());
         for one in news.iter().filter(|_| !self.hooks.is_empty()) {
             bodies.push((one, read(one)?));
         }
-        for ear in self.hooks.clone() {
+        for subscription in self.hooks.clone() {
             // All that one record has caused; without batches each change by itself.
-            let mut messages: Vec<(Option<Id>, Vec<Told>)> = Vec::new();
+            let mut messages: Vec<(Option<Id>, Vec<Notification>)> = Vec::new();
             for (one, body) in &bodies {
-                let Some(action) = self.hear(&ear, one, body, scribe) else { continue };
-                let told = Told { severity: one.alert.severity, action, part: part_of(one, action) };
-                match messages.iter_mut().find(|(cause, _)| ear.batch && *cause == one.cause) {
+                let Some(action) = self.hear(&subscription, one, body, context) else { continue };
+                let told = Notification { severity: one.alert.severity, action, part: part_of(one, action) };
+                match messages.iter_mut().find(|(cause, _)| subscription.batch && *cause == one.cause) {
                     Some((_, all)) => add(all, told),
                     None => messages.push((one.cause, vec![told])),
                 }
             }
-            messages.into_iter().for_each(|(_, told)| queue(ear.hook, told, scribe));
+            messages.into_iter().for_each(|(_, told)| queue(subscription.hook, told, context));
         }
         Ok(())
     }
 
     /// Queues the digest of an import: for each hook one message about all that it lets through.
-    pub fn tell_digest(&mut self, news: &[News], scribe: &mut Scribe<'_>) -> Result<(), StoreError> {
+    pub fn tell_digest(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
         let mut bodies = Vec::with_capacity(news.len());
         for one in news.iter().filter(|_| !self.hooks.is_empty()) {
             bodies.push((one, read(one)?));
         }
-        for ear in self.hooks.clone() {
-            let mut told: Vec<(&AlertBody, Told)> = Vec::new();
+        for subscription in self.hooks.clone() {
+            let mut told: Vec<(&AlertBody, Notification)> = Vec::new();
             for (one, body) in &bodies {
-                let Some(action) = self.hear(&ear, one, body, scribe) else { continue };
+                let Some(action) = self.hear(&subscription, one, body, context) else { continue };
                 let part = part_of(one, action);
-                told.push((body, Told { severity: one.alert.severity, action, part }));
+                told.push((body, Notification { severity: one.alert.severity, action, part }));
             }
             if told.is_empty() {
                 continue;
@@ -123,11 +125,11 @@ impl HookBook {
             let (told, parts): (Vec<&AlertBody>, Vec<Part>) =
                 told.into_iter().map(|(body, told)| (body, told.part)).unzip();
             let digest = serde_json::to_string(&DigestBody::of(&told)).expect("counts can be written as JSON");
-            scribe.outbox.queued.push(NewDelivery {
-                id: scribe.ids.next(scribe.now),
-                hook: ear.hook,
+            context.outbox.queued.push(NewDelivery {
+                id: context.ids.next(context.now),
+                hook: subscription.hook,
                 subject: Subject::Many,
-                queued_at: scribe.now,
+                queued_at: context.now,
                 action: Some(DIGEST),
                 parts,
                 digest: Some(digest),
@@ -137,19 +139,25 @@ impl HookBook {
     }
 
     /// What a hook is told of one piece of news; it has heard that then.
-    fn hear(&mut self, ear: &Ear, news: &News, body: &AlertBody, scribe: &mut Scribe<'_>) -> Option<Action> {
-        let heard = self.heard.get(&(ear.hook, news.id)).copied();
-        let action = alert_decision::for_hook(&news.alert, heard, news.action, scribe.now)?;
+    fn hear(
+        &mut self,
+        subscription: &Subscription,
+        news: &News,
+        body: &AlertBody,
+        context: &mut OutboxContext<'_>,
+    ) -> Option<Action> {
+        let heard = self.heard.get(&(subscription.hook, news.id)).copied();
+        let action = alert_decision::for_hook(&news.alert, heard, news.action, context.now)?;
         // Whoever was told that it fires is told that it ends, whatever the filter has become.
-        if action != Action::Resolve && !ear.filter.wants(body) {
+        if action != Action::Resolve && !subscription.filter.wants(body) {
             return None;
         }
         let hears = (action != Action::Resolve).then_some(news.alert.severity);
         match hears {
-            Some(severity) => drop(self.heard.insert((ear.hook, news.id), severity)),
-            None => drop(self.heard.remove(&(ear.hook, news.id))),
+            Some(severity) => drop(self.heard.insert((subscription.hook, news.id), severity)),
+            None => drop(self.heard.remove(&(subscription.hook, news.id))),
         }
-        scribe.outbox.heard.push((ear.hook, news.id, hears));
+        context.outbox.heard.push((subscription.hook, news.id, hears));
         Some(action)
     }
 
@@ -158,42 +166,44 @@ impl HookBook {
     }
 }
 
-/// The action of a delivery that is a digest.
-pub(crate) const DIGEST: &str = "digest";
-
 /// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and the end of what
 /// it has heard fire. `heard`: what it has heard.
-pub(crate) fn introduce(ear: &Ear, heard: &HashMap<Id, Severity>, alerts: &[Standing], scribe: &mut Scribe<'_>) {
+pub(crate) fn introduce(
+    subscription: &Subscription,
+    heard: &HashMap<Id, Severity>,
+    alerts: &[Standing],
+    context: &mut OutboxContext<'_>,
+) {
     let mut told = Vec::new();
     for Standing { id, alert, body } in alerts {
         // It hears what others were spared because it was found late.
         let alert = Alert { hushed: None, ..*alert };
-        let Some(action) = alert_decision::for_hook(&alert, heard.get(id).copied(), Action::Silent, scribe.now) else {
+        let Some(action) = alert_decision::for_hook(&alert, heard.get(id).copied(), Action::Silent, context.now) else {
             continue;
         };
         let ends = action == Action::Resolve;
-        if ends || ear.filter.wants(body) {
+        if ends || subscription.filter.wants(body) {
             let body = body.kept();
             let part = Part { alert: *id, action: action.name(), step: None, body: Some(body) };
-            told.push(Told { severity: alert.severity, action, part });
-            scribe.outbox.heard.push((ear.hook, *id, (!ends).then_some(alert.severity)));
+            told.push(Notification { severity: alert.severity, action, part });
+            context.outbox.heard.push((subscription.hook, *id, (!ends).then_some(alert.severity)));
         }
     }
-    if ear.batch {
-        queue(ear.hook, told, scribe);
+    if subscription.batch {
+        queue(subscription.hook, told, context);
     } else {
-        told.into_iter().for_each(|one| queue(ear.hook, vec![one], scribe));
+        told.into_iter().for_each(|one| queue(subscription.hook, vec![one], context));
     }
 }
 
 /// An alert of a message under construction.
-struct Told {
+struct Notification {
     severity: Severity,
     action: Action,
     part: Part,
 }
 
-impl Told {
+impl Notification {
     /// The gravest comes first.
     fn rank(&self) -> (bool, Reverse<Severity>, u8) {
         let urgency = match self.action {
@@ -207,7 +217,7 @@ impl Told {
 }
 
 /// One message tells of an alert once: what it comes to.
-fn add(all: &mut Vec<Told>, new: Told) {
+fn add(all: &mut Vec<Notification>, new: Notification) {
     let Some(place) = all.iter().position(|told| told.part.alert == new.part.alert) else {
         return all.push(new);
     };
@@ -216,7 +226,7 @@ fn add(all: &mut Vec<Told>, new: Told) {
         (Action::Fire, Action::Resolve) => drop(all.remove(place)),
         (Action::Fire, _) => {
             let part = Part { action: Action::Fire.name(), ..new.part };
-            all[place] = Told { action: Action::Fire, part, ..new };
+            all[place] = Notification { action: Action::Fire, part, ..new };
         }
         _ => all[place] = new,
     }
@@ -228,8 +238,8 @@ fn part_of(news: &News, action: Action) -> Part {
 }
 
 /// Queues one message, the gravest alert first; several where there are very many.
-fn queue(hook: Id, mut told: Vec<Told>, scribe: &mut Scribe<'_>) {
-    told.sort_by_key(Told::rank);
+fn queue(hook: Id, mut told: Vec<Notification>, context: &mut OutboxContext<'_>) {
+    told.sort_by_key(Notification::rank);
     let parts: Vec<Part> = told.into_iter().map(|one| one.part).collect();
     for parts in parts.chunks(MOST_OF_A_MESSAGE) {
         let (subject, parts) = match parts {
@@ -238,11 +248,11 @@ fn queue(hook: Id, mut told: Vec<Told>, scribe: &mut Scribe<'_>) {
             }
             many => (Subject::Many, many),
         };
-        scribe.outbox.queued.push(NewDelivery {
-            id: scribe.ids.next(scribe.now),
+        context.outbox.queued.push(NewDelivery {
+            id: context.ids.next(context.now),
             hook,
             subject,
-            queued_at: scribe.now,
+            queued_at: context.now,
             action: parts.first().map(|part| part.action),
             parts: if subject == Subject::Many { parts.to_vec() } else { Vec::new() },
             digest: None,

@@ -4,13 +4,17 @@ use std::time::Duration;
 
 use crate::alert::{DIGEST_EVENT, event_name};
 use crate::core::alert_decision::Action;
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::hooks::registry::DIGEST;
-use crate::store::{AttemptRow, DeliveryRow, DeliveryState, HookRow, Id, QueueState, StoreError, Subject};
+use crate::store::{AttemptRow, DeliveryRow, HookRow, QueueState, StoreError, Subject};
 use crate::wire::hook::{AttemptBody, DeliveryBody, FilterBody, HookBody, QueueBody};
 use crate::wire::message::{MessageBody, from_stored};
 use crate::wire::time;
 use crate::words;
+
+/// The action of a delivery that is a digest.
+pub(super) const DIGEST: &str = "digest";
 
 pub(super) fn hook(row: HookRow, queue: QueueState, now: UtcMicros) -> Result<HookBody, StoreError> {
     let filter = filter(&row)?;

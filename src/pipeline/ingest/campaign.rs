@@ -1,92 +1,33 @@
-//! Raw campaigns: fitted and separated where they come in, stored whole, read again from what is stored.
+//! Raw campaigns: fitted and separated where they come in, and again from what is stored.
 
 use std::sync::Arc;
 
-use crate::config::JudgedMethod;
+use super::reader::Reader;
 use crate::core::calibrate::outcome::{Outcome, evaluate_with};
 use crate::core::campaign::Campaign;
 use crate::core::fault::{Fault, Faults};
-use crate::core::judge::Verdict;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::message;
-use crate::pipeline::Pipeline;
+use crate::pipeline::diagnoses::models;
 use crate::pipeline::diagnoses::models::InForce;
-use crate::pipeline::ingest::submission::{
-    BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
-};
-use crate::pipeline::queries::record::Reread;
+use crate::pipeline::ingest::fitted::{CampaignFit, Fitted, ReadCampaign};
+use crate::pipeline::ingest::submission::{BenchTest, CalibratedGyro, Calibration, anything, check_names, kept};
 use crate::store;
-use crate::store::{BenchRow, Id, Kind, RecordRow, StoreError};
-use crate::wire::answer::MethodBody;
+use crate::store::{RecordRow, StoreError};
 use crate::wire::bench::BenchBody;
 use crate::wire::calibration::CampaignAnswer;
 use crate::wire::campaign::{self, Form};
 use crate::wire::campaign_csv::parse_csv_as_sent;
-use crate::wire::history_note;
 use crate::words;
 
-/// A campaign that can be stored.
-#[derive(Debug, Clone)]
-pub struct ReadCampaign {
-    pub fitted: Fitted,
-    /// What its answer is made of.
-    pub fit: CampaignFit,
-    /// As it is kept: JSON, whichever form it came in.
-    pub body: Arc<str>,
-}
-
-/// What dwells become.
-#[derive(Debug, Clone)]
-pub enum Fitted {
-    /// Of an IMU.
-    Calibration(Box<Calibration>),
-    /// Of a single gyro on a bench.
-    Bench(Box<BenchTest>),
-}
-
-impl Fitted {
-    pub fn with_key(mut self, key: Option<String>) -> Self {
-        match &mut self {
-            Self::Calibration(calibration) => calibration.idempotency_key = key,
-            Self::Bench(bench) => bench.idempotency_key = key,
-        }
-        self
-    }
-}
-
-impl From<Fitted> for Submission {
-    fn from(fitted: Fitted) -> Self {
-        match fitted {
-            Fitted::Calibration(calibration) => Self::Calibration(calibration),
-            Fitted::Bench(bench) => Self::Bench(bench),
-        }
-    }
-}
-
-/// A stored campaign with its answer.
-#[derive(Debug, Clone)]
-pub struct StoredCampaign {
-    pub row: RecordRow,
-    pub answer: CampaignAnswer,
-    /// As of [`crate::pipeline::StoredRecord`].
-    pub seen: Vec<Option<Verdict>>,
-}
-
-/// A campaign as it is fitted when it comes, and again whenever it is read.
-#[derive(Debug, Clone)]
-pub struct CampaignFit {
-    pub(crate) campaign: Campaign,
-    pub(crate) outcome: Outcome,
-    /// The adopted model that it is fitted with.
-    pub(crate) model: Option<Id>,
-}
-
-impl Pipeline {
+impl Reader {
     /// Reads, checks, fits and separates a campaign in JSON or CSV. A raw bench test becomes a bench result.
     /// Computing, about a millisecond: not for a thread that serves others.
     ///
     /// # Errors
     /// Every fault, by its pointer, or its line and column.
-    pub fn read_campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
+    pub fn campaign(&self, bytes: &[u8], form: Form) -> Result<ReadCampaign, Faults> {
         let (campaign, as_json) = match form {
             Form::Json => (campaign::parse_json_as_sent(bytes)?, None),
             Form::Csv => {
@@ -183,26 +124,12 @@ impl Pipeline {
         }
     }
 
-    /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
-    pub async fn stored_campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StoreError> {
-        let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
-        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
-        let mut answer = self.campaign_answer(&fitted);
-        answer.id = Some(id.to_string());
-        answer.notes.extend(history_note::read(row.notes.as_deref()));
-        answer.verdicts = verdicts;
-        Ok(Some(StoredCampaign { row, answer, seen }))
-    }
-
     /// The bench result that was fitted to stored dwells.
     ///
     /// # Errors
     /// Every fault of the stored body.
-    pub fn fitted_bench(&self, row: &BenchRow) -> Result<BenchBody, Faults> {
-        let (campaign, outcome) = evaluated(&row.body, &InForce::default())?;
+    pub fn fitted_bench(&self, body: &str) -> Result<BenchBody, Faults> {
+        let (campaign, outcome) = evaluated(body, &InForce::default())?;
         match outcome {
             Outcome::Bench(bench) => Ok(BenchBody::of(&bench.result(&campaign))),
             Outcome::Imu { .. } => {
@@ -214,14 +141,7 @@ impl Pipeline {
     /// The model that a stored campaign was fitted with.
     async fn fitted_with(&self, id: Id) -> Result<InForce, StoreError> {
         let row = store::model::of_campaign(&self.store, id).await?;
-        row.as_ref().map_or_else(|| Ok(InForce::default()), crate::pipeline::diagnoses::models::read)
-    }
-
-    pub(crate) fn method(&self) -> MethodBody {
-        match self.config.judging.method {
-            JudgedMethod::Rigid => MethodBody::Rigid,
-            JudgedMethod::Published => MethodBody::Published,
-        }
+        row.as_ref().map_or_else(|| Ok(InForce::default()), models::read)
     }
 }
 
@@ -230,8 +150,4 @@ fn evaluated(body: &str, fitted_with: &InForce) -> Result<(Campaign, Outcome), F
     let campaign = campaign::parse_json(body.as_bytes())?;
     let outcome = evaluate_with(&campaign, &fitted_with.model.options_as_asked(&campaign), &anything())?;
     Ok((campaign, outcome))
-}
-
-pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {
-    StoreError::Damaged(format!("the body of campaign {id} cannot be read: {faults}"))
 }

@@ -3,9 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::admit::{Ahead, Desk, Group, Memory};
+use super::admit::{Admission, Ahead, Group, Memory};
+use super::document::ReadDocument;
+use super::outcome::Accepted;
+use super::refused::Refused;
+use crate::core::id::Id;
 use crate::core::note::Note;
-use crate::pipeline::{Accepted, Actor, Id, Pipeline, ReadDocument, Refused};
+use crate::pipeline::access::Actor;
+use crate::pipeline::ingest::Ingest;
 use crate::store::IdSource;
 
 /// Beyond every identifier of this century.
@@ -13,7 +18,7 @@ const NEVER_STORED: i64 = i64::MAX - (1 << 40);
 
 /// What would become of a document.
 #[derive(Debug, Clone)]
-pub enum Foreseen {
+pub enum Preview {
     /// It would be stored with these notes, or is there already and says the same.
     Taken {
         notes: Arc<[Note]>,
@@ -23,14 +28,14 @@ pub enum Foreseen {
     Contradicts(usize),
 }
 
-impl Pipeline {
+impl Ingest {
     /// What would become of each of these documents if they were stored now, in this order: admitted to a group that is
     /// then dropped. Each takes queries of its own. Somebody else may store something in between.
-    pub async fn foresee(&self, documents: &[&ReadDocument]) -> Vec<Foreseen> {
+    pub async fn preview(&self, documents: &[&ReadDocument]) -> Vec<Preview> {
         // Its identifiers are seen by nobody; they only have to differ from those that are stored.
         let mut ids = IdSource::after(NEVER_STORED);
         let (mut memory, ahead, nobody) = (Memory::default(), Ahead::default(), Actor::by_caller());
-        let mut desk = Desk {
+        let mut admission = Admission {
             store: &self.store,
             ids: &mut ids,
             newest: None,
@@ -42,15 +47,15 @@ impl Pipeline {
             by: &nobody,
         };
         let (mut group, mut new) = (Group::default(), HashMap::new());
-        let mut foreseen = Vec::with_capacity(documents.len());
+        let mut previews = Vec::with_capacity(documents.len());
         for (place, document) in documents.iter().enumerate() {
-            let admitted = desk.admit(&document.submission, &mut group).await;
+            let admitted = admission.admit(&document.submission, &mut group).await;
             if let Ok(Accepted::Stored { id, .. }) = &admitted {
                 new.insert(*id, place);
             }
-            foreseen.push(self.outcome(admitted, document, documents, &new).await);
+            previews.push(self.outcome(admitted, document, documents, &new).await);
         }
-        foreseen
+        previews
     }
 
     /// `new`: which document would be stored under an identifier.
@@ -60,23 +65,23 @@ impl Pipeline {
         document: &ReadDocument,
         documents: &[&ReadDocument],
         new: &HashMap<Id, usize>,
-    ) -> Foreseen {
+    ) -> Preview {
         match admitted {
-            Ok(Accepted::Stored { notes, .. }) => Foreseen::Taken { notes },
+            Ok(Accepted::Stored { notes, .. }) => Preview::Taken { notes },
             Ok(there @ Accepted::There { id, same_bytes }) => match new.get(&id) {
                 Some(&first) if same_bytes || documents[first].origin.says_the_same_as(&document.origin) => {
-                    Foreseen::Taken { notes: [].into() }
+                    Preview::Taken { notes: [].into() }
                 }
-                Some(&first) => Foreseen::Contradicts(first),
+                Some(&first) => Preview::Contradicts(first),
                 None => match self.settle_document(&there, &document.origin).await {
-                    Ok(_) => Foreseen::Taken { notes: [].into() },
-                    Err(refused) => Foreseen::Refused(refused),
+                    Ok(_) => Preview::Taken { notes: [].into() },
+                    Err(refused) => Preview::Refused(refused),
                 },
             },
             Err(Refused::GyroElsewhere { existing, .. }) if new.contains_key(&existing) => {
-                Foreseen::Contradicts(new[&existing])
+                Preview::Contradicts(new[&existing])
             }
-            Err(refused) => Foreseen::Refused(refused),
+            Err(refused) => Preview::Refused(refused),
         }
     }
 }

@@ -17,19 +17,19 @@ enum Message {
 
 /// The writer's end.
 #[derive(Debug)]
-pub(crate) struct Teller(mpsc::UnboundedSender<Message>);
+pub(crate) struct ReplySender(mpsc::UnboundedSender<Message>);
 
 /// The end of whoever waits.
 #[derive(Debug)]
-pub(crate) struct Listener(mpsc::UnboundedReceiver<Message>);
+pub(crate) struct ReplyReceiver(mpsc::UnboundedReceiver<Message>);
 
-pub(crate) fn channel() -> (Teller, Listener) {
+pub(crate) fn channel() -> (ReplySender, ReplyReceiver) {
     // Unbounded, for the writer waits for nobody; it says a word or two.
     let (words, heard) = mpsc::unbounded_channel();
-    (Teller(words), Listener(heard))
+    (ReplySender(words), ReplyReceiver(heard))
 }
 
-impl Teller {
+impl ReplySender {
     pub fn foretell(&self, replies: Vec<Reply>) {
         self.say(Message::Foretold(replies));
     }
@@ -49,7 +49,7 @@ impl Teller {
     }
 }
 
-impl Listener {
+impl ReplyReceiver {
     /// The replies when they hold, and what `put_into_words` makes of them: it is called as soon as they are foretold, and again
     /// where something else came true. None where the writer has gone without a final word.
     ///
@@ -80,7 +80,8 @@ mod tests {
     use std::task::{Context, Poll, Waker};
 
     use super::*;
-    use crate::pipeline::{Accepted, Id, Refused};
+    use crate::core::id::Id;
+    use crate::pipeline::{Accepted, Refused, WriteError};
 
     fn stored(id: i64) -> Vec<Reply> {
         vec![Ok(Accepted::stored(Id(id)))]
@@ -95,7 +96,7 @@ mod tests {
 
     /// What is worded, and what comes of it, when `words` have been said; a teller that is given back lives on.
     fn heard(
-        words: impl FnOnce(Teller) -> Option<Teller>,
+        words: impl FnOnce(ReplySender) -> Option<ReplySender>,
     ) -> (Vec<Option<i64>>, Poll<Option<(Option<i64>, Option<i64>)>>) {
         let (teller, listener) = channel();
         let _lives_on = words(teller);
@@ -112,7 +113,7 @@ mod tests {
 
     #[test]
     fn what_is_foretold_is_worded_at_once_and_answered_only_when_it_holds() {
-        let foretold = |teller: Teller| {
+        let foretold = |teller: ReplySender| {
             teller.foretell(stored(1));
             Some(teller)
         };
@@ -130,7 +131,7 @@ mod tests {
         let otherwise = heard(|teller| {
             teller.foretell(stored(1));
             teller.foretell(stored(2));
-            teller.tell(vec![Err(Refused::Busy)]);
+            teller.tell(vec![Err(Refused::from(WriteError::Busy))]);
             None
         });
         assert_eq!(otherwise, (vec![Some(1), Some(2), None], Poll::Ready(Some((None, None)))));

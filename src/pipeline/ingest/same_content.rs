@@ -3,10 +3,11 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::pipeline::ingest::submission::anything;
-use crate::pipeline::{Accepted, Pipeline, Refused};
 use crate::store;
-use crate::store::{Id, Kind};
+use crate::store::{Store, StoreError};
 use crate::wire::bench::BenchBody;
 use crate::wire::campaign;
 use crate::wire::differences::Differences;
@@ -20,32 +21,18 @@ pub enum Sent<'a> {
     Bench(&'a str),
 }
 
-impl Pipeline {
-    /// The id, where an item that was already there says the same as the one sent: however it is written, in whatever
-    /// order of members or gyros, unit of time or offset.
-    ///
-    /// # Errors
-    /// [`Refused::Differs`] with the members that differ.
-    pub async fn settle(&self, accepted: &Accepted, sent: Sent<'_>) -> Result<Id, Refused> {
-        let (id, same_bytes) = match accepted {
-            Accepted::Stored { id, .. } => (*id, true),
-            Accepted::There { id, same_bytes } => (*id, *same_bytes),
-        };
-        if same_bytes {
-            return Ok(id);
-        }
-        let differences = match sent {
-            Sent::Calibration(kind, body) => match store::record::get(&self.store, id).await? {
-                Some(stored) if stored.kind == kind => calibrations_differ(kind, &stored.body, body),
-                _ => Differences::in_everything(),
-            },
-            Sent::Bench(body) => match store::bench::get(&self.store, id).await? {
-                Some(stored) => benches_differ(&stored.body, body),
-                None => Differences::in_everything(),
-            },
-        };
-        if differences.is_empty() { Ok(id) } else { Err(Refused::Differs { existing: id, differences }) }
-    }
+/// In what the stored item under this identifier and the one sent differ.
+pub(super) async fn differences(store: &Store, id: Id, sent: Sent<'_>) -> Result<Differences, StoreError> {
+    Ok(match sent {
+        Sent::Calibration(kind, body) => match store::record::get(store, id).await? {
+            Some(stored) if stored.kind == kind => calibrations_differ(kind, &stored.body, body),
+            _ => Differences::in_everything(),
+        },
+        Sent::Bench(body) => match store::bench::get(store, id).await? {
+            Some(stored) => benches_differ(&stored.body, body),
+            None => Differences::in_everything(),
+        },
+    })
 }
 
 /// Whether two calibrations of the same kind say the same, however they are written.

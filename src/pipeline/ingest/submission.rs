@@ -1,25 +1,23 @@
-//! What can be submitted, and reading it: parsed, checked and separated before anything queues.
+//! What can be submitted.
 
 use std::sync::Arc;
 
-use crate::config::PlausibilityKeys;
 use crate::core::bench::BenchResult;
 use crate::core::fault::{Fault, Faults};
-use crate::core::history_note::is_unset;
+use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, Verdict};
+use crate::core::kind::Kind;
 use crate::core::message::text;
 use crate::core::mounting::Slot;
-use crate::core::record::{GyroParameters, Name, Plausibility, Record};
-use crate::core::separate::{CovarianceEg, Separation, Unseparable, separate, stated_covariance};
+use crate::core::name::normal_form;
+use crate::core::record::{Name, Plausibility};
+use crate::core::separate::Separation;
 use crate::core::time::UtcMicros;
 use crate::message;
-use crate::pipeline::{Actor, Pipeline};
-use crate::store::{Id, Kind};
+use crate::pipeline::access::{Actor, Caller};
+use crate::pipeline::ingest::refused::Refused;
 use crate::system::sha256;
-use crate::wire::bench::parse_bench_result;
 use crate::wire::json::without_mark;
-use crate::wire::record::parse_record;
-use crate::wire::time;
 
 /// Something to store.
 #[derive(Debug, Clone)]
@@ -48,6 +46,19 @@ impl Submission {
             Self::Bench(bench) => Some(bench.result.station.as_str()),
             Self::Correction(correction) => correction.replacement.as_ref().map(|new| new.station.as_str()),
             Self::Event(_) | Self::Confirmation(_) => None,
+        }
+    }
+
+    /// Whether a caller may send what was measured where this was.
+    ///
+    /// # Errors
+    /// [`Refused::OtherStation`].
+    pub fn may_be_sent_by(&self, caller: &Caller) -> Result<(), Refused> {
+        match (&caller.station, self.station()) {
+            (Some(own), Some(station)) if normal_form(own) != normal_form(station) => {
+                Err(Refused::OtherStation { station: own.clone() })
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -140,92 +151,6 @@ pub struct GyroEvent {
     pub author: Option<String>,
     /// Who says so.
     pub by: Actor,
-}
-
-impl Pipeline {
-    /// Reads, checks and separates a record.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
-    pub fn read_record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
-        let record = parse_record(bytes, &self.config.plausibility.limits())?;
-        let serials = record.gyros.iter().map(|gyro| &gyro.serial);
-        check_names(&[("/imu", &record.imu), ("/station", &record.station)], serials)?;
-        self.check_time("/calibrated_at", record.calibrated_at)?;
-        self.separated(record, bytes)
-    }
-
-    /// Reads a stored record: it was plausible once, whatever today's limits are.
-    pub(crate) fn reread_record(&self, body: &str) -> Result<Calibration, Faults> {
-        self.separated(parse_record(body.as_bytes(), &anything())?, body.as_bytes())
-    }
-
-    fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
-        let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
-            let covariance = stated_covariance(gyro);
-            self.calibrated(&record, (i, gyro), covariance.as_ref()).map_err(|why| {
-                Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), message: why.message() }.into()
-            })
-        });
-        let gyros = gyros.collect::<Result<_, Faults>>()?;
-        let Record { imu, station, calibrated_at, .. } = record;
-        let (body, body_sha256) = kept(bytes)?;
-        Ok(Calibration {
-            kind: Kind::Record,
-            imu,
-            station,
-            calibrated_at,
-            model: None,
-            gyros,
-            body,
-            body_sha256,
-            idempotency_key: None,
-        })
-    }
-
-    /// Separates one gyro and holds it to the requirements.
-    ///
-    /// # Errors
-    /// Why E and G cannot be separated.
-    pub fn calibrated(
-        &self,
-        Record { geometry, imu, .. }: &Record,
-        (place, gyro): (usize, &GyroParameters),
-        covariance: Option<&CovarianceEg>,
-    ) -> Result<CalibratedGyro, Unseparable> {
-        let separation = separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance)?;
-        let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
-        let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
-        Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
-    }
-
-    /// Reads and checks a bench result.
-    ///
-    /// # Errors
-    /// Every fault, by its pointer.
-    pub fn read_bench_result(&self, bytes: &[u8]) -> Result<BenchTest, Faults> {
-        let result = parse_bench_result(bytes, self.config.plausibility.max_drift_deg_per_h_g0)?;
-        check_names(&[("/serial", &result.serial), ("/station", &result.station)], [].into_iter())?;
-        self.check_time("/measured_at", result.measured_at)?;
-        let (body, body_sha256) = kept(bytes)?;
-        Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
-    }
-
-    /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock would stay the newest
-    /// for as long, what lies long before all else would become the baseline.
-    pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
-        let PlausibilityKeys { max_future_hours: hours, earliest, clock_epochs, .. } = &self.config.plausibility;
-        let message = if at > self.clock.now().plus_days(hours / 24.0) {
-            message!("time_in_future", hours = text(hours))
-        } else if at < *earliest {
-            message!("before_earliest", earliest = text(time::format(*earliest)))
-        } else if is_unset(at) && clock_epochs.contains(&UtcMicros(0)) {
-            message!("clock_never_set")
-        } else {
-            return Ok(());
-        };
-        Err(Fault { pointer: pointer.to_owned(), message }.into())
-    }
 }
 
 /// Refuses new names in which something cannot be seen; what is stored under such a name is read all the same.

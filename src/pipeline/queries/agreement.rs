@@ -4,15 +4,17 @@ use std::collections::HashMap;
 
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::history::{Mark, Measured};
 use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status, Verdict, agreement};
 use crate::core::mounting::Slot;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Pipeline;
 use crate::pipeline::alerts::{Naming, Origin, finding_of, status_of};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{BenchRow, Changes, Figures, Id, Span, Store, StoreError, Tables};
+use crate::store::{BenchRow, Changes, Store, StoreError, Tables};
 
 /// Results side by side, oldest first; ranges and verdicts of D_I and D_S.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +44,7 @@ pub struct Compared {
 /// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a second record has
 /// confirmed that a requirement is not met.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct AlertFinding {
     pub coefficient: Coefficient,
     pub rule: Rule,
     pub status: Status,
@@ -50,38 +52,40 @@ pub(crate) struct Told {
     pub load: f64,
 }
 
-impl Pipeline {
-    /// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take several for each.
-    pub(crate) async fn told(&self, gyro: Option<u32>) -> Result<HashMap<u32, Vec<Told>>, StoreError> {
-        let mut found: HashMap<u32, Vec<Told>> = HashMap::new();
-        for rule in [Rule::Agreement, Rule::Requirement] {
-            for row in store::alerts::unresolved(&self.store, rule, gyro).await? {
-                let finding = finding_of(&row)?;
-                let load = finding.value.map_or(0.0, |value| value / finding.limit);
-                let told = Told { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
-                found.entry(row.gyro).or_default().push(told);
-            }
+/// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take several for each.
+pub(crate) async fn told(store: &Store, gyro: Option<u32>) -> Result<HashMap<u32, Vec<AlertFinding>>, StoreError> {
+    let mut found: HashMap<u32, Vec<AlertFinding>> = HashMap::new();
+    for rule in [Rule::Agreement, Rule::Requirement] {
+        for row in store::alerts::unresolved(store, rule, gyro).await? {
+            let finding = finding_of(&row)?;
+            let load = finding.value.map_or(0.0, |value| value / finding.limit);
+            let told = AlertFinding { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
+            found.entry(row.gyro).or_default().push(told);
         }
-        Ok(found)
     }
+    Ok(found)
+}
 
-    /// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
-    /// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
-    /// Nothing from before the last repair; and of them those count that are not too old beside the newest. Within `span` all do: whoever names
-    /// it has said what is to be compared.
-    pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StoreError> {
-        let (benches, separations) = match span {
-            Some(span) => (
-                store::bench::of_gyro(&self.store, gyro, span).await?,
-                store::history::oldest(&self.store, gyro, span, usize::MAX).await?,
-            ),
-            None => made_to_be_compared(&self.store, gyro, &Changes::default()).await?,
-        };
-        let naming = Naming { tables: &self.store.names().read(), new: None };
-        let judging = &self.config.judging;
-        let within_days = span.is_none().then_some(judging.agreement_days);
-        Ok(compare(gyro, (&benches, &separations), within_days, judging, &naming))
-    }
+/// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
+/// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
+/// Nothing from before the last repair; and of them those count that are not too old beside the newest. Within `span` all do: whoever names
+/// it has said what is to be compared.
+pub(super) async fn compare_methods(
+    store: &Store,
+    judging: &Judging,
+    gyro: u32,
+    span: Option<Span>,
+) -> Result<Comparison, StoreError> {
+    let (benches, separations) = match span {
+        Some(span) => (
+            store::bench::of_gyro(store, gyro, span).await?,
+            store::history::oldest(store, gyro, span, usize::MAX).await?,
+        ),
+        None => made_to_be_compared(store, gyro, &Changes::default()).await?,
+    };
+    let naming = Naming { tables: &store.names().read(), new: None };
+    let within_days = span.is_none().then_some(judging.agreement_days);
+    Ok(compare(gyro, (&benches, &separations), within_days, judging, &naming))
 }
 
 /// How the methods agree on a gyro, and which result is the newest of them.

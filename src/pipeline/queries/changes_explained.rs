@@ -3,10 +3,14 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::core::changes::{Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
-use crate::pipeline::Pipeline;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::time::Span;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, sample_of};
+use crate::pipeline::queries::gyro_history::Histories;
 use crate::store;
-use crate::store::{Figures, Id, Span, StoreError};
+use crate::store::StoreError;
 use crate::words;
 
 /// Newest records of the gyro itself, and of each peer, that are looked at. The search tries every instant, and the
@@ -27,9 +31,9 @@ pub struct ExplainedHistory {
     pub coefficients: Vec<HistoryDiagnosis>,
 }
 
-impl Pipeline {
+impl Histories {
     /// Diagnoses the history of a gyro. Computes for some milliseconds, on a thread for that.
-    pub async fn explain_history(&self, gyro: u32) -> Result<ExplainedHistory, StoreError> {
+    pub async fn explain(&self, gyro: u32) -> Result<ExplainedHistory, StorageError> {
         let own = store::history::newest(&self.store, gyro, Span::EVER, OWN_RECORDS).await?;
         let stations: HashSet<u32> = own.iter().map(|figures| figures.station).collect();
         let temperatures = store::history::temperatures(&self.store, gyro).await?.into_iter().collect();
@@ -50,7 +54,7 @@ impl Pipeline {
         });
         let failed =
             |error| StoreError::Damaged(format!("the history of gyro number {gyro} could not be diagnosed: {error}"));
-        explained.await.map_err(failed)
+        Ok(explained.await.map_err(failed)?)
     }
 
     /// Other gyros, nearest number first.

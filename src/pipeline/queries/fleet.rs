@@ -4,16 +4,22 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::agreement::Told;
+use super::agreement::{AlertFinding, told};
+use super::record::Records;
+use super::stations::{StationEffect, station_effects};
 use super::status;
+use crate::config::Config;
+use crate::core::figures::Figures;
 use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Pipeline;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
-use crate::store::{Figures, RecordHead, Span, StoreError, StoredVerdict, Stretch, Tables};
+use crate::store::{RecordHead, Store, StoreError, StoredVerdict, Stretch, Tables};
+use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
 
 /// How one gyro stands.
@@ -68,7 +74,7 @@ pub struct Seats {
 
 /// A gyro's last few values, and what they are held against.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Glimpse {
+pub struct RecentValues {
     /// Oldest first, by the judged method.
     pub samples: Vec<Sample>,
     /// Level of D_I and D_S that the newest is compared with; none before the baseline is complete.
@@ -77,14 +83,35 @@ pub struct Glimpse {
     pub budget: [Option<f64>; 2],
 }
 
-impl Pipeline {
+/// Every gyro. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Fleet {
+    pub(super) store: Store,
+    pub(super) config: Arc<Config>,
+    pub(super) clock: Clock,
+    pub(super) records: Records,
+}
+
+impl Fleet {
     /// Every gyro, by serial.
-    pub async fn fleet(&self) -> Result<Vec<Standing>, StoreError> {
+    pub async fn all(&self) -> Result<Vec<Standing>, StorageError> {
         self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
     }
 
+    /// Gyros with numbers above `after`, and the last number looked at where there are more than `most`: one more is looked at.
+    pub async fn page(&self, after: u32, most: u32) -> Result<(Vec<Standing>, Option<u32>), StorageError> {
+        let rows = store::gyro::newest_of_gyros(&self.store, after, most + 1).await?;
+        let last = rows.last().filter(|_| rows.len() > most as usize).map(|(number, _)| *number);
+        Ok((self.standings(rows).await?, last))
+    }
+
+    /// Every station that calibrated a gyro lately, by name.
+    pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
+        Ok(station_effects(&self.store, self.config.judging.method).await?)
+    }
+
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
-    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StoreError> {
+    pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
         let mut newest = store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
@@ -130,7 +157,7 @@ impl Pipeline {
     }
 
     /// How gyros stand with these newest calibrations.
-    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StoreError> {
+    pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StorageError> {
         let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
         let sheets = store::record::verdict_sheets(&self.store, records.into_iter()).await?;
         let verdicts: HashMap<_, _> = sheets
@@ -138,7 +165,7 @@ impl Pipeline {
             .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
             .collect();
         let only = if let [(one, _)] = newest.as_slice() { Some(*one) } else { None };
-        let told = self.told(only).await?;
+        let told = told(&self.store, only).await?;
         let out_of_use = store::event::out_of_use(&self.store).await?;
         let tables = self.store.names().read();
         let standing = |(number, newest): (u32, Option<Figures>)| {
@@ -151,25 +178,25 @@ impl Pipeline {
     }
 
     /// How one gyro stands, and the verdicts on its newest record in words; none where there is no such gyro.
-    pub async fn standing_in_words(
-        &self,
-        number: u32,
-        newest: Option<Figures>,
-    ) -> Result<Option<(Standing, Vec<VerdictBody>)>, StoreError> {
+    pub async fn standing_in_words(&self, number: u32) -> Result<Option<(Standing, Vec<VerdictBody>)>, StorageError> {
+        let newest = store::history::newest(&self.store, number, Span::EVER, 1).await?.pop();
         let stored = match &newest {
-            Some(figures) => self.stored_record(figures.record).await?,
+            Some(figures) => self.records.reread(figures.record).await?,
             None => None,
+        };
+        let said = match &stored {
+            Some(stored) => self.records.verdicts_in_words(&stored.row, &stored.calibration).await?.0,
+            None => Vec::new(),
         };
         let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
         let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
-        let told = self.told(Some(number)).await?.remove(&number).unwrap_or_default();
+        let told = told(&self.store, Some(number)).await?.remove(&number).unwrap_or_default();
         let out_of_use = store::event::out_of_use(&self.store).await?.get(&number).copied();
         let (verdicts, tables) = ((verdicts, told.as_slice()), self.store.names().read());
         let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
             return Ok(None);
         };
-        let said = stored.into_iter().flat_map(|stored| stored.answer.verdicts);
-        let said = said.filter(|verdict| *verdict.serial == *standing.serial).collect();
+        let said = said.into_iter().filter(|verdict| *verdict.serial == *standing.serial).collect();
         Ok(Some((standing, said)))
     }
 
@@ -179,7 +206,7 @@ impl Pipeline {
         tables: &Tables,
         number: u32,
         newest: Option<Figures>,
-        (verdicts, told): (&[StoredVerdict], &[Told]),
+        (verdicts, told): (&[StoredVerdict], &[AlertFinding]),
         out_of_use: Option<(UtcMicros, Event)>,
     ) -> Option<Standing> {
         let serial = tables.gyros.name(number)?.clone();
@@ -192,8 +219,8 @@ impl Pipeline {
         let overdue_days = late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value);
         let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
         // The alert of a rule that has been switched off since stands until the gyro's next item.
-        let asked = |told: &&Told| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
-        let disagreements: Vec<&Told> = told.iter().filter(asked).collect();
+        let asked = |told: &&AlertFinding| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
+        let disagreements: Vec<&AlertFinding> = told.iter().filter(asked).collect();
         let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
         let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
         let violations: Vec<Violation> =
@@ -215,7 +242,7 @@ impl Pipeline {
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.
-    pub async fn glimpses(&self, of: &[&Standing], count: usize) -> Result<Vec<Glimpse>, StoreError> {
+    pub async fn recent_values(&self, of: &[&Standing], count: usize) -> Result<Vec<RecentValues>, StorageError> {
         let gyros: Vec<u32> = of.iter().map(|standing| standing.number).collect();
         let marks = marks_of(&self.store, &gyros).await?;
         let marks: Vec<&[Mark]> = gyros.iter().map(|gyro| marks.get(gyro).map_or(&[][..], Vec::as_slice)).collect();
@@ -228,10 +255,10 @@ impl Pipeline {
         let of_baselines: Vec<Stretch> = (0..of.len()).map(newest_baseline).collect();
         // Some of the first may repeat one another.
         let baselines = store::histories::oldest(&self.store, &of_baselines, 4 * BASELINE_RECORDS).await?;
-        Ok((0..of.len()).map(|k| self.glimpse(of[k], marks[k], &rows[k], &baselines[k])).collect())
+        Ok((0..of.len()).map(|k| self.recent(of[k], marks[k], &rows[k], &baselines[k])).collect())
     }
 
-    fn glimpse(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> Glimpse {
+    fn recent(&self, standing: &Standing, marks: &[Mark], rows: &[Figures], baseline: &[Figures]) -> RecentValues {
         let method = self.config.judging.method;
         let samples = |rows: &[Figures]| -> Vec<Sample> { rows.iter().map(|row| sample_of(row, method)).collect() };
         let last = last_of(rows);
@@ -239,7 +266,7 @@ impl Pipeline {
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), &standing.serial);
         let drifts = [limits.d_i, limits.d_s];
         let baseline = distinct(samples(baseline));
-        Glimpse {
+        RecentValues {
             samples: samples(rows),
             level: [0, 1].map(|column| {
                 let fixed = stated_level(marks, last, column).or(drifts[column].fixed_baseline);
@@ -270,7 +297,7 @@ fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
     judged.map(|verdict| verdict.state).fold(of_drift, State::max)
 }
 
-fn violations(verdicts: &[StoredVerdict], told: &[Told]) -> impl Iterator<Item = Violation> {
+fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
     let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
     beyond.map(|verdict| {
         let StoredVerdict { coefficient, rule, .. } = *verdict;
@@ -281,8 +308,8 @@ fn violations(verdicts: &[StoredVerdict], told: &[Told]) -> impl Iterator<Item =
 }
 
 impl Violation {
-    fn of(told: &Told) -> Self {
-        let Told { coefficient, rule, status, .. } = *told;
+    fn of(told: &AlertFinding) -> Self {
+        let AlertFinding { coefficient, rule, status, .. } = *told;
         Self { coefficient, rule, status }
     }
 }

@@ -1,17 +1,18 @@
 //! The noise constants of the whole fleet, from its history.
 
 use crate::core::judge::{FleetNoise, Series, fit_fleet};
-use crate::pipeline::Pipeline;
-use crate::pipeline::ingest::judge::gyro_window::{Line, marks_of, sample_of};
+use crate::core::time::Span;
+use crate::pipeline::error::StorageError;
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, marks_of, sample_of};
+use crate::pipeline::queries::fleet::Fleet;
 use crate::store;
-use crate::store::{Span, StoreError};
 
 /// Gyros whose histories are read at once.
 const AT_ONCE: usize = 64;
 
-impl Pipeline {
+impl Fleet {
     /// Fits correlation and walk to every gyro's stored history. Reads all of it.
-    pub async fn fleet_noise(&self) -> Result<FleetNoise, StoreError> {
+    pub async fn noise(&self) -> Result<FleetNoise, StorageError> {
         let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
         let method = self.config.judging.method;
         let mut all: Vec<Series> = Vec::with_capacity(gyros.len());
@@ -21,7 +22,7 @@ impl Pipeline {
             for (gyro, rows) in some.iter().zip(store::histories::oldest(&self.store, &ever, i32::MAX as usize).await?)
             {
                 let samples = rows.iter().map(|figures| sample_of(figures, method)).collect();
-                all.push(Line::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
+                all.push(GyroWindow::of_all(samples, marks.remove(gyro).unwrap_or_default()).samples().clone());
             }
         }
         Ok(fit_fleet(&all))

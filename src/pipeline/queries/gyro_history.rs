@@ -1,25 +1,32 @@
 //! One gyro's whole course: every calibration, bench result and event, and the levels it was held against.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
+use super::agreement::{Comparison, compare_methods};
 use super::fleet::level;
-use crate::config::JudgedMethod;
+use super::items::{BenchItem, CorrectedResult, EventItem, Names};
+use super::status::Statuses;
+use crate::config::{Config, JudgedMethod};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
 use crate::core::judge::{Coefficient, Event, Limits, Rule};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Pipeline;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, mark_of, sample_of};
 use crate::store;
-use crate::store::{BenchRow, EventRow, Figures, GyroCorrection, Id, Span, StoreError, StoredVerdict};
+use crate::store::{BenchRow, Store, StoreError, StoredVerdict};
 
 /// Everything about one gyro, oldest first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
     pub figures: Vec<Figures>,
-    pub benches: Vec<BenchRow>,
-    pub events: Vec<EventRow>,
+    pub benches: Vec<BenchItem>,
+    pub events: Vec<EventItem>,
     /// What was said of results that do not count any more.
-    pub corrections: Vec<GyroCorrection>,
+    pub corrections: Vec<CorrectedResult>,
     /// Records that do not count until somebody confirms their times.
     pub set_aside: Vec<(Id, UtcMicros)>,
     pub baselines: Vec<Baseline>,
@@ -43,7 +50,7 @@ pub struct Baseline {
 /// An environmental test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tested {
-    pub event: EventRow,
+    pub event: EventItem,
     /// The last record before it, and the first after.
     pub before: Option<Figures>,
     pub after: Option<Figures>,
@@ -59,28 +66,127 @@ impl Tested {
     }
 }
 
-fn end_of(event: &EventRow) -> UtcMicros {
+fn end_of(event: &EventItem) -> UtcMicros {
     event.until.map_or(event.at, |until| until.max(event.at))
 }
 
-impl Pipeline {
+/// What was measured of one gyro, and what became of it. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Histories {
+    pub(super) store: Store,
+    pub(super) config: Arc<Config>,
+}
+
+impl Histories {
     /// A gyro's course, its baselines by `method`.
-    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StoreError> {
+    pub async fn course(&self, gyro: u32, serial: &str, method: JudgedMethod) -> Result<Course, StorageError> {
         let figures = store::history::oldest(&self.store, gyro, Span::EVER, usize::MAX).await?;
         let events = store::event::of_gyro(&self.store, gyro).await?;
-        let benches = store::bench::of_gyro(&self.store, gyro, Span::EVER).await?;
+        let marks: Vec<Mark> = events.iter().map(mark_of).collect();
+        let events: Vec<EventItem> = events.into_iter().map(EventItem::from).collect();
+        let benches = self.benches(gyro, Span::EVER).await?;
         let corrections = store::correction::of_gyro(&self.store, gyro).await?;
+        let corrections = corrections.into_iter().map(CorrectedResult::from).collect();
         let set_aside = store::set_aside::of_gyro(&self.store, gyro).await?;
         let imu = figures.last().and_then(|newest| self.store.names().read().imus.name(newest.imu).cloned());
         let limits = self.config.judging.limits(imu.as_deref().unwrap_or_default(), serial);
         let samples = distinct(figures.iter().map(|figures| sample_of(figures, method)));
-        let marks: Vec<Mark> = events.iter().map(mark_of).collect();
         let tests = self.tests(gyro, &events, &figures).await?;
         let baselines = baselines(&samples, &marks, &limits);
         Ok(Course { baselines, figures, benches, events, corrections, set_aside, tests, limits })
     }
 
-    async fn tests(&self, gyro: u32, events: &[EventRow], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
+    /// The results of a gyro by every method, within `span`; without one, those that were made to be compared.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn compare_methods(&self, gyro: u32, span: Option<Span>) -> Result<Comparison, StorageError> {
+        Ok(compare_methods(&self.store, &self.config.judging, gyro, span).await?)
+    }
+
+    /// Calibrations that count, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn oldest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StorageError> {
+        Ok(store::history::oldest(&self.store, gyro, span, most).await?)
+    }
+
+    /// The newest calibrations that count, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn newest(&self, gyro: u32, span: Span, most: usize) -> Result<Vec<Figures>, StorageError> {
+        Ok(store::history::newest(&self.store, gyro, span, most).await?)
+    }
+
+    /// Calibrations that count no more, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn voided(&self, gyro: u32, span: Span) -> Result<Vec<Figures>, StorageError> {
+        Ok(store::history::voided(&self.store, gyro, span).await?)
+    }
+
+    /// Records that do not count until somebody confirms their times.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn set_aside(&self, gyro: u32) -> Result<Vec<(Id, UtcMicros)>, StorageError> {
+        Ok(store::set_aside::of_gyro(&self.store, gyro).await?)
+    }
+
+    /// How many calibrations of a gyro there are.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn count(&self, gyro: u32) -> Result<usize, StorageError> {
+        Ok(store::history::count(&self.store, gyro).await?)
+    }
+
+    /// What was done to a gyro, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn events(&self, gyro: u32) -> Result<Vec<EventItem>, StorageError> {
+        Ok(store::event::of_gyro(&self.store, gyro).await?.into_iter().map(EventItem::from).collect())
+    }
+
+    /// Bench results that count, oldest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
+        Ok(self.bench_items(store::bench::of_gyro(&self.store, gyro, span).await?))
+    }
+
+    /// Bench results, those included that count no more.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn all_benches(&self, gyro: u32, span: Span) -> Result<Vec<BenchItem>, StorageError> {
+        Ok(self.bench_items(store::bench::all_of_gyro(&self.store, gyro, span).await?))
+    }
+
+    fn bench_items(&self, rows: Vec<BenchRow>) -> Vec<BenchItem> {
+        let names = Names(self.store.names().read());
+        rows.into_iter().map(|row| BenchItem::of(row, &names)).collect()
+    }
+
+    /// What the rules say of these calibrations of one gyro, for these columns of D_I, D_S and D_O.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn statuses(
+        &self,
+        gyro: u32,
+        rows: impl Iterator<Item = &Figures>,
+        columns: &[usize],
+    ) -> Result<Statuses, StorageError> {
+        Ok(Statuses::of(&self.store, gyro, rows, columns).await?)
+    }
+
+    async fn tests(&self, gyro: u32, events: &[EventItem], figures: &[Figures]) -> Result<Vec<Tested>, StoreError> {
         let mut tests = tested(events, figures);
         let after = tests.iter().filter_map(|test| Some(test.after?.record));
         let sheets: HashMap<_, _> = match tests.is_empty() {
@@ -108,7 +214,7 @@ impl Pipeline {
 }
 
 /// The environmental tests among `events`, oldest first, with the records before and after; not judged yet.
-fn tested(events: &[EventRow], figures: &[Figures]) -> Vec<Tested> {
+fn tested(events: &[EventItem], figures: &[Figures]) -> Vec<Tested> {
     let tests = events.iter().filter(|event| event.event == Event::EnvironmentalTest);
     let with_records = tests.map(|event| Tested {
         before: figures[..figures.partition_point(|row| row.at < event.at)].last().copied(),

@@ -1,11 +1,54 @@
 //! What is asked of the database: fleet, histories, records, stations, agreement of methods, verification.
 
 pub(super) mod agreement;
-pub(super) mod changes_explained;
-pub(super) mod fleet;
-pub(super) mod fleet_noise;
-pub(super) mod gyro_history;
-pub(super) mod record;
-pub(super) mod stations;
-pub(super) mod status;
-pub(super) mod verify;
+mod changes_explained;
+mod fleet;
+mod fleet_noise;
+mod gyro_history;
+mod items;
+mod record;
+mod stations;
+mod status;
+mod verify;
+
+use std::sync::Arc;
+
+use super::ingest::Reader;
+use crate::config::Config;
+use crate::store::Store;
+use crate::system::Clock;
+
+pub use crate::pipeline::ingest::judge::gyro_window::sample_of;
+pub use agreement::{Compared, Comparison};
+pub use changes_explained::ExplainedHistory;
+pub use fleet::{Fleet, RecentValues, Seats, Standing, Violation};
+pub use gyro_history::{Baseline, Course, Histories, Tested};
+pub use items::{BenchItem, CorrectedResult, CorrectionItem, EventItem, ItemStatus, Names, RecordItem, RecordSummary};
+pub use record::{Records, StoredCampaign, StoredRecord};
+pub use stations::StationEffect;
+pub use status::Statuses;
+pub use verify::Verified;
+
+/// What is stored, as it is asked for. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Queries {
+    store: Store,
+    pub records: Records,
+    pub fleet: Fleet,
+    pub histories: Histories,
+}
+
+impl Queries {
+    pub(super) fn new(store: &Store, config: &Arc<Config>, clock: &Clock, reader: &Reader) -> Self {
+        let (store, config, clock, reader) = (store.clone(), config.clone(), clock.clone(), reader.clone());
+        let histories = Histories { store: store.clone(), config: config.clone() };
+        let records = Records { store: store.clone(), config: config.clone(), reader };
+        let fleet = Fleet { store: store.clone(), config, clock, records: records.clone() };
+        Self { store, records, fleet, histories }
+    }
+
+    /// The names of what is stored. Not to be held for long: new names wait for it.
+    pub fn names(&self) -> Names<'_> {
+        Names(self.store.names().read())
+    }
+}

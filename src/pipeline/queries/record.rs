@@ -1,20 +1,30 @@
 //! What is stored, as it is answered: separations made again from the stored body, verdicts as they were decided.
 
+use std::sync::Arc;
+
+use crate::config::Config;
 use crate::core::diagnose::{ClosureDiagnosis, closures};
 use crate::core::fault::Faults;
+use crate::core::id::Id;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Verdict};
+use crate::core::kind::Kind;
 use crate::core::name::Name;
 use crate::message;
-use crate::pipeline::Pipeline;
+use crate::pipeline::error::StorageError;
+use crate::pipeline::ingest::Reader;
 use crate::pipeline::ingest::admit::figures_of;
-use crate::pipeline::ingest::campaign::CampaignFit;
-use crate::pipeline::ingest::judge::gyro_window::Line;
-use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
+use crate::pipeline::ingest::fitted::CampaignFit;
+use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
+use crate::pipeline::ingest::submission::Calibration;
+use crate::pipeline::queries::items::{
+    BenchItem, ConfirmationItem, CorrectionItem, ItemStatus, Names, RecordItem, RecordSummary,
+};
 use crate::store;
-use crate::store::{AuditRow, Id, Kind, RecordRow, StoreError, StoredVerdict};
+use crate::store::{AuditRow, RecordRow, Store, StoreError, StoredVerdict};
 use crate::system::sha256;
-use crate::wire::answer::{RecordAnswer, SeparationBody, VerdictBody};
+use crate::wire::answer::{RecordAnswer, VerdictBody};
+use crate::wire::calibration::CampaignAnswer;
 use crate::wire::history_note;
 use crate::wire::reason::Reason;
 use crate::wire::sender::SenderBody;
@@ -22,11 +32,20 @@ use crate::wire::sender::SenderBody;
 /// A stored record with its answer.
 #[derive(Debug, Clone)]
 pub struct StoredRecord {
-    pub row: RecordRow,
+    pub item: RecordItem,
     pub answer: RecordAnswer,
     /// What each rule saw, verdict by verdict of the answer; none where judging again finds other figures.
     pub seen: Vec<Option<Verdict>>,
     pub closures: ClosureDiagnosis,
+}
+
+/// A stored campaign with its answer.
+#[derive(Debug, Clone)]
+pub struct StoredCampaign {
+    pub item: RecordItem,
+    pub answer: CampaignAnswer,
+    /// As of [`StoredRecord`].
+    pub seen: Vec<Option<Verdict>>,
 }
 
 /// What a stored row says.
@@ -37,31 +56,48 @@ pub(crate) struct Reread {
     pub fitted: Option<CampaignFit>,
 }
 
-impl Pipeline {
-    pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
-        let method = self.method();
-        gyros.iter().map(|gyro| SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method)).collect()
-    }
+/// What is stored of records, campaigns and bench results. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Records {
+    pub(super) store: Store,
+    pub(super) config: Arc<Config>,
+    pub(super) reader: Reader,
+}
 
+impl Records {
     /// A stored record and what is answered to it.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] where the body is not what was hashed when it came.
-    pub async fn stored_record(&self, id: Id) -> Result<Option<StoredRecord>, StoreError> {
+    /// [`StorageError`], for one where the body is not what was hashed when it came.
+    pub async fn record(&self, id: Id) -> Result<Option<StoredRecord>, StorageError> {
         let Some(Reread { row, calibration, .. }) = self.reread(id).await? else { return Ok(None) };
         let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
         let closures = closures_of(&calibration);
-        let separations = self.separations(&calibration.gyros);
+        let separations = self.reader.separations(&calibration.gyros);
         let notes = history_note::read(row.notes.as_deref());
         let answer = RecordAnswer { id: Some(id.to_string()), separations, notes, verdicts };
-        Ok(Some(StoredRecord { row, answer, seen, closures }))
+        Ok(Some(StoredRecord { item: self.item(row), answer, seen, closures }))
+    }
+
+    /// A stored campaign: fitted again from its dwells, the verdicts as they were decided.
+    ///
+    /// # Errors
+    /// [`StorageError`], for one where the body is not what was hashed when it came.
+    pub async fn campaign(&self, id: Id) -> Result<Option<StoredCampaign>, StorageError> {
+        let Some(Reread { row, calibration, fitted: Some(fitted) }) = self.reread(id).await? else { return Ok(None) };
+        let (verdicts, seen) = self.verdicts_in_words(&row, &calibration).await?;
+        let mut answer = self.reader.campaign_answer(&fitted);
+        answer.id = Some(id.to_string());
+        answer.notes.extend(history_note::read(row.notes.as_deref()));
+        answer.verdicts = verdicts;
+        Ok(Some(StoredCampaign { item: self.item(row), answer, seen }))
     }
 
     /// Who sent an item, by the line of the audit trail about it.
     ///
     /// # Errors
-    /// [`StoreError`].
-    pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StoreError> {
+    /// [`StorageError`].
+    pub async fn sender(&self, line: Option<Id>) -> Result<Option<SenderBody>, StorageError> {
         let Some(line) = line else { return Ok(None) };
         let body = |line: AuditRow| SenderBody {
             name: line.who,
@@ -75,15 +111,15 @@ impl Pipeline {
     /// The closures of a stored record's gyros; none where there is no such record.
     ///
     /// # Errors
-    /// As [`Pipeline::stored_record`].
-    pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StoreError> {
+    /// As [`Records::record`].
+    pub async fn closures(&self, id: Id) -> Result<Option<ClosureDiagnosis>, StorageError> {
         Ok(self.reread(id).await?.map(|it| closures_of(&it.calibration)))
     }
 
     /// A stored record or campaign, read and separated again; it was plausible once, whatever today's limits are.
     ///
     /// # Errors
-    /// As [`Pipeline::stored_record`].
+    /// As [`Records::record`].
     pub(crate) async fn reread(&self, id: Id) -> Result<Option<Reread>, StoreError> {
         let Some(row) = store::record::get(&self.store, id).await? else { return Ok(None) };
         if sha256(row.body.as_bytes()) != row.body_sha256 {
@@ -92,23 +128,56 @@ impl Pipeline {
         let unreadable =
             |faults: Faults| StoreError::Damaged(format!("the body of record {id} cannot be read: {faults}"));
         let (calibration, fitted) = match row.kind {
-            Kind::Record => (self.reread_record(&row.body).map_err(unreadable)?, None),
+            Kind::Record => (self.reader.reread_record(&row.body).map_err(unreadable)?, None),
             Kind::Campaign => {
-                let fitted = self.fitted_again(&row).await?.map_err(unreadable)?;
-                (self.calibration_again(&row, &fitted), Some(fitted))
+                let fitted = self.reader.fitted_again(&row).await?.map_err(unreadable)?;
+                (self.reader.calibration_again(&row, &fitted), Some(fitted))
             }
         };
         Ok(Some(Reread { row, calibration, fitted }))
     }
 
-    /// Whether a record, campaign or bench result counts: it has neither been voided nor revised, and is not set aside.
+    fn item(&self, row: RecordRow) -> RecordItem {
+        RecordItem::of(row, &Names(self.store.names().read()))
+    }
+
+    /// A record or campaign as it was sent.
     ///
     /// # Errors
-    /// [`StoreError`], where what was said of it cannot be read.
-    pub async fn counts(&self, id: Id) -> Result<bool, StoreError> {
-        let corrected =
-            store::correction::of_item(&self.store, id).await?.iter().any(|correction| correction.item == id);
-        Ok(!corrected && !store::set_aside::is_set_aside(&self.store, id).await?)
+    /// [`StorageError`].
+    pub async fn sent(&self, id: Id) -> Result<Option<RecordItem>, StorageError> {
+        Ok(store::record::get(&self.store, id).await?.map(|row| self.item(row)))
+    }
+
+    /// Records and campaigns of an IMU, newest first.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn of_imu(&self, imu: u32, most: u32) -> Result<Vec<RecordSummary>, StorageError> {
+        let heads = store::record::of_imu(&self.store, imu, most).await?;
+        let names = Names(self.store.names().read());
+        Ok(heads.iter().map(|head| RecordSummary::of(head, &names)).collect())
+    }
+
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn bench(&self, id: Id) -> Result<Option<BenchItem>, StorageError> {
+        let row = store::bench::get(&self.store, id).await?;
+        Ok(row.map(|row| BenchItem::of(row, &Names(self.store.names().read()))))
+    }
+
+    /// Whether a record, campaign or bench result counts, and what was said of it.
+    ///
+    /// # Errors
+    /// [`StorageError`], where what was said of it cannot be read.
+    pub async fn status(&self, id: Id) -> Result<ItemStatus, StorageError> {
+        let corrections = store::correction::of_item(&self.store, id).await?;
+        Ok(ItemStatus {
+            is_corrected: corrections.iter().any(|correction| correction.item == id),
+            corrections: corrections.into_iter().map(CorrectionItem::from).collect(),
+            set_aside: store::set_aside::is_set_aside(&self.store, id).await?,
+            confirmation: store::set_aside::confirmation(&self.store, id).await?.map(ConfirmationItem::from),
+        })
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
@@ -139,9 +208,9 @@ impl Pipeline {
             let line = match gyro {
                 Some(gyro) if !counts => {
                     let figures = figures_of(&gyro.separation, row.id, row.calibrated_at, row.imu, row.station);
-                    Line::load_as_it_was(&self.store, *number, figures, method).await?
+                    GyroWindow::load_as_it_was(&self.store, *number, figures, method).await?
                 }
-                _ => Line::load(&self.store, *number, row.calibrated_at, need, method).await?,
+                _ => GyroWindow::load(&self.store, *number, row.calibrated_at, need, method).await?,
             };
             let mut again = line.judge_newest(&limits, Older::NONE);
             again.extend(gyro.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
+use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Pipeline;
 use crate::pipeline::ingest::judge::gyro_window::{marks_of, sample_of};
 use crate::store;
-use crate::store::{Figures, Span, StoreError, Stretch};
+use crate::store::{Store, StoreError, Stretch};
 
 /// Newest records of each gyro that count.
 const RECORDS: usize = 60;
@@ -42,55 +44,53 @@ struct Seen {
     arrivals: Vec<[f64; 2]>,
 }
 
-impl Pipeline {
-    /// Every station that calibrated a gyro lately, by name.
-    pub async fn station_effects(&self) -> Result<Vec<StationEffect>, StoreError> {
-        let gyros: Vec<u32> = self.store.names().read().gyros.iter().map(|(number, _)| number).collect();
-        let mut seen = BTreeMap::<u32, Seen>::new();
-        for some in gyros.chunks(AT_ONCE) {
-            let ever: Vec<Stretch> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
-            let histories = store::histories::newest(&self.store, &ever, RECORDS).await?;
-            let marks = marks_of(&self.store, some).await?;
-            for (gyro, rows) in some.iter().zip(&histories) {
-                let marks = marks.get(gyro).into_iter().flatten();
-                let resets: Vec<UtcMicros> =
-                    marks.filter(|mark| mark.event.resets_baseline()).map(|mark| mark.at).collect();
-                self.look_through(rows, &resets, &mut seen);
-            }
+/// Every station that calibrated a gyro lately, by name.
+pub(super) async fn station_effects(store: &Store, method: JudgedMethod) -> Result<Vec<StationEffect>, StoreError> {
+    let gyros: Vec<u32> = store.names().read().gyros.iter().map(|(number, _)| number).collect();
+    let mut seen = BTreeMap::<u32, Seen>::new();
+    for some in gyros.chunks(AT_ONCE) {
+        let ever: Vec<Stretch> = some.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        let histories = store::histories::newest(store, &ever, RECORDS).await?;
+        let marks = marks_of(store, some).await?;
+        for (gyro, rows) in some.iter().zip(&histories) {
+            let marks = marks.get(gyro).into_iter().flatten();
+            let resets: Vec<UtcMicros> =
+                marks.filter(|mark| mark.event.resets_baseline()).map(|mark| mark.at).collect();
+            look_through(method, rows, &resets, &mut seen);
         }
-        let tables = self.store.names().read();
-        let named = seen.into_iter().filter_map(|(number, seen)| Some(seen.summed_up(tables.stations.name(number)?)));
-        let mut effects: Vec<StationEffect> = named.collect();
-        effects.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(effects)
     }
+    let tables = store.names().read();
+    let named = seen.into_iter().filter_map(|(number, seen)| Some(seen.summed_up(tables.stations.name(number)?)));
+    let mut effects: Vec<StationEffect> = named.collect();
+    effects.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(effects)
+}
 
-    fn look_through(&self, rows: &[Figures], resets: &[UtcMicros], seen: &mut BTreeMap<u32, Seen>) {
-        let values = |figures: &Figures| {
-            let [d_i, d_s, _] = sample_of(figures, self.config.judging.method).d;
-            [d_i.value, d_s.value]
-        };
-        for (i, row) in rows.iter().enumerate() {
-            let of_station = seen.entry(row.station).or_insert_with(|| Seen {
-                last: row.at,
-                records: 0,
-                differences: Vec::new(),
-                arrivals: Vec::new(),
-            });
-            of_station.records += 1;
-            of_station.last = of_station.last.max(row.at);
-            let Some(before) = i.checked_sub(1).map(|i| &rows[i]) else { continue };
-            // Over a repair or a new seat it is another gyro: its change says nothing about the station.
-            if resets.iter().any(|at| (before.at..=row.at).contains(at)) {
-                continue;
-            }
-            let (old, new) = (values(before), values(row));
-            let difference = [new[0] - old[0], new[1] - old[1]];
-            if before.station == row.station {
-                of_station.differences.push(difference);
-            } else {
-                of_station.arrivals.push(difference);
-            }
+fn look_through(method: JudgedMethod, rows: &[Figures], resets: &[UtcMicros], seen: &mut BTreeMap<u32, Seen>) {
+    let values = |figures: &Figures| {
+        let [d_i, d_s, _] = sample_of(figures, method).d;
+        [d_i.value, d_s.value]
+    };
+    for (i, row) in rows.iter().enumerate() {
+        let of_station = seen.entry(row.station).or_insert_with(|| Seen {
+            last: row.at,
+            records: 0,
+            differences: Vec::new(),
+            arrivals: Vec::new(),
+        });
+        of_station.records += 1;
+        of_station.last = of_station.last.max(row.at);
+        let Some(before) = i.checked_sub(1).map(|i| &rows[i]) else { continue };
+        // Over a repair or a new seat it is another gyro: its change says nothing about the station.
+        if resets.iter().any(|at| (before.at..=row.at).contains(at)) {
+            continue;
+        }
+        let (old, new) = (values(before), values(row));
+        let difference = [new[0] - old[0], new[1] - old[1]];
+        if before.station == row.station {
+            of_station.differences.push(difference);
+        } else {
+            of_station.arrivals.push(difference);
         }
     }
 }

@@ -4,15 +4,17 @@
 //! decided again with the limits of the configuration in force: of a record that was judged with other limits, the verdicts
 //! cannot be compared, and are counted; so are those on records that count no more.
 
+use crate::core::figures::Figures;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Older, Rule};
 use crate::core::name::normal_form;
-use crate::pipeline::Pipeline;
+use crate::core::time::Span;
+use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::admit::figures_of;
-use crate::pipeline::ingest::judge::gyro_window::Line;
-use crate::pipeline::queries::record::Reread;
+use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
+use crate::pipeline::queries::record::{Records, Reread};
 use crate::store;
-use crate::store::{Figures, Span, StoreError, StoredVerdict, Table};
+use crate::store::{StoreError, StoredVerdict, Table};
 use crate::wire::bench::parse_bench_result;
 
 /// What was computed again.
@@ -34,12 +36,12 @@ const LEAST_OF_SD: f64 = 0.5;
 /// The last digits may differ between builds of this program; no bit that matters may.
 const TOLERANCE: f64 = 1e-9;
 
-impl Pipeline {
+impl Records {
     /// Computes everything again. Takes as long as there are records: about a millisecond a campaign, less a record.
     ///
     /// # Errors
-    /// [`StoreError`] where something cannot be read at all; what differs is in [`Verified::faults`].
-    pub async fn verify(&self) -> Result<Verified, StoreError> {
+    /// [`StorageError`] where something cannot be read at all; what differs is in [`Verified::faults`].
+    pub async fn verify(&self) -> Result<Verified, StorageError> {
         let mut verified = Verified::default();
         for id in store::record::ids(&self.store).await? {
             verified.records += 1;
@@ -47,7 +49,7 @@ impl Pipeline {
                 Ok(Some(stored)) => self.verify_record(&stored, &mut verified).await?,
                 Ok(None) => verified.faults.push(format!("record {id}: is in an index only")),
                 Err(StoreError::Damaged(what)) => verified.faults.push(what),
-                Err(error) => return Err(error),
+                Err(error) => return Err(error.into()),
             }
         }
         self.verify_benches(&mut verified).await?;
@@ -99,7 +101,7 @@ impl Pipeline {
                 continue;
             }
             let (limits, method) = (self.config.judging.limits(again.imu.as_str(), serial), self.config.judging.method);
-            let line = Line::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
+            let line = GyroWindow::load(&self.store, *number, row.calibrated_at, Need::of(&limits), method).await?;
             let judged = line.judge_newest(&limits, Older::NONE);
             let states = crate::pipeline::ingest::judge::states(&judged);
             let expected: Vec<StoredVerdict> =
@@ -133,7 +135,7 @@ impl Pipeline {
                 verified.bench_results += 1;
                 let sent = match parse_bench_result(row.body.as_bytes(), f64::INFINITY) {
                     Ok(result) => Some(([result.d_i, result.d_s], [result.d_i_sd, result.d_s_sd], 1.0)),
-                    Err(_) => self.fitted_bench(&row).ok().map(|fitted| {
+                    Err(_) => self.reader.fitted_bench(&row.body).ok().map(|fitted| {
                         let d = [fitted.d_i_deg_per_h_g0, fitted.d_s_deg_per_h_g0];
                         (d, [fitted.d_i_sd, fitted.d_s_sd], LEAST_OF_SD)
                     }),

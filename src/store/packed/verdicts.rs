@@ -6,9 +6,9 @@
 //! end the CRC-32 of record number (8 bytes) and all before. Most limits of a sheet are alike: a limit is the place (1 byte) of the
 //! same one among those written out before, or 255 and itself (8). Version 1 wrote out each.
 
+use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Finding, LimitKey, Rule, State, Status, Verdict};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 
 const VERSION: u8 = 2;
 /// Every limit written out.

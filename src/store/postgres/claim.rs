@@ -3,9 +3,9 @@
 use std::pin::pin;
 use std::time::Duration;
 
+use crate::core::id::Id;
 use crate::store::db::{PgReaders, Readers};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::{Place, Store};
 
 /// A claim is renewed this often in the time for which it holds.

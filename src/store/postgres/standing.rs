@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use sqlx::{AssertSqlSafe, Row as _};
 
 use super::PgReaders;
+use crate::core::id::Id;
 use crate::store::commit::Changes;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 use crate::store::tables::history::HistoryRow;
 use crate::store::tables::names::Commit;
@@ -92,7 +92,7 @@ impl Standing {
                 || [outbox.dropped.len(), outbox.hastened.len(), outbox.heard.len(), outbox.forgotten.len()] != [0; 4],
             !changes.models.is_empty(),
             !(changes.models.is_empty() && changes.diagnosis_jobs.started.is_empty())
-                || changes.records.iter().any(|record| record.kind == crate::store::Kind::Campaign),
+                || changes.records.iter().any(|record| record.kind == crate::core::kind::Kind::Campaign),
             !changes.access.tokens.is_empty()
                 || !changes.access.sessions.is_empty()
                 || !changes.access.ended.is_empty(),

@@ -10,15 +10,15 @@ use sqlx::{ConnectOptions, Connection, SqliteConnection, SqlitePool};
 use super::checksum;
 use super::lock::beside;
 use super::private;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::store;
 use crate::store::db::Readers;
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::{MIGRATIONS, Options, Place, Store, connect_options, load_names, migrate};
 use crate::store::postgres;
 use crate::store::secrets::Secrets;
 use crate::store::sqlite::write_behind::Unplaced;
-use crate::store::tables::history::Span;
 use crate::store::tables::names::Names;
 use crate::system::{fill_random, sha256};
 

@@ -2,13 +2,15 @@
 
 use sqlx::{ConnectOptions, SqliteConnection};
 
+use crate::core::access::AuditFilter;
 use crate::core::access::Role;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::commit::{Changes, Writer, batch_of, waiting_for_disk};
 use crate::store::db::{Cells, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::{Id, IdSource};
+use crate::store::id::IdSource;
 use crate::store::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
 use crate::store::postgres;
 use crate::store::sqlite::checksum::{Summing, settle};
@@ -59,16 +61,6 @@ pub struct AuditRow {
     pub subject: String,
     pub before: Option<String>,
     pub after: Option<String>,
-}
-
-/// Which lines of the audit trail.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct AuditFilter {
-    pub from: Option<UtcMicros>,
-    pub to: Option<UtcMicros>,
-    pub who: Option<String>,
-    pub action: Option<String>,
-    pub subject: Option<String>,
 }
 
 /// What changes about access; see [`Changes`].

@@ -1,12 +1,13 @@
 //! Alerts, and the steps by which they came to be what they are.
 
 use crate::core::alert_decision::{Alert, Hushed, Standing, Status, Told};
+use crate::core::alert_filter::AlertFilter;
+use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Cells, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 /// Who said so, why and when.
@@ -169,18 +170,6 @@ fn alert(row: &impl Cells) -> Result<AlertRow, StoreError> {
         muted: muted_by.map(Id).zip(remark("muted_author", "muted_reason", "muted_at")?),
         finding: text("finding")?,
     })
-}
-
-/// Which alerts are asked for; what is left out does not matter.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct AlertFilter {
-    pub standing: Option<Standing>,
-    pub gyro: Option<u32>,
-    pub coefficient: Option<Coefficient>,
-    pub rule: Option<Rule>,
-    pub severity: Option<Severity>,
-    /// The IMU of the record that was judged last.
-    pub imu: Option<String>,
 }
 
 /// Alerts that a filter lets through at `now`, with identifiers below `before`, newest first.

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::history::Span;
 use super::record::RecordAt;
 use crate::core::bench::BenchMethod;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! Records and bench results that do not count any more: who said so, when, why, and what stands in their place.
 
 use super::history::{self, HistoryRow};
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 /// What somebody said of a record or bench result: that it does not count, or that another stands in its place.

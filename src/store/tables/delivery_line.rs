@@ -1,9 +1,9 @@
 //! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands in the line of each.
 
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::Sql;
-use crate::store::id::Id;
 
 /// The lines (hook and alert) that a delivery stands in.
 macro_rules! lines_of {

@@ -1,11 +1,12 @@
 //! Diagnoses of stored campaigns, and which are still to be made.
 
 use super::model::ModelRow;
-use super::record::{Kind, RecordRow};
+use super::record::RecordRow;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 /// A diagnosis that was made.

@@ -4,11 +4,11 @@ use futures::TryStreamExt;
 
 use super::diagnosis::NewDiagnosis;
 use super::diagnosis_job::CampaignFilter;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 /// The gist of one campaign's diagnosis.

@@ -3,12 +3,12 @@
 //! The tasks of an order are its queue: one is waiting until it is done, has failed or is canceled, so that nothing is lost with
 //! whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the transaction that keeps it.
 
-use super::history::Span;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Cells, Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 /// An order as it stands.

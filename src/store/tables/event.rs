@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
+use crate::core::id::Id;
 use crate::core::judge::{Event, FixedLevels, Measured};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]

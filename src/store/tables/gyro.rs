@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
-use super::history::Span;
+use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::store;
 use crate::store::db::{Whole, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
-use crate::store::packed::history_row::{Figures, PACKED_LEN};
+use crate::store::packed::history_row::PACKED_LEN;
 
 /// The newest row that counts of each gyro whose serial comes after that of gyro number `after` (0: all), by serial, at most `limit`; none for
 /// a gyro that only a bench has seen. By number would be in no order at all: a database server's numbers are random.

@@ -1,11 +1,12 @@
 //! Histories of many gyros in one query: asked for one by one, each takes its own way to the database and back.
 
-use super::history::{Span, merged, unpack};
+use super::history::{merged, unpack};
+use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::store;
 use crate::store::db::{Sql, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
-use crate::store::packed::history_row::Figures;
 
 /// Gyros of one query, so that what it hands over stays within a few megabytes.
 const AT_ONCE: usize = 256;

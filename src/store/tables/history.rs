@@ -1,28 +1,19 @@
 //! The history of one gyro: a row a record, in order of time.
 
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
-use crate::store::packed::history_row::{Figures, PACKED_LEN};
+use crate::store::packed::history_row::PACKED_LEN;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct HistoryRow {
     pub gyro: u32,
     pub figures: Figures,
-}
-
-/// A stretch of time, its ends included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Span {
-    pub from: UtcMicros,
-    pub to: UtcMicros,
-}
-
-impl Span {
-    pub const EVER: Span = Span { from: UtcMicros(i64::MIN), to: UtcMicros(i64::MAX) };
 }
 
 /// Puts rows into their gyros' places; one that is there already is replaced.

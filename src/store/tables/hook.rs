@@ -1,11 +1,11 @@
 //! Hooks: whom to tell.
 
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::commit::{Changes, Writer};
 use crate::store::db::{Cells, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 use crate::store::secrets::Secrets;
 

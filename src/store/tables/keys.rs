@@ -1,9 +1,9 @@
 //! `Idempotency-Key` headers and what came of the requests that bore them.
 
+use crate::core::id::Id;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq)]

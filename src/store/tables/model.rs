@@ -1,10 +1,10 @@
 //! Error models that were adopted for an IMU, and which campaigns were fitted with them.
 
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Cells, Whole, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,10 +1,11 @@
 //! Reading the outbox: what is due, how a hook's queue stands, what became of each delivery.
 
-use super::delivery::{AttemptRow, DeliveryRow, DeliveryState, DueDelivery, QueueState, Subject};
+use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, QueueState, Subject};
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::db::{Cells, Sql, Whole, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 fn subject(row: &impl Cells) -> Result<Subject, sqlx::Error> {

@@ -1,3 +1,6 @@
+use crate::core::alert_filter::Matchers;
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use tempfile::TempDir;
 
 use crate::core::alert_decision::{Alert, Hushed, Status, Told};

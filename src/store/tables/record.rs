@@ -2,35 +2,25 @@
 
 use std::sync::Arc;
 
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Readers, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 use crate::store::packed::verdicts::VerdictSheet;
 use crate::store::postgres;
 
-/// What a station sent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Parameters that the station fitted.
-    Record,
-    /// Raw dwells, fitted here.
-    Campaign,
+fn kind_code(kind: Kind) -> i64 {
+    match kind {
+        Kind::Record => 0,
+        Kind::Campaign => 1,
+    }
 }
 
-impl Kind {
-    fn code(self) -> i64 {
-        match self {
-            Kind::Record => 0,
-            Kind::Campaign => 1,
-        }
-    }
-
-    fn from_code(code: i64) -> Option<Self> {
-        [Kind::Record, Kind::Campaign].into_iter().find(|kind| kind.code() == code)
-    }
+fn kind_of(code: i64) -> Option<Kind> {
+    [Kind::Record, Kind::Campaign].into_iter().find(|kind| kind_code(*kind) == code)
 }
 
 /// One record with its verdicts.
@@ -78,7 +68,7 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     for record in records {
         rows.row()
             .integer(record.id.0)
-            .integer(record.kind.code())
+            .integer(kind_code(record.kind))
             .integer(i64::from(record.imu))
             .integer(i64::from(record.station))
             .integer(record.calibrated_at.0)
@@ -136,7 +126,7 @@ fn row(row: Row) -> Result<RecordRow, StoreError> {
     let damaged = |what: &str| StoreError::Damaged(format!("record {id}: {what}"));
     Ok(RecordRow {
         id,
-        kind: Kind::from_code(kind).ok_or_else(|| damaged("unknown kind"))?,
+        kind: kind_of(kind).ok_or_else(|| damaged("unknown kind"))?,
         imu,
         station,
         calibrated_at: UtcMicros(calibrated_at),
@@ -273,8 +263,7 @@ pub async fn of_imu(store: &Store, imu: u32, limit: u32) -> Result<Vec<RecordHea
         sqlx::query_as(sql).bind(Whole(imu)).bind(Whole(limit)).bind(json_of(waiting)).fetch_all(db).await?
     });
     let head = |(id, kind, Whole(station), at)| {
-        let kind =
-            Kind::from_code(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
+        let kind = kind_of(kind).ok_or_else(|| StoreError::Damaged(format!("record {}: unknown kind", Id(id))))?;
         Ok(RecordHead { id: Id(id), kind, station, calibrated_at: UtcMicros(at) })
     };
     rows.into_iter().map(head).collect()

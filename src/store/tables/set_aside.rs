@@ -1,11 +1,11 @@
 //! Records whose time is in doubt: kept as those that were voided are, until somebody confirms it.
 
 use super::history::{self, HistoryRow};
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
 
 /// What a transaction sets aside.

@@ -1,22 +1,14 @@
 //! Silences of every alert that matches.
 
 use super::alerts::Remark;
+use crate::core::alert_filter::Matchers;
+use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Cells, cell, insert, on};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::open::Store;
-
-/// Which alerts a silence is of; what is left out matches all.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Matchers {
-    pub serial: Option<String>,
-    pub imu: Option<String>,
-    pub station: Option<String>,
-    pub rule: Option<Rule>,
-}
 
 /// Nobody is told of the alerts that match, before a time or until somebody ends it.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Whether a target seems to be up: what its lane may send, and when.
+//! Whether a target seems to be up: what its queue may send, and when.
 
 use std::time::{Duration, Instant};
 

@@ -2,18 +2,19 @@
 
 use std::time::Duration;
 
-use super::Desk;
+use super::context::DeliveryContext;
 use crate::alert::deliver::{Attempt, Destination, Outcome};
 use crate::alert::ladder::{Ladder, Next};
 use crate::alert::payload::{self, Context, Payload};
 use crate::alert::sign::{self, Secret};
 use crate::alert::{Change, Event, HookKind, Message};
 use crate::core::alert_decision::Action;
+use crate::core::delivery::DeliveryState;
 use crate::core::message::text;
 use crate::core::time::UtcMicros;
 use crate::message;
 use crate::pipeline::hooks::{Attempted, webhook_id};
-use crate::store::{DeliveryState, DueDelivery, HookRow, Progress, Subject};
+use crate::store::{DueDelivery, HookRow, Progress, Subject};
 use crate::system;
 use crate::wire::alert::AlertBody;
 use crate::wire::hook::ExpectBody;
@@ -48,10 +49,10 @@ impl Addressee {
     }
 }
 
-impl Desk {
+impl DeliveryContext {
     /// Makes one attempt at a delivery.
     pub async fn attempt(&self, to: &Addressee, due: &DueDelivery) -> Attempt {
-        let now = self.pipeline.clock.now();
+        let now = self.hooks.clock.now();
         match message(due) {
             Ok(message) => {
                 let payload = payload::render(to.kind, &message, &self.context(&to.row.name, now));
@@ -69,7 +70,7 @@ impl Desk {
 
     /// Sends what fires to an Alertmanager once more.
     pub async fn resend(&self, to: &Addressee, firing: &[(String, AlertBody)]) -> Attempt {
-        let now = self.pipeline.clock.now();
+        let now = self.hooks.clock.now();
         let payload = payload::push_firing(firing, &self.context(&to.row.name, now));
         self.send(to, &format!("resend_{}", now.0), payload, now).await
     }
@@ -80,7 +81,7 @@ impl Desk {
     }
 
     fn context<'a>(&'a self, hook: &'a str, now: UtcMicros) -> Context<'a> {
-        let hooks = &self.pipeline.config.hooks;
+        let hooks = &self.hooks.config.hooks;
         let resend_every = hooks.resend_every().as_micros() as i64;
         Context { hook, external_url: hooks.external_url(), resend_every, now }
     }

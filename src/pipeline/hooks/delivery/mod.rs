@@ -1,58 +1,43 @@
 //! The delivery worker: takes what waits in the outbox to the targets of hooks, at least once, in order per alert.
 //!
 //! ```text
-//! worker      one lane for every enabled hook                 a target that hangs holds up its own lane alone
-//! lane        what is due -> attempts, a few at a time        the store hands out the first of each alert's line only
-//! letter      a row of the outbox -> a signed request         the same bytes and `webhook-id` at every attempt
+//! worker      one queue for every enabled hook                a target that hangs holds up its own queue alone
+//! queue       what is due -> attempts, a few at a time        the store hands out the first of each alert's line only
+//! message     a row of the outbox -> a signed request         the same bytes and `webhook-id` at every attempt
 //! attempt     the status, or what went wrong
 //! order       to the one writer: done, dead, or when again    on disk before the next of the line is looked for
 //! ```
 //!
 //! What was sent but not yet written down when the process died is sent again: receivers know it by its `webhook-id`.
 
-pub(crate) mod circuit;
+mod circuit;
+mod context;
 pub(crate) mod message;
-pub(crate) mod queue;
+pub(super) mod pulse;
+mod queue;
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Duration;
 
 use tokio::sync::watch;
 use tokio::task::{Id as TaskId, JoinError, JoinHandle, JoinSet};
 
 use crate::alert::deliver::Courier;
-use crate::alert::ladder::Ladder;
-use crate::pipeline::Pipeline;
+use crate::core::id::Id;
+use crate::pipeline::hooks::Hooks;
+use crate::pipeline::hooks::delivery::context::{DeliveryContext, OFF_DUTY};
 use crate::store;
-use crate::store::{Duty, Id, QueueState, StoreError};
+use crate::store::{Duty, StoreError};
 
-use crate::pipeline::hooks::delivery::queue::Lane;
+use crate::pipeline::hooks::delivery::queue::DeliveryQueue;
 
 /// How often the worker looks around when nothing wakes it.
 const ROUND: Duration = Duration::from_secs(5);
-/// How often while another server delivers, or the lease is only late in being renewed.
-const OFF_DUTY: Duration = Duration::from_secs(1);
-/// A worker that has not looked around for so long is not at work.
-const STUCK: Duration = Duration::from_secs(30);
 /// At a stop, attempts under way get so long; what they were sent is sent again after the next start.
 const DRAIN: Duration = Duration::from_secs(5);
-/// Before a lane that broke down is started again.
+/// Before a queue that broke down is started again.
 const BREATH: Duration = Duration::from_secs(1);
-
-/// When the worker last looked around. Cheap to clone.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Pulse(Arc<Mutex<Option<Instant>>>);
-
-impl Pulse {
-    fn beat(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
-    }
-
-    fn is_alive(&self) -> bool {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some_and(|last| last.elapsed() < STUCK)
-    }
-}
 
 /// Why the worker cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +48,7 @@ pub enum OutboxError {
     Client(#[from] reqwest::Error),
 }
 
-/// The worker, running. It holds a clone of the pipeline, so stop it for the writer to end.
+/// The worker, running. It holds a way to the writer, so stop it for the writer to end.
 #[derive(Debug)]
 pub struct Outbox {
     stop: watch::Sender<bool>,
@@ -75,18 +60,18 @@ impl Outbox {
     ///
     /// # Errors
     /// [`OutboxError`] where the configuration names certificates that cannot be used.
-    pub fn start(pipeline: &Pipeline) -> Result<Self, OutboxError> {
-        let hooks = &pipeline.config.hooks;
-        let roots = hooks.ca_file.as_ref().map(|path| {
+    pub fn start(hooks: &Hooks) -> Result<Self, OutboxError> {
+        let config = &hooks.config.hooks;
+        let roots = config.ca_file.as_ref().map(|path| {
             std::fs::read(path).map_err(|source| OutboxError::Authority { path: path.display().to_string(), source })
         });
         let roots = roots.transpose()?;
         let courier =
-            Courier::through(&hooks.proxies(), pipeline.config.target_policy(), hooks.limits(), roots.as_deref())?;
+            Courier::through(&config.proxies(), hooks.config.target_policy(), config.limits(), roots.as_deref())?;
         let (stop, stopping) = watch::channel(false);
-        let desk = Arc::new(Desk { pipeline: pipeline.clone(), courier, ladder: hooks.ladder() });
-        desk.pipeline.pulse.beat();
-        let task = tokio::spawn(Worker { desk, stopping, lanes: JoinSet::new(), hooks: HashMap::new() }.run());
+        let context = Arc::new(DeliveryContext { hooks: hooks.clone(), courier, ladder: config.ladder() });
+        context.hooks.pulse.beat();
+        let task = tokio::spawn(Worker { context, stopping, queues: JoinSet::new(), hooks: HashMap::new() }.run());
         Ok(Self { stop, task })
     }
 
@@ -99,53 +84,46 @@ impl Outbox {
     }
 }
 
-/// What all lanes share.
-struct Desk {
-    pipeline: Pipeline,
-    courier: Courier,
-    ladder: Ladder,
-}
-
 struct Worker {
-    desk: Arc<Desk>,
+    context: Arc<DeliveryContext>,
     stopping: watch::Receiver<bool>,
-    lanes: JoinSet<()>,
+    queues: JoinSet<()>,
     hooks: HashMap<TaskId, Id>,
 }
 
 impl Worker {
     async fn run(mut self) {
-        let mut wake = self.desk.pipeline.wake.subscribe();
+        let mut wake = self.context.hooks.wake.subscribe();
         while !*self.stopping.borrow_and_update() {
-            self.desk.pipeline.pulse.beat();
-            let is_on_duty = store::other_servers::is_on_duty(&self.desk.pipeline.store, Duty::Deliveries);
+            self.context.hooks.pulse.beat();
+            let is_on_duty = store::other_servers::is_on_duty(&self.context.hooks.store, Duty::Deliveries);
             if !is_on_duty {
                 // What was under way is sent again by whoever delivers now.
-                self.lanes.shutdown().await;
+                self.queues.shutdown().await;
                 self.hooks.clear();
             } else if let Err(error) = self.open_lanes().await {
                 tracing::warn!(%error, "the hooks cannot be read; trying again");
             }
             tokio::select! {
-                Some(ended) = self.lanes.join_next_with_id() => self.clear_away(ended).await,
+                Some(ended) = self.queues.join_next_with_id() => self.clear_away(ended).await,
                 _ = wake.changed() => {}
                 _ = self.stopping.changed() => {}
                 () = tokio::time::sleep(if is_on_duty { ROUND } else { OFF_DUTY }) => {}
             }
         }
-        let drained = async { while self.lanes.join_next().await.is_some() {} };
+        let drained = async { while self.queues.join_next().await.is_some() {} };
         if tokio::time::timeout(DRAIN, drained).await.is_err() {
             tracing::info!("attempts still under way were given up; they are made again after the next start");
-            self.lanes.shutdown().await;
+            self.queues.shutdown().await;
         }
     }
 
-    /// Every enabled hook has a lane; a lane ends by itself when its hook is disabled or deleted.
+    /// Every enabled hook has a queue; a queue ends by itself when its hook is disabled or deleted.
     async fn open_lanes(&mut self) -> Result<(), StoreError> {
-        for hook in store::hook::all(&self.desk.pipeline.store).await? {
+        for hook in store::hook::all(&self.context.hooks.store).await? {
             if hook.enabled && !self.hooks.values().any(|open| *open == hook.id) {
-                let lane = Lane::new(Arc::clone(&self.desk), hook.id, self.stopping.clone());
-                let task = self.lanes.spawn(lane.run());
+                let queue = DeliveryQueue::new(Arc::clone(&self.context), hook.id, self.stopping.clone());
+                let task = self.queues.spawn(queue.run());
                 self.hooks.insert(task.id(), hook.id);
             }
         }
@@ -162,17 +140,5 @@ impl Worker {
             }
         };
         self.hooks.remove(&task);
-    }
-}
-
-impl Pipeline {
-    /// Whether the delivery worker is at work.
-    pub fn delivers(&self) -> bool {
-        self.pulse.is_alive()
-    }
-
-    /// How the queues of all hooks stand together.
-    pub async fn outbox_totals(&self) -> Result<QueueState, StoreError> {
-        store::outbox::outbox_totals(&self.store).await
     }
 }

@@ -9,24 +9,26 @@ use futures::future::BoxFuture;
 use futures::stream::FuturesUnordered;
 use tokio::sync::watch;
 
-use super::{Desk, OFF_DUTY};
+use super::context::{DeliveryContext, OFF_DUTY};
 use crate::alert::HookKind;
 use crate::alert::deliver::{Attempt, Outcome};
 use crate::alert::ladder::HORIZON;
+use crate::core::delivery::DeliveryState;
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::pipeline::Refused;
+use crate::pipeline::error::{StorageFault, WriteError};
 use crate::pipeline::hooks::delivery::circuit::Health;
 use crate::pipeline::hooks::delivery::message;
 use crate::pipeline::hooks::delivery::message::Addressee;
 use crate::pipeline::hooks::{Attempted, Found};
 use crate::store;
-use crate::store::{DeliveryState, DueDelivery, Duty, Id, Progress, StoreError};
+use crate::store::{DueDelivery, Duty, Progress, StoreError};
 use crate::telemetry;
 use crate::wire::alert::AlertBody;
 
 /// Deliveries that are fetched at a time.
 const FETCH: u32 = 64;
-/// When nothing tells a lane anything, it looks for itself.
+/// When nothing tells a queue anything, it looks for itself.
 const IDLE: Duration = Duration::from_secs(30);
 /// After a failure to read or write the database.
 const BREATH: Duration = Duration::from_secs(1);
@@ -41,13 +43,13 @@ enum Event {
     Unwritten,
 }
 
-pub(super) struct Lane {
-    desk: Arc<Desk>,
+pub(super) struct DeliveryQueue {
+    context: Arc<DeliveryContext>,
     hook: Id,
     stopping: watch::Receiver<bool>,
     wake: watch::Receiver<u64>,
     health: Health,
-    /// The hook as it was when [`Lane::health`] was last without blemish for its sake.
+    /// The hook as it was when [`DeliveryQueue::health`] was last without blemish for its sake.
     changed_at: Option<UtcMicros>,
     /// Due and fetched, not yet begun.
     ready: VecDeque<DueDelivery>,
@@ -56,16 +58,16 @@ pub(super) struct Lane {
     held: HashSet<Id>,
     /// There may be more due than `ready` holds.
     look_again: bool,
-    /// What was due then has been fetched, but for what it takes to [look again](Lane::look_again) for.
+    /// What was due then has been fetched, but for what it takes to [look again](DeliveryQueue::look_again) for.
     looked_at: UtcMicros,
     resend_at: Instant,
 }
 
-impl Lane {
-    pub fn new(desk: Arc<Desk>, hook: Id, stopping: watch::Receiver<bool>) -> Self {
-        let wake = desk.pipeline.wake.subscribe();
+impl DeliveryQueue {
+    pub fn new(context: Arc<DeliveryContext>, hook: Id, stopping: watch::Receiver<bool>) -> Self {
+        let wake = context.hooks.wake.subscribe();
         Self {
-            desk,
+            context,
             hook,
             stopping,
             wake,
@@ -106,7 +108,7 @@ impl Lane {
     /// The hook as it is now; none where it is told no more.
     async fn addressee(&mut self) -> Result<Option<Arc<Addressee>>, StoreError> {
         self.wake.borrow_and_update();
-        let Some(row) = store::hook::get(&self.desk.pipeline.store, self.hook).await?.filter(|row| row.enabled) else {
+        let Some(row) = store::hook::get(&self.context.hooks.store, self.hook).await?.filter(|row| row.enabled) else {
             return Ok(None);
         };
         // Whoever has changed the hook has mended something.
@@ -117,7 +119,7 @@ impl Lane {
         Ok(Some(Arc::new(to)))
     }
 
-    /// Delivers until something wakes the lane: the hook may have changed, or its queue have been thrown away.
+    /// Delivers until something wakes it: the hook may have changed, or what waited have been thrown away.
     async fn serve(&mut self, to: &Arc<Addressee>) -> Result<(), StoreError> {
         self.ready.clear();
         self.look_again = true;
@@ -150,7 +152,7 @@ impl Lane {
                 return Ok(OFF_DUTY);
             }
         }
-        let at_once = self.health.at_once(self.desk.pipeline.config.hooks.attempts_at_once, Instant::now());
+        let at_once = self.health.at_once(self.context.hooks.config.hooks.attempts_at_once, Instant::now());
         while self.under_way.len() < at_once {
             if self.ready.is_empty() && self.look_again {
                 self.fetch().await?;
@@ -166,7 +168,7 @@ impl Lane {
     }
 
     fn is_on_duty(&self) -> bool {
-        store::other_servers::is_on_duty(&self.desk.pipeline.store, Duty::Deliveries)
+        store::other_servers::is_on_duty(&self.context.hooks.store, Duty::Deliveries)
     }
 
     async fn until_more(&mut self, at_once: usize) -> Result<Duration, StoreError> {
@@ -176,9 +178,9 @@ impl Lane {
         if self.under_way.len() >= at_once {
             return Ok(IDLE);
         }
-        let now = self.desk.pipeline.clock.now();
+        let now = self.context.hooks.clock.now();
         // What has become due since it was last looked for is still to be fetched. The clock may have gone back.
-        let next = store::outbox::next_due(&self.desk.pipeline.store, self.hook, self.looked_at.min(now)).await?;
+        let next = store::outbox::next_due(&self.context.hooks.store, self.hook, self.looked_at.min(now)).await?;
         // A millisecond more, so that it is due indeed.
         let until =
             next.map(|at| Duration::from_micros((at.0 - now.0).max(0).unsigned_abs()) + Duration::from_millis(1));
@@ -186,10 +188,10 @@ impl Lane {
     }
 
     async fn fetch(&mut self) -> Result<(), StoreError> {
-        let now = self.desk.pipeline.clock.now();
+        let now = self.context.hooks.clock.now();
         let horizon = UtcMicros(now.0.saturating_add(HORIZON.as_micros() as i64));
         let limit = FETCH + self.held.len() as u32;
-        let due = store::outbox::due_of_hook(&self.desk.pipeline.store, self.hook, now, horizon, limit).await?;
+        let due = store::outbox::due_of_hook(&self.context.hooks.store, self.hook, now, horizon, limit).await?;
         self.look_again = due.len() == limit as usize;
         self.looked_at = now;
         self.ready.extend(due.into_iter().filter(|due| !self.held.contains(&due.id)));
@@ -198,9 +200,9 @@ impl Lane {
 
     fn attempt(&mut self, to: &Arc<Addressee>, due: DueDelivery) {
         self.held.insert(due.id);
-        let (desk, to) = (Arc::clone(&self.desk), Arc::clone(to));
+        let (context, to) = (Arc::clone(&self.context), Arc::clone(to));
         self.under_way.push(Box::pin(async move {
-            let attempt = desk.attempt(&to, &due).await;
+            let attempt = context.attempt(&to, &due).await;
             Event::Attempted(to, Box::new(due), attempt)
         }));
     }
@@ -210,14 +212,14 @@ impl Lane {
             Event::Attempted(to, due, attempt) => {
                 // What an address does that the hook has no longer says nothing of the one that it has.
                 let is_current = self.changed_at == Some(to.row.changed_at);
-                let hasten = is_current && self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now());
-                let at = self.desk.pipeline.clock.now();
-                let attempted = message::report(&to, &due, &attempt, at, &self.desk.ladder, hasten);
+                let hasten = is_current && self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now());
+                let at = self.context.hooks.clock.now();
+                let attempted = message::report(&to, &due, &attempt, at, &self.context.ladder, hasten);
                 count(to.kind, &attempted, &attempt);
-                let desk = Arc::clone(&self.desk);
+                let context = Arc::clone(&self.context);
                 self.under_way.push(Box::pin(async move {
                     let delivery = attempted.delivery;
-                    let written = desk.write_down(Found::Attempted(attempted)).await;
+                    let written = context.write_down(Found::Attempted(attempted)).await;
                     if written { Event::WrittenDown(delivery) } else { Event::Unwritten }
                 }));
             }
@@ -231,20 +233,20 @@ impl Lane {
     }
 
     async fn resend(&mut self, to: &Addressee) -> Result<(), StoreError> {
-        self.resend_at = Instant::now() + self.desk.pipeline.config.hooks.resend_every();
+        self.resend_at = Instant::now() + self.context.hooks.config.hooks.resend_every();
         let damaged = |error: serde_json::Error| StoreError::Damaged(format!("a step of an alert: {error}"));
         let mut firing: Vec<(String, AlertBody)> = Vec::new();
-        for (severity, body) in store::alerts::heard_firing(&self.desk.pipeline.store, self.hook).await? {
+        for (severity, body) in store::alerts::heard_firing(&self.context.hooks.store, self.hook).await? {
             firing.push((severity, serde_json::from_str(&body).map_err(damaged)?));
         }
         if firing.is_empty() {
             return Ok(());
         }
-        let attempt = self.desk.resend(to, &firing).await;
-        if self.health.note(&attempt, self.desk.ladder.first_wait(), Instant::now()) {
-            let (desk, back) = (Arc::clone(&self.desk), Found::Back(self.hook));
+        let attempt = self.context.resend(to, &firing).await;
+        if self.health.note(&attempt, self.context.ladder.first_wait(), Instant::now()) {
+            let (context, back) = (Arc::clone(&self.context), Found::Back(self.hook));
             self.under_way.push(Box::pin(async move {
-                if desk.write_down(back).await { Event::Hastened } else { Event::Unwritten }
+                if context.write_down(back).await { Event::Hastened } else { Event::Unwritten }
             }));
         }
         if attempt.outcome != Outcome::Delivered {
@@ -254,21 +256,20 @@ impl Lane {
     }
 }
 
-impl Desk {
+impl DeliveryContext {
     /// Sees to it that it is written down, however long the disk may be full: what was delivered and is not known to be
     /// would be sent again. False where the writer has gone.
     async fn write_down(&self, mut found: Found) -> bool {
         loop {
-            match self.pipeline.write_down(found.clone()).await {
+            match self.hooks.write_down(found.clone()).await {
                 Ok(()) => return true,
-                Err(Refused::Stopping) => return false,
+                Err(WriteError::Stopping) => return false,
                 Err(error) => {
                     match &mut found {
                         Found::Attempted(attempted) => {
                             let delivery = attempted.delivery;
                             tracing::warn!(%error, %delivery, "an attempt cannot be written down; trying again");
-                            attempted.perhaps_written |=
-                                matches!(&error, Refused::Store(error) if matches!(**error, StoreError::Unanswered(_)));
+                            attempted.perhaps_written |= matches!(&error, WriteError::Storage(error) if error.fault() == StorageFault::Unanswered);
                         }
                         Found::Back(hook) => {
                             tracing::warn!(%error, %hook, "what waits cannot be hastened; trying again")

@@ -2,11 +2,14 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::Newest;
+use super::newest::Newest;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store;
-use crate::store::{Figures, Id, RecordAt, Span, Store, StoreError};
+use crate::store::{RecordAt, Store, StoreError};
 
 /// What is stored where a group's items are about to go. What is not in here was not asked for.
 #[derive(Debug, Default)]

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use super::{Desk, Group, Table};
+use super::context::Admission;
+use super::group::{Group, Table};
+use crate::core::id::Id;
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{BenchRow, Id, StoreError};
+use crate::store::{BenchRow, StoreError};
 
-impl Desk<'_> {
+impl Admission<'_> {
     pub(super) async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
         if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
             return Ok(there);

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::context::Admission;
+use super::group::{Group, Table};
 use super::memory::{Around, Remembered};
-use super::{Desk, Group, Table};
 use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, TimeDoubt, doubt};
+use crate::core::id::Id;
 use crate::core::mounting::Slot;
 use crate::core::name::{distance, look_keys};
 use crate::core::note::Note;
@@ -12,7 +14,7 @@ use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
-use crate::store::{Id, StoreError};
+use crate::store::StoreError;
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.
@@ -68,7 +70,7 @@ pub(super) fn shown(gyro: &CalibratedGyro) -> Shown {
     Shown { d: [rigid.d_i, rigid.d_s, rigid.d_o], sd, scale: Some(gyro.separation.scale_factor) }
 }
 
-impl Desk<'_> {
+impl Admission<'_> {
     /// Holds a calibration that is about to be entered against what is known. Earlier records whose times turn out to be in doubt are
     /// set aside in the group.
     pub(super) async fn check(&mut self, sent: &Calibration, group: &mut Group) -> Result<Checked, StoreError> {
@@ -225,7 +227,8 @@ impl Desk<'_> {
             let (then, sheet) = (head.calibrated_at, store::record::verdict_sheet(self.store, head.id).await?);
             for (gyro, _) in sheet.filter(|_| then < at).into_iter().flat_map(|sheet| sheet.0) {
                 let rows =
-                    store::history::oldest(self.store, gyro, crate::store::Span { from: then, to: then }, 1).await?;
+                    store::history::oldest(self.store, gyro, crate::core::time::Span { from: then, to: then }, 1)
+                        .await?;
                 if rows.iter().any(|row| row.record == head.id && row.slot == slot) {
                     return Ok(Some(gyro));
                 }
@@ -270,7 +273,7 @@ impl Desk<'_> {
         let mut earlier: BTreeMap<(UtcMicros, Id), bool> = BTreeMap::new();
         for number in &numbers {
             let stored =
-                store::history::oldest(self.store, *number, crate::store::Span::EVER, FALSE_RECORDS + 1).await?;
+                store::history::oldest(self.store, *number, crate::core::time::Span::EVER, FALSE_RECORDS + 1).await?;
             let stored =
                 stored.iter().filter(|row| !group.withdraws(row.record)).map(|row| ((row.at, row.record), true));
             earlier.extend(stored);
@@ -316,26 +319,5 @@ impl Desk<'_> {
         group.changes.set_aside.stored.push(id);
         group.changes.rejudged.notes.push((id, history_note::with(record.notes.as_deref(), note)));
         Ok(true)
-    }
-}
-
-impl Group {
-    /// As for a stored record, of one of this group.
-    fn set_new_aside(&mut self, id: Id, of: &[u32], note: &HistoryNote) -> bool {
-        let Some(record) = self.changes.records.iter_mut().find(|record| record.id == id) else { return false };
-        if record.verdicts.0.iter().any(|(gyro, _)| !of.contains(gyro)) {
-            return false;
-        }
-        record.voided = true;
-        record.notes = Some(history_note::with(record.notes.as_deref(), note).into());
-        let (aside, left) =
-            std::mem::take(&mut self.changes.history).into_iter().partition(|row| row.figures.record == id);
-        self.changes.history = left;
-        let aside: Vec<crate::store::HistoryRow> = aside;
-        for row in &aside {
-            self.rows.remove(&(row.gyro, row.figures.at));
-        }
-        self.changes.set_aside.history.extend(aside);
-        true
     }
 }

@@ -2,13 +2,15 @@
 
 use serde_json::json;
 
-use super::{Desk, Group};
+use super::context::Admission;
+use super::group::Group;
+use crate::core::time::Span;
 use crate::pipeline::ingest::submission::Confirmation;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{ConfirmationRow, HistoryRow, Span};
+use crate::store::{ConfirmationRow, HistoryRow};
 
-impl Desk<'_> {
+impl Admission<'_> {
     pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.id;
         let record = store::record::get(self.store, id).await?.ok_or(Refused::UnknownRecord { id })?;
@@ -29,7 +31,7 @@ impl Desk<'_> {
         let mut rows = Vec::new();
         for (index, &(gyro, _)) in record.verdicts.0.iter().enumerate() {
             if let Some(existing) = self.row_at(Some(gyro), at, group).await? {
-                let serial = self.name_of(super::Table::Gyros, gyro, group);
+                let serial = self.name_of(super::group::Table::Gyros, gyro, group);
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
             let aside = store::history::voided(self.store, gyro, Span { from: at, to: at }).await?;

@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use super::{Desk, Group, Table};
+use super::context::Admission;
+use super::group::{Group, Table};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::note::Note;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{CorrectionRow, HistoryRow, Id, Kind, RecordRow, Span, StoreError};
+use crate::store::{CorrectionRow, HistoryRow, RecordRow, StoreError};
 
-impl Desk<'_> {
+impl Admission<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
         let id = sent.item.id();
         let said = self.said_before(id, group).await?;
@@ -183,11 +187,5 @@ impl Desk<'_> {
             }
         }
         Ok(None)
-    }
-}
-
-impl Group {
-    pub(super) fn withdraws(&self, record: Id) -> bool {
-        self.changes.withdrawn.records.contains(&record)
     }
 }

@@ -3,12 +3,15 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use super::Group;
+use super::group::Group;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::mounting::Slot;
 use crate::core::own_history::Shown;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{Figures, Id, Span, Store, StoreError};
+use crate::store::{Store, StoreError};
 
 /// Newest records of a gyro that are read, and how many more may gather before the oldest are forgotten.
 const REMEMBERED: usize = 32;

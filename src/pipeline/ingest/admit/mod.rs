@@ -4,70 +4,39 @@ mod ahead;
 pub(crate) mod bench;
 mod checking;
 mod confirming;
+mod context;
 pub(crate) mod correction;
+mod group;
 mod memory;
 mod newest;
 mod sending;
 
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use crate::config::Judging;
-use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
+use crate::core::figures::PublishedFigures;
+use crate::core::figures::States;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
 use crate::core::name::look_keys;
 use crate::core::note::Note;
 use crate::core::separate::{Branch, Separation};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, GyroEvent, Submission};
-use crate::pipeline::{Accepted, Actor, Refused};
+use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{
-    Changes, EventRow, Figures, HistoryRow, Id, IdSource, KeyRow, Kind, PublishedFigures, RecordRow, States, Store,
-    StoreError, StoredVerdict, Tables, VerdictSheet,
-};
+use crate::store::{EventRow, HistoryRow, RecordRow, StoreError, StoredVerdict, VerdictSheet};
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::Checked;
+pub(crate) use context::Admission;
+pub(crate) use group::Group;
+use group::Table;
 pub(crate) use memory::Memory;
 use memory::Remembered;
 pub(crate) use newest::Newest;
-use sending::Sending;
 
-/// A group under construction: what is to be written, and what it already holds besides what is stored.
-#[derive(Debug, Default)]
-pub(crate) struct Group {
-    pub changes: Changes,
-    imus: HashMap<String, u32>,
-    stations: HashMap<String, u32>,
-    gyros: HashMap<String, u32>,
-    /// Of new names.
-    numbers: HashSet<(Table, u32)>,
-    records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
-    rows: HashMap<(u32, UtcMicros), Id>,
-    benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
-    keys: HashMap<String, (Id, [u8; 32])>,
-    /// New names by what they look like.
-    looks: HashMap<(Table, String), String>,
-    sendings: Vec<Sending>,
-}
-
-/// What admission may ask.
-pub(crate) struct Desk<'a> {
-    pub store: &'a Store,
-    pub ids: &'a mut IdSource,
-    /// None where the database is to be asked each time.
-    pub newest: Option<&'a Newest>,
-    pub memory: &'a mut Memory,
-    pub ahead: &'a Ahead,
-    pub judging: &'a Judging,
-    /// Where clocks that were never set begin.
-    pub epochs: &'a [UtcMicros],
-    pub now: UtcMicros,
-    /// Whose item is at hand.
-    pub by: &'a Actor,
-}
-
-impl Desk<'_> {
+impl Admission<'_> {
     /// Takes one item into the group. Verdicts are added when the whole group is judged.
     pub async fn admit(&mut self, item: &Submission, group: &mut Group) -> Result<Accepted, Refused> {
         match item {
@@ -230,56 +199,6 @@ impl Desk<'_> {
         }
         table.new_rows(&mut group.changes).push((number, name.to_owned()));
         number
-    }
-}
-
-impl Group {
-    fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {
-        if let Some(key) = key {
-            self.keys.insert(key.to_owned(), (item, body_sha256));
-            self.changes.keys.push(KeyRow { key: key.to_owned(), item, body_sha256 });
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Table {
-    Imus,
-    Stations,
-    Gyros,
-}
-
-impl Table {
-    fn of_store(self, tables: &Tables) -> &crate::store::Table {
-        match self {
-            Self::Imus => &tables.imus,
-            Self::Stations => &tables.stations,
-            Self::Gyros => &tables.gyros,
-        }
-    }
-
-    fn of(self, group: &Group) -> &HashMap<String, u32> {
-        match self {
-            Self::Imus => &group.imus,
-            Self::Stations => &group.stations,
-            Self::Gyros => &group.gyros,
-        }
-    }
-
-    fn of_mut(self, group: &mut Group) -> &mut HashMap<String, u32> {
-        match self {
-            Self::Imus => &mut group.imus,
-            Self::Stations => &mut group.stations,
-            Self::Gyros => &mut group.gyros,
-        }
-    }
-
-    fn new_rows(self, changes: &mut Changes) -> &mut Vec<(u32, String)> {
-        match self {
-            Self::Imus => &mut changes.imus,
-            Self::Stations => &mut changes.stations,
-            Self::Gyros => &mut changes.gyros,
-        }
     }
 }
 

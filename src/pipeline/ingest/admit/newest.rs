@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use crate::core::history_note::FAR_DAYS;
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::store;
-use crate::store::{Changes, HistoryRow, RecordRow, Span, Store, StoreError, Tables};
+use crate::store::{Changes, HistoryRow, RecordRow, Store, StoreError, Tables};
 
 /// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
 #[derive(Debug, Default)]

@@ -3,18 +3,20 @@
 use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
+use crate::core::figures::Figures;
 use crate::core::judge::history::{
     BASELINE_RECORDS, History, Mark, Measured, Need, Sample, Seat, baseline_since, reset_before,
 };
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::ingest::judge::older_summary::{Past, RUN};
+use crate::pipeline::ingest::judge::older_summary::{OlderSummary, RUN};
 use crate::store;
-use crate::store::{CorrectionRow, EventRow, Figures, Span, Store, StoreError};
+use crate::store::{CorrectionRow, EventRow, Store, StoreError};
 
 /// The newest records of one gyro, its newest baselines, and what was done to it.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Line {
+pub(crate) struct GyroWindow {
     samples: Series,
     /// The first records since the last event that begins a baseline.
     baseline: Vec<Sample>,
@@ -27,7 +29,7 @@ pub(crate) struct Line {
     /// Every record since then is here; none where there are no older ones at all.
     from: Option<UtcMicros>,
     /// Before `samples`.
-    past: Past,
+    past: OlderSummary,
 }
 
 /// Where a gyro's history is read, and by which method.
@@ -45,7 +47,7 @@ const FIRST_FEW: usize = 4 * BASELINE_RECORDS;
 /// By so much a record may be late and still find what it is compared with.
 const LATE_DAYS: f64 = 1.0;
 
-impl Line {
+impl GyroWindow {
     /// The line up to and with `until`, as it is stored.
     pub async fn load(
         store: &Store,
@@ -267,12 +269,12 @@ impl Line {
         complete && same && stays && !repeats && (self.is_whole() || far && before >= need.records)
     }
 
-    /// Puts records in their places to which the line [reaches back](Line::reaches_back).
+    /// Puts records in their places to which the line [reaches back](GyroWindow::reaches_back).
     pub fn insert(&mut self, late: impl IntoIterator<Item = Sample>) {
         self.samples.insert(late);
     }
 
-    /// The history in which record `k` of a whole line, or of one to which it reaches back, is judged; `older` as of [`Line::older`].
+    /// The history in which record `k` of a whole line, or of one to which it reaches back, is judged; `older` as of [`GyroWindow::older`].
     pub fn history_at(&self, k: usize, older: Older) -> History<'_> {
         if self.is_whole() {
             return History { older, ..History::whole(&self.samples, k) };
@@ -298,7 +300,7 @@ impl Line {
         Ok(self.past.since(from))
     }
 
-    /// Judges the newest record; `older` as of [`Line::older`]: nothing for a line that was never [shortened](Line::shorten).
+    /// Judges the newest record; `older` as of [`GyroWindow::older`]: nothing for a line that was never [shortened](GyroWindow::shorten).
     pub fn judge_newest(&self, limits: &Limits, older: Older) -> Vec<Verdict> {
         let Some(k) = self.samples.len().checked_sub(1) else { return Vec::new() };
         let mut verdicts = Vec::with_capacity(16);

@@ -9,12 +9,16 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::config::Judging;
 use crate::core::alert_decision::Policy;
+use crate::core::figures::Figures;
+use crate::core::figures::States;
+use crate::core::id::Id;
 use crate::core::judge::history::Need;
 use crate::core::judge::{Coefficient, Limit, Limits, Mark, Rule, Verdict};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::alerts::Naming;
-use crate::pipeline::ingest::judge::gyro_window::{Line, Source, read_ahead, sample_of};
-use crate::store::{Changes, Figures, Id, Span, States, Store, StoreError, StoredVerdict};
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, read_ahead, sample_of};
+use crate::store::{Changes, Store, StoreError, StoredVerdict};
 
 /// A gyro with more than this part of the records that are remembered is remembered shortened from the first.
 const LARGE_PART: usize = 100;
@@ -25,7 +29,7 @@ pub(crate) struct Judge {
     store: Store,
     judging: Judging,
     policy: Policy,
-    lines: HashMap<u32, Line>,
+    lines: HashMap<u32, GyroWindow>,
 }
 
 /// Verdicts by record and gyro number.
@@ -83,7 +87,7 @@ impl Judge {
             let oldest = indices.first().map(|&i| changes.history[i].figures.at);
             let has_events = changes.events.iter().any(|event| event.gyro == gyro);
             self.load(gyro, changes).await?;
-            let newest = self.lines.get(&gyro).and_then(Line::newest);
+            let newest = self.lines.get(&gyro).and_then(GyroWindow::newest);
             let records_alone = !has_events && !shrunk.contains(&gyro);
             if records_alone && oldest.zip(newest).is_none_or(|(oldest, newest)| oldest > newest) {
                 self.append(gyro, &indices, changes, &mut judged).await?;
@@ -123,7 +127,7 @@ impl Judge {
     }
 
     pub fn is_full(&self) -> bool {
-        self.lines.values().map(Line::len).sum::<usize>() > self.judging.remembered_records
+        self.lines.values().map(GyroWindow::len).sum::<usize>() > self.judging.remembered_records
     }
 
     async fn load(&mut self, gyro: u32, changes: &Changes) -> Result<(), StoreError> {
@@ -133,15 +137,15 @@ impl Judge {
         let is_new = changes.gyros.iter().any(|(number, _)| *number == gyro);
         let need = Need::of(&self.limits(None));
         let line = if is_new {
-            Line::default()
+            GyroWindow::default()
         } else {
-            Line::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?
+            GyroWindow::load(&self.store, gyro, Span::EVER.to, need, self.judging.method).await?
         };
         self.remember(gyro, line, need);
         Ok(())
     }
 
-    fn remember(&mut self, gyro: u32, mut line: Line, need: Need) {
+    fn remember(&mut self, gyro: u32, mut line: GyroWindow, need: Need) {
         let large = self.judging.remembered_records / LARGE_PART;
         if line.len() > large {
             line.shorten(large / 2, need);
@@ -161,7 +165,7 @@ impl Judge {
     /// Remembers gyros of which the newest rows have been read, as many as [`Judge::read_ahead`] or all.
     pub async fn take_in(&mut self, newest: &[(u32, Vec<Figures>)]) -> Result<(), StoreError> {
         let need = Need::of(&self.limits(None));
-        for (gyro, line) in Line::load_many(&self.store, newest, need, self.judging.method).await? {
+        for (gyro, line) in GyroWindow::load_many(&self.store, newest, need, self.judging.method).await? {
             self.remember(gyro, line, need);
         }
         Ok(())

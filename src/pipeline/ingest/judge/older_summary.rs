@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use crate::core::judge::{Older, Sample};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::store::Span;
 
 /// Records in a run.
 pub(super) const RUN: usize = 128;
@@ -12,7 +12,7 @@ pub(super) const RUN: usize = 128;
 /// Runs of stored records, oldest first. Where a window begins within a run, its records are read again, once for all windows that
 /// begin in it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Past {
+pub(super) struct OlderSummary {
     runs: VecDeque<Run>,
     /// The records of one run.
     edge: Vec<Sample>,
@@ -27,7 +27,7 @@ struct Run {
     of: Older,
 }
 
-impl Past {
+impl OlderSummary {
     pub fn is_empty(&self) -> bool {
         self.runs.is_empty()
     }
@@ -46,14 +46,14 @@ impl Past {
         self.runs.drain(..gone).next_back().map(|run| run.last)
     }
 
-    /// The stretch that has to be read before [`Past::since`] can tell of `from`.
+    /// The stretch that has to be read before [`OlderSummary::since`] can tell of `from`.
     pub fn wanted(&self, from: UtcMicros) -> Option<Span> {
         let run = self.begun_before(from)?;
         let there = self.edge.first().is_some_and(|first| first.at == run.first);
         (!there).then_some(Span { from: run.first, to: run.last })
     }
 
-    /// Keeps what was [wanted](Past::wanted).
+    /// Keeps what was [wanted](OlderSummary::wanted).
     pub fn keep(&mut self, edge: Vec<Sample>) {
         self.edge = edge;
     }

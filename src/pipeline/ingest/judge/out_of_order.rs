@@ -4,19 +4,22 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use super::{Judge, Judged, Newest, Verdicts, states};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::history::{
     BASELINE_RECORDS, Mark, Need, Sample, Seat, baseline_of, baseline_since, seat_baseline_of,
 };
 use crate::core::judge::{Rule, Verdict, judge};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::ingest::judge::gyro_window::{Line, Source, load_marks, mark_of, sample_of};
+use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{Changes, Figures, HistoryRow, Id, Span, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{Changes, HistoryRow, StoreError, StoredVerdict, VerdictSheet};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]
 struct Reopened {
-    line: Line,
+    line: GyroWindow,
     /// Stored rows, oldest first: those at and after the first change at least.
     stored: Vec<Figures>,
     altered: Vec<Altered>,
@@ -110,7 +113,7 @@ impl Judge {
         &mut self,
         gyro: u32,
         indices: &[usize],
-        remembered: Option<(Line, UtcMicros)>,
+        remembered: Option<(GyroWindow, UtcMicros)>,
         changes: &mut Changes,
         found: &mut Judged,
         sheets: &mut HashMap<Id, VerdictSheet>,
@@ -165,7 +168,12 @@ impl Judge {
 
     /// A gyro's line, where what is remembered is enough to judge new records (`indices`, oldest first), if they are all that comes to it,
     /// and when the oldest of them was made. What is taken is forgotten here until it is put back.
-    pub(super) fn remembered(&mut self, gyro: u32, indices: &[usize], changes: &Changes) -> Option<(Line, UtcMicros)> {
+    pub(super) fn remembered(
+        &mut self,
+        gyro: u32,
+        indices: &[usize],
+        changes: &Changes,
+    ) -> Option<(GyroWindow, UtcMicros)> {
         let oldest = changes.history[*indices.first()?].figures.at;
         let need = Need::of(&self.limits(None));
         let new: Vec<Sample> = self.samples_of(indices, changes).collect();
@@ -180,7 +188,7 @@ impl Judge {
         gyro: u32,
         indices: &[usize],
         changes: &Changes,
-        mut line: Line,
+        mut line: GyroWindow,
         from: UtcMicros,
     ) -> Result<Reopened, StoreError> {
         let stored = store::history::oldest(&self.store, gyro, Span { from, ..Span::EVER }, usize::MAX).await?;
@@ -204,7 +212,7 @@ impl Judge {
         );
         let mut samples: Vec<Sample> = stored.iter().map(|figures| sample_of(figures, self.judging.method)).collect();
         samples.extend(self.samples_of(indices, changes));
-        Ok(Reopened { line: Line::of_all(samples, marks), stored, altered, shrunk })
+        Ok(Reopened { line: GyroWindow::of_all(samples, marks), stored, altered, shrunk })
     }
 
     fn samples_of(&self, indices: &[usize], changes: &Changes) -> impl Iterator<Item = Sample> {

@@ -5,10 +5,13 @@ use std::collections::{HashMap, HashSet};
 use super::{Judge, Judged, Undone};
 use crate::core::alert_decision;
 use crate::core::alert_decision::{Alert, Status};
+use crate::core::figures::Figures;
+use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule};
+use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::{Changes, CorrectionRow, Figures, HistoryRow, Id, Span, StoreError, VerdictSheet};
+use crate::store::{Changes, CorrectionRow, HistoryRow, StoreError, VerdictSheet};
 
 impl Judge {
     /// Notes for each gyro of which something counts no more what would fire without it. To be asked once the new

@@ -5,18 +5,20 @@ use std::time::Duration;
 
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
-use super::Task;
+use super::state::Task;
 use crate::core::alert_decision::Late;
+use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerts::{AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
-use crate::pipeline::hooks::{Scribe, Standing};
+use crate::pipeline::access::Actor;
+use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
+use crate::pipeline::error::WriteError;
+use crate::pipeline::hooks::{OutboxContext, Standing};
 use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
-use crate::pipeline::{Actor, Refused};
 use crate::store;
-use crate::store::{AlertRow, Changes, Duty, Id, StoreError};
+use crate::store::{AlertRow, Changes, Duty, StoreError};
 use crate::wire::alert::AlertBody;
 
 impl Task {
@@ -56,7 +58,7 @@ impl Task {
         if news.is_empty() {
             return Ok(());
         }
-        self.hooks.tell(&news, &mut Scribe { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+        self.hooks.tell(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
     /// Every alert as it stands.
@@ -133,7 +135,7 @@ impl Task {
     }
 
     /// An import has come to its end: what waits for its digest is told.
-    pub(super) async fn tell_digest(&mut self) -> Result<(), Refused> {
+    pub(super) async fn tell_digest(&mut self) -> Result<(), WriteError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
@@ -151,10 +153,10 @@ impl Task {
             return Ok(());
         }
         let news = self.alerts.write(changes);
-        self.hooks.tell_digest(&news, &mut Scribe { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
+        self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
-    async fn commit_or_forget(&mut self, noted: Result<(), StoreError>, changes: &Changes) -> Result<(), Refused> {
+    async fn commit_or_forget(&mut self, noted: Result<(), StoreError>, changes: &Changes) -> Result<(), WriteError> {
         let written = match noted {
             Ok(()) if changes.is_empty() => Ok(()),
             Ok(()) => self.commit(changes).await,
@@ -168,7 +170,7 @@ impl Task {
     }
 
     /// Begins or ends a silence of many alerts.
-    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, Refused> {
+    pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, AlertError> {
         let now = self.clock.now();
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
@@ -187,7 +189,7 @@ impl Task {
     }
 
     /// Does what somebody has said of an alert.
-    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, Refused> {
+    pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, AlertError> {
         let now = self.clock.now();
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;

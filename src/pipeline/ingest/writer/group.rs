@@ -1,29 +1,21 @@
 //! A group on its way: admitted, judged and followed by alerts; its answers foretold; then written; then answered.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Instant;
 
-use super::{Item, StoreJob, Task, items_of};
+use super::state::{Item, Prepared, StoreJob, Tally, Task, items_of};
 use crate::core::alert_decision::Late;
-use crate::core::judge::{Rule, State, Status, Verdict};
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::time::Span;
 use crate::pipeline::alerts::Causes;
-use crate::pipeline::ingest::admit::{Ahead, Desk, Group};
-use crate::pipeline::ingest::judge;
+use crate::pipeline::ingest::admit::{Admission, Ahead, Group};
 use crate::pipeline::ingest::judge::Verdicts;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
-use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply};
+use crate::pipeline::{Accepted, Actor, CalibratedGyro, Judged, Refused, Reply, WriteError};
 use crate::store;
-use crate::store::{Changes, Id, Kind, Span, StoreError};
+use crate::store::{Changes, StoreError};
 use crate::telemetry;
-
-/// What a group comes to, before it is written.
-pub(super) struct Prepared {
-    pub changes: Changes,
-    pub newest: Vec<judge::Newest>,
-    /// One an item; they hold when the changes are on disk.
-    pub replies: Vec<Reply>,
-    tally: Tally,
-}
 
 impl Task {
     /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what is stored.
@@ -33,7 +25,7 @@ impl Task {
         let (now, service) = (self.clock.now(), Actor::by_caller());
         let ahead = Ahead::read(&self.store, &self.newest, items.iter().map(|item| item.sent)).await?;
         self.read_histories(items).await?;
-        let mut desk = Desk {
+        let mut admission = Admission {
             store: &self.store,
             ids: self.writer.ids(),
             newest: Some(&self.newest),
@@ -45,8 +37,8 @@ impl Task {
             by: &service,
         };
         for item in items {
-            desk.by = item.by;
-            replies.push(desk.admit(item.sent, &mut group).await);
+            admission.by = item.by;
+            replies.push(admission.admit(item.sent, &mut group).await);
         }
         let judging = Instant::now();
         group.audit_sendings(now);
@@ -181,52 +173,12 @@ fn count<'a>(items: impl Iterator<Item = Item<'a>>, replies: &[Reply]) {
         let outcome = match reply {
             Ok(Accepted::Stored { .. }) => "stored",
             Ok(Accepted::There { .. }) => "there",
-            Err(Refused::Store(_)) => "failed",
+            Err(Refused::Write(WriteError::Storage(_))) => "failed",
             Err(_) => "refused",
         };
         *counts.entry((kind, outcome)).or_default() += 1;
     }
     for ((kind, outcome), count) in counts {
         metrics::counter!(telemetry::ITEMS, "kind" => kind, "outcome" => outcome).increment(count);
-    }
-}
-
-/// Verdicts on new records, by rule, state and status: a record has dozens.
-#[derive(Debug, Default)]
-struct Tally([([u64; State::ALL.len()], [u64; Status::ALL.len()]); Rule::ALL.len()]);
-
-impl Tally {
-    /// Of the records of a group that are new: what needs no history is with what was sent.
-    fn of(sent: &HashMap<Id, &Calibration>, changes: &Changes, verdicts: &Verdicts) -> Self {
-        let mut tally = Self::default();
-        for sent in sent.values() {
-            tally.add(sent.gyros.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
-        }
-        let new: HashSet<Id> = changes.records.iter().map(|record| record.id).collect();
-        for (_, verdicts) in verdicts.iter().filter(|((record, _), _)| new.contains(record)) {
-            tally.add(verdicts);
-        }
-        tally
-    }
-
-    fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
-        for verdict in verdicts {
-            let (states, statuses) = &mut self.0[verdict.rule as usize];
-            states[verdict.state as usize] += 1;
-            statuses[verdict.status() as usize] += 1;
-        }
-    }
-
-    fn count(&self) {
-        for (rule, (states, statuses)) in Rule::ALL.iter().zip(&self.0) {
-            for (state, count) in State::ALL.iter().zip(states).filter(|(_, count)| **count > 0) {
-                metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name())
-                    .increment(*count);
-            }
-            for (status, count) in Status::ALL.iter().zip(statuses).filter(|(_, count)| **count > 0) {
-                metrics::counter!(telemetry::STATUSES, "rule" => rule.name(), "status" => status.name())
-                    .increment(*count);
-            }
-        }
     }
 }

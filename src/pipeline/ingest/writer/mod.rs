@@ -4,101 +4,47 @@ pub(crate) mod alerts;
 mod group;
 pub(crate) mod overlapped;
 pub(crate) mod postgres_turn;
+mod state;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::mpsc;
 
 use super::admit::{Memory, Newest};
-use super::reply::Teller;
 use crate::config::Config;
-use crate::core::alert_decision::Late;
-use crate::pipeline::access::{AccessOrder, Actor, Guard, Registrar, Secret};
-use crate::pipeline::alerts::AlertBook;
-use crate::pipeline::diagnoses::models::{ModelBook, adopt};
-use crate::pipeline::diagnoses::{DiagnosisOrder, JobDesk};
-use crate::pipeline::hooks::{Found, HookBook, HookDesk, Order};
+use crate::core::id::Id;
+use crate::pipeline::access::{AccessHandler, AccessOrder, Actor, Secret};
+use crate::pipeline::alerts::AlertCache;
+use crate::pipeline::diagnoses::models::adopt;
+use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder};
+use crate::pipeline::error::StorageError;
+use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::ingest::submission::Submission;
-use crate::pipeline::ingest::writer::overlapped::UnderWay;
 use crate::pipeline::ingest::writer::postgres_turn::in_turn;
-use crate::pipeline::{Accepted, Job, Refused, Reply};
+use crate::pipeline::write_queue;
+use crate::pipeline::write_queue::Job;
+use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
 use crate::store;
-use crate::store::{Id, Store, StoreError, Writer};
+use crate::store::{Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
 use group::{Told, answer, foretell};
+use state::{Item, StoreJob, items_of};
+
+pub(crate) use state::{After, Task};
 
 /// How long a transaction may take others' turn, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
 /// Items of one transaction, as many as are stored in a [`TURN`].
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
-pub(crate) struct Task {
-    store: Store,
-    writer: Writer,
-    clock: Clock,
-    config: Arc<Config>,
-    newest: Newest,
-    memory: Memory,
-    judge: Judge,
-    alerts: AlertBook,
-    /// Gyros whose methods are to agree.
-    benched: HashSet<u32>,
-    hooks: HookBook,
-    after: After,
-    /// A group that is being written while the next is made ready.
-    under_way: Option<UnderWay>,
-    /// Items from which on no more are added to a transaction among other servers.
-    items_at_once: usize,
-    /// What others have written could not be read: everything is read again before the next turn is used.
-    behind: bool,
-}
-
-/// A submission of a group.
-#[derive(Clone, Copy)]
-struct Item<'a> {
-    sent: &'a Submission,
-    by: &'a Actor,
-    /// Whether its answer is to hold the verdicts on it.
-    with_verdicts: bool,
-    /// How what is found late is told.
-    late: Late,
-}
-
-fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
-    let StoreJob { items, by, with_verdicts, late, .. } = job;
-    items.iter().map(|sent| Item { sent, by, with_verdicts: *with_verdicts, late: *late })
-}
-
-/// Who is told of what has been written.
-pub(crate) struct After {
-    /// Moves when a hook has changed or has something new to be told.
-    pub wake: watch::Sender<u64>,
-    pub models: ModelBook,
-    /// Moves when diagnoses have become due.
-    pub due: watch::Sender<u64>,
-    pub guard: Guard,
-}
-
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, oneshot::Sender<Result<Id, Refused>>)>;
+type Orders = Vec<(Order, Actor, write_queue::Reply<Id, HookError>)>;
 
-/// Submissions, and where their answers go.
-struct StoreJob {
-    items: Vec<Submission>,
-    by: Actor,
-    /// Whether they are answered with verdicts, and ahead of the disk.
-    with_verdicts: bool,
-    /// How what is found late is told.
-    late: Late,
-    teller: Teller,
-}
-
-type Findings = Vec<(Found, oneshot::Sender<Result<(), Refused>>)>;
+type Findings = Vec<(Found, write_queue::Reply<(), WriteError>)>;
 
 impl Task {
     pub async fn new(
@@ -109,9 +55,9 @@ impl Task {
         after: After,
     ) -> Result<Self, StoreError> {
         let newest = Newest::load(&store).await?;
-        let hooks = HookBook::load(&store).await?;
+        let hooks = HookCache::load(&store).await?;
         let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
-        let alerts = AlertBook::load(&store, config.alerts.policy(), clock.now()).await?;
+        let alerts = AlertCache::load(&store, config.alerts.policy(), clock.now()).await?;
         let benched = store::bench::gyros_on_benches(&store).await?.into_iter().collect();
         Ok(Self {
             store,
@@ -216,7 +162,7 @@ impl Task {
                         continue;
                     }
                     Job::Probe(reply) => {
-                        let _gone = reply.send(self.writer.probe().await);
+                        let _gone = reply.send(self.writer.probe().await.map_err(WriteError::from));
                         continue;
                     }
                 };
@@ -255,7 +201,7 @@ impl Task {
         }
     }
 
-    /// What people order has one transaction each, what lanes have found out shares one.
+    /// What people order has one transaction each, what delivery queues have found out shares one.
     async fn carry_out(&mut self, orders: Orders, findings: Findings) {
         let is_gone = |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.gone.is_some());
         let changed = !orders.is_empty() || findings.iter().any(|(found, _)| is_gone(found));
@@ -264,7 +210,7 @@ impl Task {
             let _gone = reply.send(done);
         }
         if !findings.is_empty() {
-            let written = in_turn!(self, self.hook_desk(None).write_down(findings.iter().map(|(found, _)| found)));
+            let written = in_turn!(self, self.hook_handler(None).write_down(findings.iter().map(|(found, _)| found)));
             for (_, reply) in findings {
                 let _gone = reply.send(written.clone());
             }
@@ -274,15 +220,15 @@ impl Task {
         }
     }
 
-    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, Refused> {
+    async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
         let now = self.clock.now();
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
-        self.hook_desk(Some(order)).carry_out(order, by).await
+        self.hook_handler(Some(order)).carry_out(order, by).await
     }
 
     /// `order`: what it is about to carry out; none where no hook is to hear anything new.
-    fn hook_desk(&mut self, order: Option<&Order>) -> HookDesk<'_> {
+    fn hook_handler(&mut self, order: Option<&Order>) -> HookHandler<'_> {
         let now = self.clock.now();
         let old_secret_until = self.config.hooks.old_secret_until(now);
         let (alerts, heard) = match order {
@@ -290,28 +236,28 @@ impl Task {
             Some(Order::Change(hook, _)) => (self.standings(now), self.hooks.has_heard(*hook)),
             Some(Order::Delete(_) | Order::Test(_) | Order::Redeliver(_)) | None => Default::default(),
         };
-        HookDesk { store: &self.store, writer: &mut self.writer, now, old_secret_until, alerts, heard }
+        HookHandler { store: &self.store, writer: &mut self.writer, now, old_secret_until, alerts, heard }
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
-    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, Refused> {
-        let mut desk = JobDesk { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
-        let done = desk.carry_out(order, by).await;
+    async fn order_diagnoses(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
+        let mut admission = DiagnosisHandler { store: &self.store, writer: &mut self.writer, now: self.clock.now() };
+        let done = admission.carry_out(order, by).await;
         self.after.due.send_modify(|moved| *moved += 1);
         done
     }
 
     /// Changes who may use the service.
-    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, Refused> {
+    async fn register(&mut self, order: &AccessOrder, by: &Actor) -> Result<Option<Secret>, AccessError> {
         let known = store::access::tokens(&self.store).await?;
         let (guard, writer, now) = (&self.after.guard, &mut self.writer, self.clock.now());
-        Registrar { guard, writer, now }.carry_out(order, by, &known).await
+        AccessHandler { guard, writer, now }.carry_out(order, by, &known).await
     }
 
     /// Hooks have changed, or have something new to be told.
     async fn look_at_hooks(&mut self) {
-        match HookBook::load(&self.store).await {
-            Ok(book) => self.hooks = book,
+        match HookCache::load(&self.store).await {
+            Ok(hooks) => self.hooks = hooks,
             Err(error) => tracing::error!(%error, "the hooks cannot be read; those known before are told"),
         }
         self.after.wake.send_modify(|moved| *moved += 1);
@@ -336,8 +282,8 @@ impl Task {
             }
             Err(error) => {
                 tracing::error!(%error, items = items.len(), "a group could not be stored");
-                let error = Arc::new(error);
-                replies.resize(items.len(), Err(Refused::Store(error)));
+                let error = WriteError::from(StorageError::from(error));
+                replies.resize(items.len(), Err(error.into()));
             }
         }
         answer(jobs, replies, Told::Now);

@@ -5,13 +5,10 @@
 //! very many records that are no longer remembered one by one, it has long held.)
 //! A small group is not worth it: while it waited, more would come that can share its transaction.
 
-use tokio::task::JoinHandle;
-
-use super::group::{Prepared, Told, answer, foretell};
-use super::{Item, StoreJob, Task, items_of};
-use crate::pipeline::Job;
-use crate::pipeline::ingest::admit::Newest;
+use super::group::{Told, answer, foretell};
+use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
 use crate::pipeline::ingest::submission::Submission;
+use crate::pipeline::write_queue::Job;
 use crate::store::{Committer, Tables, Written};
 use crate::telemetry;
 
@@ -25,34 +22,10 @@ const ENOUGH: usize = 384;
 /// judged, lines of a third are read.
 pub(super) const MAX_ITEMS: usize = 640;
 
-/// A group that is being written.
-pub(super) struct UnderWay {
-    jobs: Vec<StoreJob>,
-    /// Without its changes, which are with the thread that writes them.
-    prepared: Prepared,
-    /// What was the newest of its gyros and IMUs before it.
-    newest_before: Newest,
-    writing: JoinHandle<Written>,
-    written: Option<Written>,
-}
-
 /// Waits until what is under way has been written, or could not be. Nothing is waited for where nothing is.
 pub(super) async fn written(under_way: &mut Option<UnderWay>) {
     if let Some(under_way) = under_way {
         under_way.wait().await;
-    }
-}
-
-impl UnderWay {
-    async fn wait(&mut self) {
-        if self.written.is_none() {
-            let written = (&mut self.writing).await;
-            self.written = Some(written.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic())));
-        }
-    }
-
-    fn is_stored(&self) -> bool {
-        self.written.as_ref().is_some_and(|written| written.outcome.is_ok())
     }
 }
 

@@ -3,10 +3,12 @@
 
 use std::time::Duration;
 
-use super::{HookBook, Newest, Task};
-use crate::pipeline::Refused;
+use super::state::Task;
+use super::{HookCache, Newest};
+use crate::core::id::Id;
+use crate::pipeline::error::Unwritten;
 use crate::store;
-use crate::store::{Id, Missed, Moves, StoreError};
+use crate::store::{Missed, Moves, StoreError};
 
 /// Records of others that are looked at one by one; after more everything is read again.
 const FEW: u32 = 20_000;
@@ -20,7 +22,7 @@ macro_rules! in_turn {
         loop {
             let done = match $task.begin().await {
                 Ok(()) => $work.await,
-                Err(error) => Err($crate::pipeline::Refused::from(error)),
+                Err(error) => Err(error.into()),
             };
             $task.writer.give_back().await;
             if !$crate::pipeline::ingest::writer::postgres_turn::to_be_tried_again(&done, &mut tries).await {
@@ -43,10 +45,10 @@ pub(super) async fn another_try(error: &StoreError, tries: &mut u32) -> bool {
     worth_it
 }
 
-pub(super) async fn to_be_tried_again<T>(done: &Result<T, Refused>, tries: &mut u32) -> bool {
-    match done {
-        Err(Refused::Store(error)) => another_try(error, tries).await,
-        _ => false,
+pub(super) async fn to_be_tried_again<T>(done: &Result<T, impl Unwritten>, tries: &mut u32) -> bool {
+    match done.as_ref().err().and_then(Unwritten::store_error) {
+        Some(error) => another_try(error, tries).await,
+        None => false,
     }
 }
 
@@ -82,7 +84,7 @@ impl Task {
             self.learn_touched(version).await?;
         }
         if missed.outbox {
-            self.hooks = HookBook::load(&self.store).await?;
+            self.hooks = HookCache::load(&self.store).await?;
         }
         if missed.models {
             self.after.models.read_again(&self.store).await?;

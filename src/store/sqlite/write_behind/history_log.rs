@@ -9,12 +9,14 @@ use std::collections::BTreeSet;
 
 use sqlx::SqliteConnection;
 
+use crate::core::figures::Figures;
+use crate::core::time::Span;
 use crate::store::batch::{Batch, Rows};
 use crate::store::db::{Sql, cell, insert};
 use crate::store::error::StoreError;
-use crate::store::packed::history_row::{Figures, PACKED_LEN};
+use crate::store::packed::history_row::PACKED_LEN;
 use crate::store::sqlite::write_behind::queues::Waiting;
-use crate::store::tables::history::{HistoryRow, Span};
+use crate::store::tables::history::HistoryRow;
 
 const GYRO_LEN: usize = 4;
 

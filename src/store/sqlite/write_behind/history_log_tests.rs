@@ -1,5 +1,8 @@
 //! What readers see does not depend on what has been folded, and nothing of it is lost when the service is killed.
 
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::time::Span;
 use std::collections::BTreeMap;
 
 use rand::{RngExt, SeedableRng};

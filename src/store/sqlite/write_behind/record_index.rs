@@ -10,12 +10,12 @@ use std::collections::{BTreeSet, HashMap};
 
 use sqlx::SqliteConnection;
 
+use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
 use crate::store::commit::Changes;
 use crate::store::db::{Sql, Whole, cell, insert};
 use crate::store::error::StoreError;
-use crate::store::id::Id;
 use crate::store::sqlite::write_behind::queues::Waiting;
 use crate::store::tables::record::RecordRow;
 

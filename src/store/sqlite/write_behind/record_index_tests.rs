@@ -1,5 +1,6 @@
 //! Where a record is found does not depend on whether it has been entered, and nothing of it is lost when the service is killed.
 
+use crate::core::id::Id;
 use std::collections::BTreeMap;
 
 use rand::{RngExt, SeedableRng};

@@ -1,0 +1,61 @@
+//! A trend, and a point of it, as they are answered.
+
+use serde::{Serialize, Serializer};
+use utoipa::ToSchema;
+
+use crate::core::id::Id;
+use crate::core::time::UtcMicros;
+use crate::http::events::EventBody;
+use crate::wire::time::Stamp;
+
+/// The history of one coefficient, oldest first.
+#[derive(Serialize, ToSchema)]
+pub(super) struct Trend<'a> {
+    pub serial: &'a str,
+    pub coefficient: &'static str,
+    /// `deg/(h*g0)`.
+    pub unit: &'static str,
+    pub points: Vec<Point<'a>>,
+    /// What was done to the gyro in the stretch that was asked for, oldest first.
+    #[schema(value_type = Vec<EventBody>)]
+    pub events: &'a [EventBody],
+    /// Cursor of the next page; null on the last.
+    pub next: Option<String>,
+}
+
+#[derive(Serialize, ToSchema)]
+pub(super) struct Point<'a> {
+    #[serde(serialize_with = "stamp")]
+    #[schema(value_type = String)]
+    pub calibrated_at: UtcMicros,
+    pub value: f64,
+    pub sd: Option<f64>,
+    pub method: &'static str,
+    /// IMU and slot; null on a bench.
+    pub imu: Option<&'a str>,
+    pub slot: Option<&'static str>,
+    pub station: &'a str,
+    /// Identifier of the record, or of the bench result.
+    #[serde(serialize_with = "shown")]
+    #[schema(value_type = String)]
+    pub record: Id,
+    /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
+    pub state: Option<&'static str>,
+    /// What the verdicts on it come to: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `borderline`, `too_uncertain`,
+    /// `not_enough_data` or `in_tolerance`; null for what is not judged.
+    pub status: Option<&'static str>,
+    /// True where it does not count any more; shown where voided points are asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voided: Option<bool>,
+    /// Of these one that counts again when somebody confirms its time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub set_aside: Option<bool>,
+}
+
+fn stamp<S: Serializer>(at: &UtcMicros, serializer: S) -> Result<S::Ok, S::Error> {
+    Stamp::of(*at).serialize(serializer)
+}
+
+fn shown<S: Serializer>(id: &Id, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(id)
+}

@@ -1,0 +1,199 @@
+//! What is asked of a trend, checked, and the rows that answer it.
+
+use axum::http::HeaderMap;
+use axum::http::header::ACCEPT;
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::point::Row;
+use crate::config::JudgedMethod;
+use crate::core::bench::BenchMethod;
+use crate::core::figures::Figures;
+use crate::core::judge::Coefficient;
+use crate::core::period::Period;
+use crate::core::time::Span;
+use crate::core::time::UtcMicros;
+use crate::http::App;
+use crate::http::query::{self, bad, not_one_of};
+use crate::message;
+use crate::pipeline::BenchItem;
+use crate::wire::cursor;
+use crate::wire::problem::Problem;
+
+/// Points of one JSON answer unless `limit` says otherwise, and at the most.
+const DEFAULT_POINTS: usize = 1000;
+const MOST_POINTS: usize = 100_000;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct TrendQuery {
+    /// `D_I` (the default), `D_S` or `D_O`, the closure.
+    coefficient: Option<String>,
+    /// `rigid`, `published`, `torque_feedback` or `turntable_servo`; the judged method, where it is left out.
+    method: Option<String>,
+    /// Oldest instant, RFC 3339, itself included.
+    from: Option<String>,
+    /// Newest instant, itself included.
+    to: Option<String>,
+    /// At most so many points, oldest first; 1000 in JSON, all in CSV unless it is given.
+    limit: Option<usize>,
+    /// Instead of `limit`: the newest so many points, still oldest first.
+    last: Option<usize>,
+    /// `next` of the page before.
+    cursor: Option<String>,
+    /// `json` or `csv`; without it, `Accept` decides.
+    format: Option<String>,
+    /// `day`, `week` or `month`: the least, largest, mean and last of each period instead of points.
+    every: Option<String>,
+    /// `include` shows what was voided or revised as well, each point flagged; such points are left out otherwise.
+    voided: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Method {
+    Separated(JudgedMethod),
+    Bench(BenchMethod),
+}
+
+impl Method {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Separated(JudgedMethod::Rigid) => "rigid",
+            Self::Separated(JudgedMethod::Published) => "published",
+            Self::Bench(method) => method.name(),
+        }
+    }
+}
+
+/// The query, checked.
+#[derive(Debug)]
+pub(super) struct Request {
+    pub coefficient: Coefficient,
+    pub method: Method,
+    pub span: Span,
+    pub limit: usize,
+    pub newest: bool,
+    pub voided: bool,
+    pub every: Option<Period>,
+    pub csv: bool,
+}
+
+/// The points as text.
+pub(super) struct Written {
+    pub text: Vec<u8>,
+    pub csv: bool,
+    pub next: Option<String>,
+}
+
+impl Request {
+    pub fn read(app: &App, asked: &TrendQuery, headers: &HeaderMap) -> Result<Self, Problem> {
+        let coefficient = asked.coefficient.as_deref().unwrap_or("D_I");
+        let coefficient = Coefficient::from_name(coefficient)
+            .filter(|c| c.column().is_some())
+            .ok_or_else(|| not_one_of("coefficient", ["D_I", "D_S", "D_O"], coefficient))?;
+        let method = match asked.method.as_deref() {
+            None => Method::Separated(app.config.judging.method),
+            Some("rigid") => Method::Separated(JudgedMethod::Rigid),
+            Some("published") => Method::Separated(JudgedMethod::Published),
+            Some(name) => Method::Bench(BenchMethod::from_name(name).ok_or_else(|| {
+                not_one_of("method", ["rigid", "published", "torque_feedback", "turntable_servo"], name)
+            })?),
+        };
+        let csv = match asked.format.as_deref() {
+            Some("csv") => true,
+            Some("json") => false,
+            Some(other) => return Err(not_one_of("format", ["json", "csv"], other)),
+            None => headers.get(ACCEPT).and_then(|a| a.to_str().ok()).is_some_and(|a| a.contains("text/csv")),
+        };
+        let voided = match asked.voided.as_deref() {
+            None | Some("exclude") => false,
+            Some("include") => true,
+            Some(other) => return Err(not_one_of("voided", ["include", "exclude"], other)),
+        };
+        if asked.last.is_some() && (asked.limit.is_some() || asked.cursor.is_some()) {
+            return Err(bad(message!("last_alone")));
+        }
+        let default = if csv { MOST_POINTS } else { DEFAULT_POINTS };
+        let limit = query::limit(asked.last.or(asked.limit), default, MOST_POINTS)?;
+        let mut span = query::span(asked.from.as_deref(), asked.to.as_deref())?;
+        if let Some(cursor) = &asked.cursor {
+            span.from = span.from.max(UtcMicros(query::position(cursor)?.saturating_add(1)));
+        }
+        let every = Self::period(asked.every.as_deref(), voided)?;
+        Ok(Self { coefficient, method, span, limit, newest: asked.last.is_some(), voided, every, csv })
+    }
+
+    /// Of the coefficient, among D_I, D_S and D_O.
+    pub fn column(&self) -> usize {
+        self.coefficient.column().unwrap_or_default()
+    }
+
+    /// `every`, which goes with what counts only.
+    fn period(name: Option<&str>, voided: bool) -> Result<Option<Period>, Problem> {
+        let Some(name) = name else { return Ok(None) };
+        let period = Period::from_name(name).ok_or_else(|| not_one_of("every", ["day", "week", "month"], name))?;
+        if voided {
+            return Err(bad(message!("every_counts_only")));
+        }
+        Ok(Some(period))
+    }
+
+    /// One page of rows, and where the next begins.
+    pub async fn history(&self, app: &App, gyro: u32) -> Result<(Vec<Row>, Option<String>), Problem> {
+        let histories = &app.pipeline.queries.histories;
+        let counting = match self.newest {
+            true => histories.newest(gyro, self.span, self.limit).await?,
+            false => histories.oldest(gyro, self.span, self.limit + 1).await?,
+        };
+        let flag = |voided: bool| self.voided.then_some(voided);
+        let row = |figures, voided, set_aside| Row { figures, voided: flag(voided), set_aside };
+        let mut rows: Vec<Row> = counting.into_iter().map(|figures| row(figures, false, false)).collect();
+        if self.voided {
+            // What lies beyond the last row of a page that is full belongs to a later page.
+            let full = !self.newest && rows.len() > self.limit;
+            let end = rows.last().filter(|_| full).map_or(self.span.to, |last| last.figures.at);
+            let voided = histories.voided(gyro, Span { to: end, ..self.span }).await?;
+            let aside = histories.set_aside(gyro).await?;
+            let is_aside = |figures: &Figures| aside.iter().any(|(id, _)| *id == figures.record);
+            rows.extend(voided.into_iter().map(|figures| row(figures, true, is_aside(&figures))));
+            rows.sort_by_key(|row| (row.figures.at, row.figures.record));
+        }
+        let next = self.page(&mut rows, |row| row.figures.at);
+        Ok((rows, next))
+    }
+
+    /// Leaves one page; the cursor of the next, where something is left.
+    fn page<T>(&self, rows: &mut Vec<T>, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
+        if self.newest {
+            rows.drain(..rows.len().saturating_sub(self.limit));
+            return None;
+        }
+        cut(rows, self.limit, at)
+    }
+
+    pub async fn benches(
+        &self,
+        app: &App,
+        gyro: u32,
+        method: BenchMethod,
+    ) -> Result<(Vec<BenchItem>, Option<String>), Problem> {
+        let mut rows = app.pipeline.queries.histories.all_benches(gyro, self.span).await?;
+        rows.retain(|row| row.method == method && (self.voided || !row.voided));
+        let next = self.page(&mut rows, |row| row.measured_at);
+        Ok((rows, next))
+    }
+}
+
+/// Cuts one page off; the cursor of the next, where something is left.
+pub(super) fn cut<T>(rows: &mut Vec<T>, limit: usize, at: impl Fn(&T) -> UtcMicros) -> Option<String> {
+    let (last, first_left) = (rows.get(limit.checked_sub(1)?)?, rows.get(limit)?);
+    // The next page begins after an instant: what is of the same instant stays together.
+    let end = match at(last) == at(first_left) {
+        true => rows.iter().skip(limit).position(|row| at(row) != at(last)).map_or(rows.len(), |more| limit + more),
+        false => limit,
+    };
+    let next = (end < rows.len()).then(|| cursor::encode(at(last).0));
+    rows.truncate(end);
+    next
+}

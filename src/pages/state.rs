@@ -1,0 +1,25 @@
+//! What every page may use.
+
+use std::sync::Arc;
+
+use crate::config::Config;
+use crate::pipeline::Pipeline;
+use crate::system::Clock;
+use crate::words;
+
+/// Cheap to clone.
+#[derive(Clone)]
+pub struct Pages {
+    pub config: Arc<Config>,
+    pub clock: Clock,
+    pub pipeline: Arc<Pipeline>,
+}
+
+/// For what takes its time: other requests are not to wait for it.
+pub(super) async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    match words::spawn_blocking(work).await {
+        Ok(done) => done,
+        // It is never cancelled, so it has panicked: as if it had done so here.
+        Err(failed) => std::panic::resume_unwind(failed.into_panic()),
+    }
+}

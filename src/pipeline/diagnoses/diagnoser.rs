@@ -1,0 +1,199 @@
+//! Makes diagnoses, one for all who ask, and has them kept.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use tokio::sync::{Semaphore, oneshot, watch};
+
+use crate::core::campaign::Campaign;
+use crate::core::diagnose::diagnose;
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::time::UtcMicros;
+use crate::message;
+use crate::pipeline::diagnoses::background::{Awaited, IdleDetector, beside_others};
+use crate::pipeline::diagnoses::digest::seats;
+use crate::pipeline::diagnoses::made::{Diagnosed, Known, Made, Outcome, program};
+use crate::pipeline::diagnoses::models::{InForce, ModelCache};
+use crate::pipeline::ingest::fitted::damaged;
+use crate::pipeline::write_queue::{Job, WeakWriteQueue};
+use crate::store;
+use crate::store::{RecordRow, Store, StoreError};
+use crate::system::Clock;
+use crate::telemetry;
+use crate::wire::campaign;
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::message::{from_stored, to_stored};
+
+/// Computed at the same time at the least, where there is but one processor: one asked for need not wait for another.
+const AT_ONCE: usize = 2;
+/// How many are kept in memory: what came in lately, and what a few engineers look at in turn.
+const IN_MEMORY: usize = 32;
+
+/// What has become of the question.
+#[derive(Debug, Clone)]
+pub enum DiagnosisAnswer {
+    NoSuchCampaign,
+    /// It is being made; ask again.
+    Waiting,
+    Answered(Diagnosed),
+}
+
+/// Those who wait for one that is being made learn of its end.
+type UnderWay = HashMap<(Id, Option<Id>), watch::Receiver<Option<Diagnosed>>>;
+
+/// Who makes diagnoses and has them kept. Cheap to clone.
+#[derive(Debug, Clone)]
+pub(in crate::pipeline) struct Diagnoser {
+    pub(super) store: Store,
+    pub(super) models: ModelCache,
+    pub(super) clock: Clock,
+    /// Weak: the writer ends when nobody but this could send to it.
+    queue: WeakWriteQueue,
+    pub(super) idle: IdleDetector,
+    /// How many are computed at the same time.
+    pub(super) at_once: usize,
+    turns: Arc<Semaphore>,
+    under_way: Arc<Mutex<UnderWay>>,
+    known: Arc<Mutex<VecDeque<Known>>>,
+}
+
+impl Diagnoser {
+    pub fn new(store: Store, models: ModelCache, clock: Clock, queue: WeakWriteQueue, idle: IdleDetector) -> Self {
+        let at_once = std::thread::available_parallelism().map_or(AT_ONCE, |n| n.get().max(AT_ONCE));
+        let turns = Arc::new(Semaphore::new(at_once));
+        Self { store, models, clock, queue, idle, at_once, turns, under_way: Arc::default(), known: Arc::default() }
+    }
+
+    /// The diagnosis of a stored campaign against the model in force: as it was kept, or made now.
+    pub(super) async fn diagnosis(
+        &self,
+        id: Id,
+        awaited: Awaited,
+        patience: Duration,
+    ) -> Result<DiagnosisAnswer, StoreError> {
+        if let Some(diagnosed) = self.recall(id) {
+            return Ok(DiagnosisAnswer::Answered(diagnosed));
+        }
+        let Some(row) = store::record::get(&self.store, id).await?.filter(|row| row.kind == Kind::Campaign) else {
+            return Ok(DiagnosisAnswer::NoSuchCampaign);
+        };
+        let in_force = self.models.of(Some(row.imu));
+        if let Some(diagnosed) = self.kept(&row, &in_force).await? {
+            return Ok(DiagnosisAnswer::Answered(diagnosed));
+        }
+        let mut end = self.begin(&row, in_force, awaited)?;
+        let ended = tokio::time::timeout(patience, end.wait_for(Option::is_some)).await;
+        let Ok(ended) = ended else { return Ok(DiagnosisAnswer::Waiting) };
+        let gone = || StoreError::Damaged(format!("the diagnosis of campaign {id} failed"));
+        let diagnosed = ended.map_err(|_| gone())?.clone().ok_or_else(gone)?;
+        Ok(DiagnosisAnswer::Answered(diagnosed))
+    }
+
+    /// As it was kept by this program against the model in force.
+    async fn kept(&self, row: &RecordRow, in_force: &InForce) -> Result<Option<Diagnosed>, StoreError> {
+        let kept = store::diagnosis::get(&self.store, row.id).await?;
+        let Some(kept) = kept.filter(|kept| kept.program == program() && kept.model == in_force.id) else {
+            return Ok(None);
+        };
+        let read = |body: &str| {
+            serde_json::from_str(body).map_err(|error| {
+                StoreError::Damaged(format!("the diagnosis of campaign {} cannot be read: {error}", row.id))
+            })
+        };
+        let diagnosed = Arc::new(if kept.refused { Err(from_stored(&kept.body)) } else { Ok(read(&kept.body)?) });
+        self.remember(Known { campaign: row.id, imu: row.imu, model: kept.model, diagnosed: Arc::clone(&diagnosed) });
+        Ok(Some(diagnosed))
+    }
+
+    /// Has it made by a task of its own, whether or not the caller stays; once, however many ask.
+    pub(super) fn begin(
+        &self,
+        row: &RecordRow,
+        in_force: InForce,
+        awaited: Awaited,
+    ) -> Result<watch::Receiver<Option<Diagnosed>>, StoreError> {
+        let key = (row.id, in_force.id);
+        let mut under_way = self.under_way.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(end) = under_way.get(&key) {
+            return Ok(end.clone());
+        }
+        let campaign = campaign::parse_json(row.body.as_bytes()).map_err(|faults| damaged(row.id, &faults))?;
+        let (ended, end) = watch::channel(None);
+        under_way.insert(key, end.clone());
+        let (diagnoser, imu) = (self.clone(), row.imu);
+        tokio::spawn(async move {
+            let gyros = seats(&campaign);
+            let (begun_at, made) = diagnoser.compute(campaign, &in_force, awaited).await;
+            let (campaign, model) = key;
+            let outcome = match &made {
+                Some(diagnosed) => {
+                    let known = Known { campaign, imu, model, diagnosed: Arc::clone(diagnosed) };
+                    diagnoser.remember(known.clone());
+                    Outcome::Known { known, gyros }
+                }
+                None => Outcome::Failed(to_stored(&message!("computation_broke_off"))),
+            };
+            diagnoser.have_kept(Made { campaign, begun_at, ended_at: diagnoser.clock.now(), outcome }).await;
+            if made.is_some() {
+                ended.send_replace(made);
+            }
+            diagnoser.under_way.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
+        });
+        Ok(end)
+    }
+
+    /// When it is its turn: since when, and the answer; none where it panicked.
+    async fn compute(
+        &self,
+        campaign: Campaign,
+        in_force: &InForce,
+        awaited: Awaited,
+    ) -> (UtcMicros, Option<Diagnosed>) {
+        // Nobody closes it: a turn always comes.
+        let _turn = self.turns.acquire().await;
+        let (begun_at, begun) = (self.clock.now(), Instant::now());
+        let options = in_force.model.options_as_asked(&campaign);
+        let work = move || match diagnose(&campaign, &options) {
+            Ok(diagnosis) => Ok(DiagnosisBody::from(&diagnosis)),
+            Err(why) => Err(why.message()),
+        };
+        let made = beside_others("diagnosis", awaited, work).await;
+        let outcome = match &made {
+            Some(Ok(_)) => "made",
+            Some(Err(_)) => "refused",
+            None => "failed",
+        };
+        metrics::counter!(telemetry::DIAGNOSES, "outcome" => outcome).increment(1);
+        metrics::histogram!(telemetry::DIAGNOSIS_TIME).record(begun.elapsed());
+        (begun_at, made.map(Arc::new))
+    }
+
+    /// Puts it on disk. Where that fails it is made again after the next start, or for the orders that wait for it.
+    pub(super) async fn have_kept(&self, made: Made) {
+        let Some(queue) = self.queue.upgrade() else { return };
+        let campaign = made.campaign;
+        let (reply, answer) = oneshot::channel();
+        if queue.send(Job::Diagnosed { made, reply }).await.is_err() {
+            return;
+        }
+        drop(queue);
+        if let Ok(Err(error)) = answer.await {
+            tracing::warn!(%error, %campaign, "a diagnosis could not be kept");
+        }
+    }
+
+    fn recall(&self, id: Id) -> Option<Diagnosed> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known.iter().find(|known| known.campaign == id)?;
+        (self.models.of(Some(found.imu)).id == found.model).then(|| Arc::clone(&found.diagnosed))
+    }
+
+    fn remember(&self, new: Known) {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|known| known.campaign != new.campaign);
+        known.truncate(IN_MEMORY - 1);
+        known.push_front(new);
+    }
+}

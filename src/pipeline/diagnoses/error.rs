@@ -1,0 +1,54 @@
+//! Why an order about diagnoses or a model is not carried out, and why a gap cannot be split.
+
+use crate::core::diagnose::NoReference;
+use crate::core::id::Id;
+use crate::core::message::{Message, text};
+use crate::message;
+use crate::pipeline::error::{StorageError, WriteError, unwritten};
+use crate::store::StoreError;
+
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum DiagnosisError {
+    NoSuchDiagnoses {
+        id: Id,
+    },
+    DiagnosesEnded {
+        id: Id,
+    },
+    UnknownImu {
+        imu: String,
+    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl DiagnosisError {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoSuchDiagnoses { id } => message!("no_such_diagnoses", id = text(id)),
+            Self::DiagnosesEnded { id } => message!("diagnoses_ended", id = text(id)),
+            Self::UnknownImu { imu } => message!("unknown_imu", imu = imu.clone()),
+            Self::Write(error) => error.message(),
+        }
+    }
+}
+
+unwritten!(DiagnosisError);
+
+/// Why a diagnosis cannot be held against a reference.
+#[derive(Debug, thiserror::Error)]
+pub enum NotSplit {
+    #[error("there is no campaign or record {0}")]
+    NoSuchReference(Id),
+    #[error(transparent)]
+    NoReference(#[from] NoReference),
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+}
+
+impl From<StoreError> for NotSplit {
+    fn from(error: StoreError) -> Self {
+        Self::Storage(error.into())
+    }
+}

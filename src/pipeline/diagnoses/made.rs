@@ -1,0 +1,85 @@
+//! A diagnosis that was made, and what the one writer does with it.
+
+use std::sync::Arc;
+
+use crate::core::diagnose::METHOD;
+use crate::core::id::Id;
+use crate::core::message::Message;
+use crate::core::time::UtcMicros;
+use crate::pipeline::diagnoses::digest::{Digest, Seat};
+use crate::pipeline::diagnoses::models::ModelCache;
+use crate::pipeline::error::WriteError;
+use crate::store::{Changes, DiagnosisRow, JobChanges, NewDiagnosis, SettledTask, Writer};
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::wire::message::to_stored;
+
+/// The answer, or why there is none.
+pub type Diagnosed = Arc<Result<DiagnosisBody, Message>>;
+
+/// One diagnosis, and what it was made against.
+#[derive(Debug, Clone)]
+pub(super) struct Known {
+    pub(super) campaign: Id,
+    pub(super) imu: u32,
+    pub(super) model: Option<Id>,
+    pub(super) diagnosed: Diagnosed,
+}
+
+/// What has come of a campaign that was to be diagnosed.
+#[derive(Debug)]
+pub(in crate::pipeline) struct Made {
+    pub(super) campaign: Id,
+    pub(super) begun_at: UtcMicros,
+    pub(super) ended_at: UtcMicros,
+    pub(super) outcome: Outcome,
+}
+
+#[derive(Debug)]
+pub(super) enum Outcome {
+    Known {
+        known: Known,
+        gyros: Vec<Seat>,
+    },
+    /// There is no answer, not even why the campaign leaves none: a fault of the program or of the disk.
+    Failed(String),
+}
+
+/// Which program a kept diagnosis is of.
+pub(super) fn program() -> String {
+    format!("{}, method {METHOD}", env!("CARGO_PKG_VERSION"))
+}
+
+impl Known {
+    fn row(&self) -> DiagnosisRow {
+        let (refused, body) = match &*self.diagnosed {
+            Ok(body) => (false, text(body)),
+            Err(why) => (true, to_stored(why)),
+        };
+        DiagnosisRow { record: self.campaign, model: self.model, program: program(), refused, body }
+    }
+}
+
+pub(super) fn text(body: &impl serde::Serialize) -> String {
+    serde_json::to_string(body).expect("strings and finite numbers always serialise")
+}
+
+impl Made {
+    /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that wait for
+    /// the campaign are told in the same.
+    pub async fn keep(&self, writer: &mut Writer, models: &ModelCache) -> Result<(), WriteError> {
+        let Self { campaign, begun_at, ended_at, outcome } = self;
+        let mut changes = Changes::default();
+        let failed = match outcome {
+            Outcome::Known { known, .. } if models.of(Some(known.imu)).id != known.model => return Ok(()),
+            Outcome::Known { known, gyros } => {
+                let gist = text(&Digest::of(gyros.clone(), &known.diagnosed));
+                changes.diagnoses.push(NewDiagnosis { row: known.row(), gist });
+                known.diagnosed.as_ref().as_ref().err().map(to_stored)
+            }
+            Outcome::Failed(why) => Some(why.clone()),
+        };
+        let settled = vec![SettledTask { record: *campaign, begun_at: *begun_at, ended_at: *ended_at, failed }];
+        changes.diagnosis_jobs = JobChanges { settled, ..JobChanges::default() };
+        Ok(writer.commit(&changes).await?)
+    }
+}

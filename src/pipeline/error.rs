@@ -1,0 +1,134 @@
+//! What every room's errors have in common: the database may fail, and the writer may be busy or gone.
+
+use std::sync::Arc;
+
+use crate::core::message::Message;
+use crate::message;
+use crate::store::StoreError;
+
+/// The database has failed. Cheap to clone; for logs it says what the database said.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error(transparent)]
+pub struct StorageError(Arc<StoreError>);
+
+/// What a failure of the database means to whoever asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StorageFault {
+    /// There is no room.
+    Full,
+    /// Nothing was stored, and another try may do better.
+    Unwritable,
+    /// What was sent may be stored or not.
+    Unanswered,
+    /// It cannot be read.
+    Damaged,
+    /// Anything else: a fault of the service.
+    Internal,
+}
+
+impl StorageError {
+    pub fn fault(&self) -> StorageFault {
+        match &*self.0 {
+            StoreError::Full => StorageFault::Full,
+            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::NotDurable(_) => {
+                StorageFault::Unwritable
+            }
+            StoreError::Unanswered(_) => StorageFault::Unanswered,
+            StoreError::Damaged(_) => StorageFault::Damaged,
+            StoreError::Refused(_)
+            | StoreError::InUse(_)
+            | StoreError::File(_)
+            | StoreError::Key(_)
+            | StoreError::Other(_) => StorageFault::Internal,
+        }
+    }
+
+    /// What a client is told. The log has the rest.
+    pub fn message(&self) -> Message {
+        match (&*self.0, self.fault()) {
+            (StoreError::NotDurable(_), _) => message!("disk_failed"),
+            (StoreError::Damaged(what), _) => message!("database_damaged", what = what.to_string()),
+            (_, StorageFault::Full) => message!("disk_full"),
+            (_, StorageFault::Unwritable) => message!("cannot_write"),
+            (_, StorageFault::Unanswered) => message!("perhaps_stored"),
+            (_, StorageFault::Damaged | StorageFault::Internal) => message!("service_failed"),
+        }
+    }
+
+    pub(super) fn store_error(&self) -> &StoreError {
+        &self.0
+    }
+}
+
+impl From<StoreError> for StorageError {
+    fn from(error: StoreError) -> Self {
+        Self(Arc::new(error))
+    }
+}
+
+/// Nothing was written; after [`StorageFault::Unanswered`] that is not known.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum WriteError {
+    #[error("{}", self.message())]
+    Busy,
+    #[error("{}", self.message())]
+    Stopping,
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+}
+
+impl WriteError {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Busy => message!("busy"),
+            Self::Stopping => message!("stopping"),
+            Self::Storage(error) => error.message(),
+        }
+    }
+}
+
+/// An error behind which a failed write may be.
+pub(super) trait Unwritten: From<StoreError> {
+    fn write_error(&self) -> Option<&WriteError>;
+
+    fn store_error(&self) -> Option<&StoreError> {
+        match self.write_error()? {
+            WriteError::Storage(error) => Some(error.store_error()),
+            WriteError::Busy | WriteError::Stopping => None,
+        }
+    }
+}
+
+impl From<StoreError> for WriteError {
+    fn from(error: StoreError) -> Self {
+        Self::Storage(error.into())
+    }
+}
+
+impl Unwritten for WriteError {
+    fn write_error(&self) -> Option<&WriteError> {
+        Some(self)
+    }
+}
+
+/// Makes an error with a variant `Write` one behind which a failed write may be.
+macro_rules! unwritten {
+    ($error:ty) => {
+        impl From<$crate::store::StoreError> for $error {
+            fn from(error: $crate::store::StoreError) -> Self {
+                Self::Write(error.into())
+            }
+        }
+
+        impl $crate::pipeline::error::Unwritten for $error {
+            fn write_error(&self) -> Option<&$crate::pipeline::error::WriteError> {
+                match self {
+                    Self::Write(error) => Some(error),
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+pub(super) use unwritten;

@@ -1,0 +1,25 @@
+//! What admission is made by.
+
+use super::ahead::Ahead;
+use super::memory::Memory;
+use super::newest::Newest;
+use crate::config::Judging;
+use crate::core::time::UtcMicros;
+use crate::pipeline::access::Actor;
+use crate::store::{IdSource, Store};
+
+/// What admission may ask.
+pub(crate) struct Admission<'a> {
+    pub store: &'a Store,
+    pub ids: &'a mut IdSource,
+    /// None where the database is to be asked each time.
+    pub newest: Option<&'a Newest>,
+    pub memory: &'a mut Memory,
+    pub ahead: &'a Ahead,
+    pub judging: &'a Judging,
+    /// Where clocks that were never set begin.
+    pub epochs: &'a [UtcMicros],
+    pub now: UtcMicros,
+    /// Whose item is at hand.
+    pub by: &'a Actor,
+}

@@ -1,0 +1,125 @@
+//! A group under construction.
+
+use std::collections::{HashMap, HashSet};
+
+use serde_json::json;
+
+use crate::core::bench::BenchMethod;
+use crate::core::history_note::HistoryNote;
+use crate::core::id::Id;
+use crate::core::time::UtcMicros;
+use crate::pipeline::access::Actor;
+use crate::store::{Changes, KeyRow, Tables};
+use crate::wire::history_note;
+
+/// A group under construction: what is to be written, and what it already holds besides what is stored.
+#[derive(Debug, Default)]
+pub(crate) struct Group {
+    pub changes: Changes,
+    pub(super) imus: HashMap<String, u32>,
+    pub(super) stations: HashMap<String, u32>,
+    pub(super) gyros: HashMap<String, u32>,
+    /// Of new names.
+    pub(super) numbers: HashSet<(Table, u32)>,
+    pub(super) records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
+    pub(super) rows: HashMap<(u32, UtcMicros), Id>,
+    pub(super) benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
+    pub(super) keys: HashMap<String, (Id, [u8; 32])>,
+    /// New names by what they look like.
+    pub(super) looks: HashMap<(Table, String), String>,
+    pub(super) sendings: Vec<Sending>,
+}
+
+/// What one sender has in a group.
+#[derive(Debug)]
+pub(super) struct Sending {
+    pub(super) by: Actor,
+    pub(super) line: Id,
+    /// The first of it, as the audit trail names it.
+    pub(super) subject: String,
+    pub(super) first: Id,
+    pub(super) last: Id,
+    pub(super) count: usize,
+}
+
+impl Group {
+    pub(super) fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {
+        if let Some(key) = key {
+            self.keys.insert(key.to_owned(), (item, body_sha256));
+            self.changes.keys.push(KeyRow { key: key.to_owned(), item, body_sha256 });
+        }
+    }
+
+    pub(super) fn withdraws(&self, record: Id) -> bool {
+        self.changes.withdrawn.records.contains(&record)
+    }
+
+    /// As for a stored record, of one of this group.
+    pub(super) fn set_new_aside(&mut self, id: Id, of: &[u32], note: &HistoryNote) -> bool {
+        let Some(record) = self.changes.records.iter_mut().find(|record| record.id == id) else { return false };
+        if record.verdicts.0.iter().any(|(gyro, _)| !of.contains(gyro)) {
+            return false;
+        }
+        record.voided = true;
+        record.notes = Some(history_note::with(record.notes.as_deref(), note).into());
+        let (aside, left) =
+            std::mem::take(&mut self.changes.history).into_iter().partition(|row| row.figures.record == id);
+        self.changes.history = left;
+        let aside: Vec<crate::store::HistoryRow> = aside;
+        for row in &aside {
+            self.rows.remove(&(row.gyro, row.figures.at));
+        }
+        self.changes.set_aside.history.extend(aside);
+        true
+    }
+
+    /// The lines about what was sent join what is to be written.
+    pub fn audit_sendings(&mut self, now: UtcMicros) {
+        for Sending { by, line, subject, first, last, count } in self.sendings.drain(..) {
+            let subject = if count == 1 { subject } else { "records".to_owned() };
+            let after = json!({ "stored": count, "first": first.to_string(), "last": last.to_string() });
+            self.changes.access.audit.push(by.line(line, now, ("store", subject), None::<&()>, Some(&after)));
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Table {
+    Imus,
+    Stations,
+    Gyros,
+}
+
+impl Table {
+    pub fn of_store(self, tables: &Tables) -> &crate::store::Table {
+        match self {
+            Self::Imus => &tables.imus,
+            Self::Stations => &tables.stations,
+            Self::Gyros => &tables.gyros,
+        }
+    }
+
+    pub fn of(self, group: &Group) -> &HashMap<String, u32> {
+        match self {
+            Self::Imus => &group.imus,
+            Self::Stations => &group.stations,
+            Self::Gyros => &group.gyros,
+        }
+    }
+
+    pub fn of_mut(self, group: &mut Group) -> &mut HashMap<String, u32> {
+        match self {
+            Self::Imus => &mut group.imus,
+            Self::Stations => &mut group.stations,
+            Self::Gyros => &mut group.gyros,
+        }
+    }
+
+    pub fn new_rows(self, changes: &mut Changes) -> &mut Vec<(u32, String)> {
+        match self {
+            Self::Imus => &mut changes.imus,
+            Self::Stations => &mut changes.stations,
+            Self::Gyros => &mut changes.gyros,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! A campaign that was read: fitted, and ready to be stored.
+
+use std::sync::Arc;
+
+use crate::core::calibrate::outcome::Outcome;
+use crate::core::campaign::Campaign;
+use crate::core::fault::Faults;
+use crate::core::id::Id;
+use crate::pipeline::ingest::submission::{BenchTest, Calibration, Submission};
+use crate::store::StoreError;
+
+/// A campaign that can be stored.
+#[derive(Debug, Clone)]
+pub struct ReadCampaign {
+    pub fitted: Fitted,
+    /// What its answer is made of.
+    pub fit: CampaignFit,
+    /// As it is kept: JSON, whichever form it came in.
+    pub body: Arc<str>,
+}
+
+/// What dwells become.
+#[derive(Debug, Clone)]
+pub enum Fitted {
+    /// Of an IMU.
+    Calibration(Box<Calibration>),
+    /// Of a single gyro on a bench.
+    Bench(Box<BenchTest>),
+}
+
+impl Fitted {
+    pub fn with_key(mut self, key: Option<String>) -> Self {
+        match &mut self {
+            Self::Calibration(calibration) => calibration.idempotency_key = key,
+            Self::Bench(bench) => bench.idempotency_key = key,
+        }
+        self
+    }
+}
+
+impl From<Fitted> for Submission {
+    fn from(fitted: Fitted) -> Self {
+        match fitted {
+            Fitted::Calibration(calibration) => Self::Calibration(calibration),
+            Fitted::Bench(bench) => Self::Bench(bench),
+        }
+    }
+}
+
+/// A campaign as it is fitted when it comes, and again whenever it is read.
+#[derive(Debug, Clone)]
+pub struct CampaignFit {
+    pub(crate) campaign: Campaign,
+    pub(crate) outcome: Outcome,
+    /// The adopted model that it is fitted with.
+    pub(crate) model: Option<Id>,
+}
+
+pub(crate) fn damaged(id: Id, faults: &Faults) -> StoreError {
+    StoreError::Damaged(format!("the body of campaign {id} cannot be read: {faults}"))
+}

@@ -1,0 +1,34 @@
+//! What has become of a submission.
+
+use std::sync::Arc;
+
+use super::refused::Refused;
+use crate::core::id::Id;
+use crate::core::judge::Verdict;
+use crate::core::note::Note;
+
+/// The answer to one submission.
+pub type Reply = Result<Accepted, Refused>;
+
+/// What has become of a submission.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Accepted {
+    /// It is new, and on disk once [`Ingest::submit`](super::Ingest::submit) or [`Ingest::submit_worded`](super::Ingest::submit_worded) has returned it.
+    Stored { id: Id, judged: Arc<[Judged]>, notes: Arc<[Note]> },
+    /// An item with the same key has been there before; whether it says the same is for [`Ingest::settle`](super::Ingest::settle) to find out.
+    There { id: Id, same_bytes: bool },
+}
+
+impl Accepted {
+    /// It is new, and there is nothing to be said of it.
+    pub fn stored(id: Id) -> Self {
+        Self::Stored { id, judged: [].into(), notes: [].into() }
+    }
+}
+
+/// A gyro's verdicts on the record that was submitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    pub serial: Arc<str>,
+    pub verdicts: Vec<Verdict>,
+}

@@ -1,0 +1,182 @@
+//! Reads what was sent: parsed, checked and separated before anything queues.
+
+use std::sync::Arc;
+
+use crate::config::{Config, JudgedMethod, PlausibilityKeys};
+use crate::core::fault::{Fault, Faults};
+use crate::core::history_note::is_unset;
+use crate::core::kind::Kind;
+use crate::core::message::text;
+use crate::core::record::{GyroParameters, Record};
+use crate::core::separate::{CovarianceEg, Unseparable, separate, stated_covariance};
+use crate::core::time::UtcMicros;
+use crate::message;
+use crate::pipeline::diagnoses::models::{InForce, ModelCache};
+use crate::pipeline::ingest::document::{Origin, OriginKind, ReadDocument};
+use crate::pipeline::ingest::fitted::{Fitted, ReadCampaign};
+use crate::pipeline::ingest::submission::{
+    BenchTest, CalibratedGyro, Calibration, Submission, anything, check_names, kept,
+};
+use crate::store::Store;
+use crate::system::Clock;
+use crate::wire::answer::{MethodBody, SeparationBody};
+use crate::wire::bench::parse_bench_result;
+use crate::wire::campaign::Form;
+use crate::wire::document::DocumentKind;
+use crate::wire::record::parse_record;
+use crate::wire::time;
+
+/// Reads records, campaigns and bench results, and what is stored of them. Cheap to clone.
+#[derive(Debug, Clone)]
+pub struct Reader {
+    pub(in crate::pipeline) store: Store,
+    pub(in crate::pipeline) config: Arc<Config>,
+    pub(in crate::pipeline) clock: Clock,
+    pub(in crate::pipeline) models: ModelCache,
+}
+
+impl Reader {
+    /// Reads, checks and separates a record.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer.
+    pub fn record(&self, bytes: &[u8]) -> Result<Calibration, Faults> {
+        let record = parse_record(bytes, &self.config.plausibility.limits())?;
+        let serials = record.gyros.iter().map(|gyro| &gyro.serial);
+        check_names(&[("/imu", &record.imu), ("/station", &record.station)], serials)?;
+        self.check_time("/calibrated_at", record.calibrated_at)?;
+        self.separated(record, bytes)
+    }
+
+    /// Reads a stored record: it was plausible once, whatever today's limits are.
+    pub(crate) fn reread_record(&self, body: &str) -> Result<Calibration, Faults> {
+        self.separated(parse_record(body.as_bytes(), &anything())?, body.as_bytes())
+    }
+
+    fn separated(&self, record: Record, bytes: &[u8]) -> Result<Calibration, Faults> {
+        let gyros = record.gyros.iter().enumerate().map(|(i, gyro)| {
+            let covariance = stated_covariance(gyro);
+            self.calibrated(&record, (i, gyro), covariance.as_ref()).map_err(|why| {
+                Fault { pointer: format!("/gyros/{i}/e_pulse_per_arcsec"), message: why.message() }.into()
+            })
+        });
+        let gyros = gyros.collect::<Result<_, Faults>>()?;
+        let Record { imu, station, calibrated_at, .. } = record;
+        let (body, body_sha256) = kept(bytes)?;
+        Ok(Calibration {
+            kind: Kind::Record,
+            imu,
+            station,
+            calibrated_at,
+            model: None,
+            gyros,
+            body,
+            body_sha256,
+            idempotency_key: None,
+        })
+    }
+
+    /// Separates one gyro and holds it to the requirements.
+    ///
+    /// # Errors
+    /// Why E and G cannot be separated.
+    pub fn calibrated(
+        &self,
+        Record { geometry, imu, .. }: &Record,
+        (place, gyro): (usize, &GyroParameters),
+        covariance: Option<&CovarianceEg>,
+    ) -> Result<CalibratedGyro, Unseparable> {
+        let separation = separate(geometry, gyro.slot, &gyro.e, &gyro.g, covariance)?;
+        let (whose, sds) = ((gyro.slot, imu, &gyro.serial), (gyro.e_sd.as_ref(), gyro.g_sd.as_ref()));
+        let requirements = self.config.judging.of_parameters(geometry, whose, (&gyro.e, &gyro.g), sds);
+        Ok(CalibratedGyro { place, slot: gyro.slot, serial: gyro.serial.clone(), separation, requirements })
+    }
+
+    /// Reads and checks a bench result.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer.
+    pub fn bench_result(&self, bytes: &[u8]) -> Result<BenchTest, Faults> {
+        let result = parse_bench_result(bytes, self.config.plausibility.max_drift_deg_per_h_g0)?;
+        check_names(&[("/serial", &result.serial), ("/station", &result.station)], [].into_iter())?;
+        self.check_time("/measured_at", result.measured_at)?;
+        let (body, body_sha256) = kept(bytes)?;
+        Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
+    }
+
+    /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock would stay the newest
+    /// for as long, what lies long before all else would become the baseline.
+    pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
+        let PlausibilityKeys { max_future_hours: hours, earliest, clock_epochs, .. } = &self.config.plausibility;
+        let message = if at > self.clock.now().plus_days(hours / 24.0) {
+            message!("time_in_future", hours = text(hours))
+        } else if at < *earliest {
+            message!("before_earliest", earliest = text(time::format(*earliest)))
+        } else if is_unset(at) && clock_epochs.contains(&UtcMicros(0)) {
+            message!("clock_never_set")
+        } else {
+            return Ok(());
+        };
+        Err(Fault { pointer: pointer.to_owned(), message }.into())
+    }
+
+    /// Reads a record, a campaign or a bench result, whichever the JSON holds.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer.
+    pub fn document(&self, bytes: &[u8]) -> Result<ReadDocument, Faults> {
+        let kind = DocumentKind::of(bytes);
+        self.read_as(kind, bytes).or_else(|faults| match DocumentKind::instead_of(kind, bytes) {
+            // What it lacks is the time by which its kind is told at a glance.
+            Some(other) => self.read_as(other, bytes),
+            None => Err(faults),
+        })
+    }
+
+    fn read_as(&self, kind: DocumentKind, bytes: &[u8]) -> Result<ReadDocument, Faults> {
+        match kind {
+            DocumentKind::Record => {
+                let calibration = self.record(bytes)?;
+                let origin = Origin { kind: OriginKind::Record, body: Arc::clone(&calibration.body) };
+                Ok(ReadDocument { submission: Submission::Calibration(Box::new(calibration)), origin })
+            }
+            DocumentKind::Campaign => self.campaign_document(bytes, Form::Json),
+            DocumentKind::Bench => {
+                let bench = self.bench_result(bytes)?;
+                let origin = Origin { kind: OriginKind::Bench, body: Arc::clone(&bench.body) };
+                Ok(ReadDocument { submission: Submission::Bench(Box::new(bench)), origin })
+            }
+        }
+    }
+
+    /// Reads a campaign in JSON or CSV.
+    ///
+    /// # Errors
+    /// Every fault, by its pointer, or its line and column.
+    pub fn campaign_document(&self, bytes: &[u8], form: Form) -> Result<ReadDocument, Faults> {
+        let ReadCampaign { fitted, body, .. } = self.campaign(bytes, form)?;
+        let kind = match fitted {
+            Fitted::Calibration(_) => OriginKind::Campaign,
+            Fitted::Bench(_) => OriginKind::Bench,
+        };
+        Ok(ReadDocument { submission: fitted.into(), origin: Origin { kind, body } })
+    }
+
+    /// The separations that a calibration is answered with.
+    pub fn separations(&self, gyros: &[CalibratedGyro]) -> Vec<SeparationBody> {
+        let method = self.method();
+        gyros.iter().map(|gyro| SeparationBody::of(gyro.serial.as_str(), &gyro.separation, method)).collect()
+    }
+
+    /// The model that the next campaign of an IMU is fitted with.
+    pub(super) fn in_force(&self, imu: &str) -> InForce {
+        self.models.of(self.store.names().read().imus.number(imu))
+    }
+
+    pub(super) fn method(&self) -> MethodBody {
+        match self.config.judging.method {
+            JudgedMethod::Rigid => MethodBody::Rigid,
+            JudgedMethod::Published => MethodBody::Published,
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Why a submission is not taken.
+
+use crate::core::id::Id;
+use crate::core::kind::Kind;
+use crate::core::message::{Message, list, text};
+use crate::message;
+use crate::pipeline::error::{WriteError, unwritten};
+use crate::wire::differences::Differences;
+
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum Refused {
+    Differs {
+        existing: Id,
+        differences: Differences,
+    },
+    KeyReused {
+        existing: Id,
+    },
+    GyroElsewhere {
+        existing: Id,
+        index: usize,
+        serial: String,
+    },
+    UnknownRecord {
+        id: Id,
+    },
+    UnknownBench {
+        id: Id,
+    },
+    AlreadyCorrected {
+        id: Id,
+        existing: Id,
+    },
+    NotSetAside {
+        id: Id,
+    },
+    AnotherImu,
+    TimeTaken {
+        existing: Id,
+        kind: Kind,
+    },
+    UnknownGyro {
+        serial: String,
+    },
+    OtherStation {
+        station: String,
+    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl Refused {
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Differs { existing, differences } => differs(*existing, differences),
+            Self::KeyReused { existing } => message!("key_reused", id = text(existing)),
+            Self::GyroElsewhere { existing, serial, .. } => {
+                message!("gyro_elsewhere", serial = serial.clone(), id = text(existing))
+            }
+            Self::UnknownRecord { id } => message!("no_such_record", id = text(id)),
+            Self::UnknownBench { id } => message!("no_such_bench_result", id = text(id)),
+            Self::AlreadyCorrected { id, .. } => message!("corrected_otherwise", id = text(id)),
+            Self::NotSetAside { id } => message!("not_set_aside", id = text(id)),
+            Self::AnotherImu => message!("another_imu"),
+            Self::TimeTaken { existing, .. } => message!("time_taken", id = text(existing)),
+            Self::UnknownGyro { serial } => message!("unknown_gyro", serial = serial.clone()),
+            Self::OtherStation { station } => message!("other_station", station = station.clone()),
+            Self::Write(error) => error.message(),
+        }
+    }
+}
+
+fn differs(existing: Id, differences: &Differences) -> Message {
+    let (id, further) = (text(existing), differences.further);
+    let places = list(differences.pointers.iter().cloned());
+    match differences.pointers.iter().any(String::is_empty) {
+        true => message!("differs_in_everything", id = id),
+        false if further > 0 => message!("differs_further", id = id, places = places, further = further),
+        false => message!("differs", id = id, places = places),
+    }
+}
+
+unwritten!(Refused);

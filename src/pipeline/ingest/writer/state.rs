@@ -1,0 +1,156 @@
+//! What the writer knows, and what passes through it.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+
+use crate::config::Config;
+use crate::core::alert_decision::Late;
+use crate::core::id::Id;
+use crate::core::judge::{Rule, State, Status, Verdict};
+use crate::pipeline::access::{Actor, Guard};
+use crate::pipeline::alerts::AlertCache;
+use crate::pipeline::diagnoses::models::ModelCache;
+use crate::pipeline::hooks::HookCache;
+use crate::pipeline::ingest::admit::{Memory, Newest};
+use crate::pipeline::ingest::judge;
+use crate::pipeline::ingest::judge::{Judge, Verdicts};
+use crate::pipeline::ingest::outcome::Reply;
+use crate::pipeline::ingest::reply::ReplySender;
+use crate::pipeline::ingest::submission::{Calibration, Submission};
+use crate::store::{Changes, Store, Writer, Written};
+use crate::system::Clock;
+use crate::telemetry;
+
+pub(crate) struct Task {
+    pub(super) store: Store,
+    pub(super) writer: Writer,
+    pub(super) clock: Clock,
+    pub(super) config: Arc<Config>,
+    pub(super) newest: Newest,
+    pub(super) memory: Memory,
+    pub(super) judge: Judge,
+    pub(super) alerts: AlertCache,
+    /// Gyros whose methods are to agree.
+    pub(super) benched: HashSet<u32>,
+    pub(super) hooks: HookCache,
+    pub(super) after: After,
+    /// A group that is being written while the next is made ready.
+    pub(super) under_way: Option<UnderWay>,
+    /// Items from which on no more are added to a transaction among other servers.
+    pub(super) items_at_once: usize,
+    /// What others have written could not be read: everything is read again before the next turn is used.
+    pub(super) behind: bool,
+}
+
+/// A submission of a group.
+#[derive(Clone, Copy)]
+pub(super) struct Item<'a> {
+    pub(super) sent: &'a Submission,
+    pub(super) by: &'a Actor,
+    /// Whether its answer is to hold the verdicts on it.
+    pub(super) with_verdicts: bool,
+    /// How what is found late is told.
+    pub(super) late: Late,
+}
+
+pub(super) fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
+    let StoreJob { items, by, with_verdicts, late, .. } = job;
+    items.iter().map(|sent| Item { sent, by, with_verdicts: *with_verdicts, late: *late })
+}
+
+/// Who is told of what has been written.
+pub(crate) struct After {
+    /// Moves when a hook has changed or has something new to be told.
+    pub wake: watch::Sender<u64>,
+    pub models: ModelCache,
+    /// Moves when diagnoses have become due.
+    pub due: watch::Sender<u64>,
+    pub guard: Guard,
+}
+
+/// Submissions, and where their answers go.
+pub(super) struct StoreJob {
+    pub(super) items: Vec<Submission>,
+    pub(super) by: Actor,
+    /// Whether they are answered with verdicts, and ahead of the disk.
+    pub(super) with_verdicts: bool,
+    /// How what is found late is told.
+    pub(super) late: Late,
+    pub(super) teller: ReplySender,
+}
+
+/// What a group comes to, before it is written.
+pub(super) struct Prepared {
+    pub changes: Changes,
+    pub newest: Vec<judge::Newest>,
+    /// One an item; they hold when the changes are on disk.
+    pub replies: Vec<Reply>,
+    pub(super) tally: Tally,
+}
+
+/// A group that is being written.
+pub(super) struct UnderWay {
+    pub(super) jobs: Vec<StoreJob>,
+    /// Without its changes, which are with the thread that writes them.
+    pub(super) prepared: Prepared,
+    /// What was the newest of its gyros and IMUs before it.
+    pub(super) newest_before: Newest,
+    pub(super) writing: JoinHandle<Written>,
+    pub(super) written: Option<Written>,
+}
+
+impl UnderWay {
+    pub async fn wait(&mut self) {
+        if self.written.is_none() {
+            let written = (&mut self.writing).await;
+            self.written = Some(written.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic())));
+        }
+    }
+
+    pub fn is_stored(&self) -> bool {
+        self.written.as_ref().is_some_and(|written| written.outcome.is_ok())
+    }
+}
+
+/// Verdicts on new records, by rule, state and status: a record has dozens.
+#[derive(Debug, Default)]
+pub(super) struct Tally([([u64; State::ALL.len()], [u64; Status::ALL.len()]); Rule::ALL.len()]);
+
+impl Tally {
+    /// Of the records of a group that are new: what needs no history is with what was sent.
+    pub fn of(sent: &HashMap<Id, &Calibration>, changes: &Changes, verdicts: &Verdicts) -> Self {
+        let mut tally = Self::default();
+        for sent in sent.values() {
+            tally.add(sent.gyros.iter().flat_map(|gyro| gyro.requirements.iter().flatten()));
+        }
+        let new: HashSet<Id> = changes.records.iter().map(|record| record.id).collect();
+        for (_, verdicts) in verdicts.iter().filter(|((record, _), _)| new.contains(record)) {
+            tally.add(verdicts);
+        }
+        tally
+    }
+
+    fn add<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a Verdict>) {
+        for verdict in verdicts {
+            let (states, statuses) = &mut self.0[verdict.rule as usize];
+            states[verdict.state as usize] += 1;
+            statuses[verdict.status() as usize] += 1;
+        }
+    }
+
+    pub fn count(&self) {
+        for (rule, (states, statuses)) in Rule::ALL.iter().zip(&self.0) {
+            for (state, count) in State::ALL.iter().zip(states).filter(|(_, count)| **count > 0) {
+                metrics::counter!(telemetry::VERDICTS, "rule" => rule.name(), "state" => state.name())
+                    .increment(*count);
+            }
+            for (status, count) in Status::ALL.iter().zip(statuses).filter(|(_, count)| **count > 0) {
+                metrics::counter!(telemetry::STATUSES, "rule" => rule.name(), "status" => status.name())
+                    .increment(*count);
+            }
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Stored items as they are asked for: names in the place of numbers.
+
+use std::sync::{Arc, RwLockReadGuard};
+
+use crate::core::bench::BenchMethod;
+use crate::core::id::Id;
+use crate::core::judge::{Event, FixedLevels, State};
+use crate::core::kind::Kind;
+use crate::core::time::UtcMicros;
+use crate::store::{BenchRow, ConfirmationRow, CorrectionRow, EventRow, GyroCorrection, RecordHead, RecordRow, Tables};
+
+/// The names of what is stored, while it is looked at.
+#[derive(Debug)]
+pub struct Names<'a>(pub(super) RwLockReadGuard<'a, Tables>);
+
+impl Names<'_> {
+    /// A number that was never given out has no name.
+    pub fn imu(&self, number: u32) -> &str {
+        self.0.imus.name(number).map_or("", |name| &**name)
+    }
+
+    pub fn station(&self, number: u32) -> &str {
+        self.0.stations.name(number).map_or("", |name| &**name)
+    }
+
+    pub fn imu_number(&self, imu: &str) -> Option<u32> {
+        self.0.imus.number(imu)
+    }
+
+    pub fn gyro_number(&self, serial: &str) -> Option<u32> {
+        self.0.gyros.number(serial)
+    }
+}
+
+/// A record or a campaign as it was sent.
+#[derive(Debug, Clone)]
+pub struct RecordItem {
+    pub id: Id,
+    pub kind: Kind,
+    pub imu: String,
+    pub station: String,
+    pub calibrated_at: UtcMicros,
+    pub received_at: UtcMicros,
+    /// Word for word.
+    pub body: Arc<str>,
+    /// What was noted about it, as versioned JSON.
+    pub notes: Option<Arc<str>>,
+    /// The line of the audit trail that says who sent it.
+    pub sent_by: Option<Id>,
+    /// Of its verdicts, as they were decided.
+    pub states: Vec<State>,
+}
+
+impl RecordItem {
+    pub(super) fn of(row: RecordRow, names: &Names<'_>) -> Self {
+        Self {
+            id: row.id,
+            kind: row.kind,
+            imu: names.imu(row.imu).to_owned(),
+            station: names.station(row.station).to_owned(),
+            calibrated_at: row.calibrated_at,
+            received_at: row.received_at,
+            states: row.verdicts.states().collect(),
+            body: row.body,
+            notes: row.notes,
+            sent_by: row.sent_by,
+        }
+    }
+}
+
+/// A record or a campaign in a list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordSummary {
+    pub id: Id,
+    pub kind: Kind,
+    pub station: String,
+    pub calibrated_at: UtcMicros,
+}
+
+impl RecordSummary {
+    pub(super) fn of(head: &RecordHead, names: &Names<'_>) -> Self {
+        let RecordHead { id, kind, station, calibrated_at } = *head;
+        Self { id, kind, station: names.station(station).to_owned(), calibrated_at }
+    }
+}
+
+/// A bench result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchItem {
+    pub id: Id,
+    pub serial: String,
+    pub station: String,
+    pub measured_at: UtcMicros,
+    pub method: BenchMethod,
+    /// D_I and D_S, deg/(h g0).
+    pub d: [f64; 2],
+    pub sd: [Option<f64>; 2],
+    /// It does not count any more.
+    pub voided: bool,
+    pub received_at: UtcMicros,
+    /// Word for word.
+    pub body: Arc<str>,
+    /// The line of the audit trail that says who sent it.
+    pub sent_by: Option<Id>,
+}
+
+impl BenchItem {
+    pub(super) fn of(row: BenchRow, names: &Names<'_>) -> Self {
+        Self {
+            id: row.id,
+            serial: names.0.gyros.name(row.gyro).map_or_else(String::new, |serial| serial.to_string()),
+            station: names.station(row.station).to_owned(),
+            measured_at: row.measured_at,
+            method: row.method,
+            d: row.d,
+            sd: row.sd,
+            voided: row.voided,
+            received_at: row.received_at,
+            body: row.body,
+            sent_by: row.sent_by,
+        }
+    }
+}
+
+/// Something that was done to a gyro.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EventItem {
+    pub id: Id,
+    pub at: UtcMicros,
+    pub event: Event,
+    /// When it was over, of what took time.
+    pub until: Option<UtcMicros>,
+    /// Which environmental test it was.
+    pub test: Option<String>,
+    /// Levels that a baseline mark states.
+    pub fixed: FixedLevels,
+    pub reason: String,
+    pub author: Option<String>,
+}
+
+impl From<EventRow> for EventItem {
+    fn from(row: EventRow) -> Self {
+        let EventRow { id, at, event, until, test, fixed, reason, author, .. } = row;
+        Self { id, at, event, until, test, fixed, reason, author }
+    }
+}
+
+/// That an item counts no more: who said so, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CorrectionItem {
+    pub item: Id,
+    /// The record that stands in its place; none where it was voided.
+    pub replaced_by: Option<Id>,
+    pub at: UtcMicros,
+    pub author: String,
+    pub reason: String,
+}
+
+impl From<CorrectionRow> for CorrectionItem {
+    fn from(row: CorrectionRow) -> Self {
+        let CorrectionRow { item, replaced_by, at, author, reason } = row;
+        Self { item, replaced_by, at, author, reason }
+    }
+}
+
+/// A result of a gyro that counts no more.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CorrectedResult {
+    pub correction: CorrectionItem,
+    /// Of the calibration or bench result.
+    pub measured_at: UtcMicros,
+    pub is_bench: bool,
+}
+
+impl From<GyroCorrection> for CorrectedResult {
+    fn from(GyroCorrection { said, measured_at, is_bench }: GyroCorrection) -> Self {
+        Self { correction: said.into(), measured_at, is_bench }
+    }
+}
+
+/// Who confirmed the time of a record that was set aside.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ConfirmationItem {
+    pub at: UtcMicros,
+    pub author: String,
+    pub reason: String,
+}
+
+impl From<ConfirmationRow> for ConfirmationItem {
+    fn from(ConfirmationRow { at, author, reason, .. }: ConfirmationRow) -> Self {
+        Self { at, author, reason }
+    }
+}
+
+/// Whether an item counts, and what was said of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ItemStatus {
+    /// Of it, and of what it stands in the place of.
+    pub corrections: Vec<CorrectionItem>,
+    /// It does not count until somebody confirms its time.
+    pub set_aside: bool,
+    pub confirmation: Option<ConfirmationItem>,
+    pub is_corrected: bool,
+}
+
+impl ItemStatus {
+    /// It has neither been voided nor revised, and is not set aside.
+    pub fn counts(&self) -> bool {
+        !self.is_corrected && !self.set_aside
+    }
+}

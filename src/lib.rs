@@ -32,7 +32,6 @@ pub mod experiment;
 pub mod http;
 pub mod pages;
 pub mod pipeline;
-pub mod report;
 pub mod routes;
 pub mod simulate;
 pub mod store;

@@ -286,7 +286,11 @@ fn a_diagnosis_for_people_says_how_sure_a_name_is_and_what_it_does_to_each_gyro(
         let (slot, coefficient) = (one["slot"].as_str().unwrap(), one["coefficient"].as_str().unwrap());
         let mut rows = table.lines().filter(|line| line.contains(slot) && line.contains(coefficient));
         assert!(rows.any(|row| row.contains(&format!("{before:+.6}")) && row.contains(&format!("{after:+.6}"))));
-        assert!(page.contains(&format!("{before:.6}")) && page.contains(&format!("{after:.6}")), "{one}");
+        // To two digits of the standard deviation.
+        let sd = one["augmented_sd"].as_f64().unwrap();
+        let places = (1.0 - sd.log10().floor()) as usize;
+        let shown = |value: f64| page.contains(&format!("{value:.places$} ± {sd:.places$}"));
+        assert!(shown(before) && shown(after), "{one}");
     }
     for text in [&table, &page] {
         assert!(text.contains("bias, g_linear, g_squared, scale"), "the model in use is not in\n{text}");

@@ -197,7 +197,7 @@ async fn a_campaign_its_imu_and_its_diagnosis_are_shown_from_what_was_sent() {
     let diagnosis = page(&server, &format!("/campaigns/{id}/diagnosis"), &[]).await;
     let body = server.get(&format!("/v1/campaigns/{id}/diagnosis")).await.json();
     assert_eq!((&body["verdict"], &body["effects"][0]["effect"]), (&json!("explained"), &json!("temperature_bias")));
-    assert!(place(&diagnosis, "what is named below explains it") < place(&diagnosis, "bias changes with temperature"));
+    assert!(place(&diagnosis, "Explained by the causes below.") < place(&diagnosis, "bias changes with temperature"));
     for candidate in body["candidates"].as_array().unwrap() {
         assert!(diagnosis.contains(candidate["effect"].as_str().unwrap()));
     }

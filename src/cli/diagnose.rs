@@ -9,13 +9,14 @@ use super::{diagnose_all, diagnose_record, model};
 use crate::core::augmented::AugmentedModel;
 use crate::core::campaign::Campaign;
 use crate::core::diagnose::{Diagnosis, FALSE_ALARM, Reference, diagnose, split};
-use crate::report::{self, Subject, drift_before_and_after, model_in_words, moved_in_words, verdict_in_words};
+use crate::pages::{Subject, diagnosis_report};
 use crate::wire::diagnosis::DiagnosisBody;
 use crate::wire::document::DocumentKind;
 use crate::wire::document::{is_csv, parse};
 use crate::wire::record::parse_record;
 use crate::wire::split::SplitBody;
 use crate::wire::{self, time};
+use crate::words::asked;
 
 /// Diagnose the gap between a campaign and the error model, or all campaigns of a running service
 #[derive(Debug, clap::Args)]
@@ -89,7 +90,7 @@ impl Diagnose {
             diagnosis.reference = Some(SplitBody::from(&parts.with_context(|| document::name(path))?));
         }
         if let Some(path) = &self.report {
-            let page = report::html(&subject(&campaign), &diagnosis);
+            let page = diagnosis_report(&subject(&campaign), &diagnosis, asked());
             document::write(path, &page)?;
         }
         if let Some(path) = &self.adopt {
@@ -155,7 +156,7 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
         campaign.station,
         time::format(campaign.measured_at),
         d.verdict.replace('_', " "),
-        verdict_in_words(d),
+        d.verdict_in_words(asked()),
         d.noise_floor.deg_per_h,
         d.noise_floor.source,
         d.gap.rms_deg_per_h,
@@ -163,7 +164,7 @@ fn tables(campaign: &Campaign, d: &DiagnosisBody) -> String {
         d.gap.reduced_chi2,
         d.gap.p_value
     );
-    out.push_str(&format!("model: {}\n", model_in_words(d)));
+    out.push_str(&format!("model: {}\n", d.model.listed()));
     let sections =
         [reference_parts(d), effects(d), impact(d), signs(d), candidates(d), within_noise(d), blind_spots(d), next(d)];
     for section in sections.into_iter().flatten() {
@@ -287,7 +288,7 @@ fn lines(words: &[String]) -> String {
 
 fn impact(d: &DiagnosisBody) -> Option<String> {
     let mut rows = table(["gyro", "coefficient", "before", "after", "shift", "of the budget", "moved"], 2..6);
-    for (i, moved) in drift_before_and_after(d) {
+    for (i, moved) in d.drift_before_and_after() {
         let augmented = format!("{:+.6} ± {:.6}", i.augmented, i.augmented_sd);
         let (plain, shift) = (format!("{:+.6}", i.plain), format!("{:+.6}", i.shift));
         rows.add_row([
@@ -297,7 +298,7 @@ fn impact(d: &DiagnosisBody) -> Option<String> {
             augmented,
             shift,
             format!("{:.0} %", 100.0 * i.of_budget),
-            moved_in_words(moved).to_owned(),
+            if moved { "yes" } else { "no: within its noise" }.to_owned(),
         ]);
     }
     let told = !(d.impact.is_empty() && d.impact_within_noise.is_empty());

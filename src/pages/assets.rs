@@ -20,7 +20,7 @@ pub(super) struct Asset {
     /// Path on this service.
     pub path: String,
     media_type: &'static str,
-    content: &'static str,
+    pub(super) content: &'static str,
     /// Made when it is first asked for: a page names it, and is not to wait for that.
     compressed: OnceLock<Bytes>,
 }

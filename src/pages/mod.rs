@@ -43,6 +43,7 @@ mod viewer;
 
 use crate::routes::{ADMIN, ANYONE, ENGINEER, Routes, STATION, VIEWER};
 
+pub use diagnosis::{Subject, report as diagnosis_report};
 pub use state::Pages;
 use state::off_the_loop;
 

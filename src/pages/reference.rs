@@ -105,7 +105,7 @@ fn unknown(id: &str) -> Problem {
     Problem::no_such_reference(id)
 }
 
-fn parts(t: &Text, split: &SplitBody) -> Markup {
+pub(super) fn parts(t: &Text, split: &SplitBody) -> Markup {
     let gyros = split.gyros.iter().map(|gyro| (gyro.slot.as_str(), &gyro.parts));
     let rows = [(t.all_gyros, &split.all)].into_iter().chain(gyros);
     html! {

@@ -11,6 +11,7 @@ use crate::core::augmented::Adopted;
 use crate::core::diagnose as core;
 use crate::core::effects::{Effect, Estimate};
 use crate::core::mounting::Slot;
+use crate::message;
 use crate::words::{Language, asked};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -65,9 +66,25 @@ impl DiagnosisBody {
         self
     }
 
-    /// Whether there is a gap although the residuals are no larger than what noise alone would leave.
-    pub fn stands_out_by_pattern(&self) -> bool {
-        self.verdict != "no_gap" && self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h
+    /// The verdict in a sentence or two.
+    pub fn verdict_in_words(&self, language: Language) -> String {
+        let verdict = match self.verdict.as_str() {
+            "no_gap" => message!("diagnosis_no_gap"),
+            "explained" => message!("diagnosis_explained"),
+            "partly_explained" => message!("diagnosis_partly_explained"),
+            _ => message!("diagnosis_unexplained"),
+        };
+        let by_pattern = self.verdict != "no_gap" && self.gap.rms_deg_per_h <= self.gap.noise_alone_deg_per_h;
+        let by_pattern = by_pattern.then(|| message!("diagnosis_by_pattern"));
+        language.sentences(&[verdict].into_iter().chain(by_pattern).collect::<Vec<_>>())
+    }
+
+    /// D_I and D_S of every gyro before and after the named effects entered the model, in order, and whether they moved beyond their noise.
+    pub fn drift_before_and_after(&self) -> Vec<(&ImpactBody, bool)> {
+        let moved = self.impact.iter().map(|one| (one, true));
+        let mut all: Vec<_> = moved.chain(self.impact_within_noise.iter().map(|one| (one, false))).collect();
+        all.sort_by_key(|(one, _)| (one.slot.as_str(), one.coefficient.as_str()));
+        all
     }
 }
 
@@ -77,6 +94,14 @@ pub struct InUseBody {
     pub terms: Vec<String>,
     /// Effects beyond the terms, fitted with them.
     pub effects: Vec<InUseEffectBody>,
+}
+
+impl InUseBody {
+    /// Its terms, and the effects that it holds beside them: `bias, g_linear + warmup (G1 G2)`.
+    pub fn listed(&self) -> String {
+        let effects = self.effects.iter().map(|e| format!(" + {} ({})", e.effect, e.gyros.join(" ")));
+        self.terms.join(", ") + &effects.collect::<String>()
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

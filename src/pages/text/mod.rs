@@ -24,7 +24,7 @@ impl Language {
 }
 
 impl Text {
-    fn language(&self) -> Language {
+    pub fn language(&self) -> Language {
         Language::from_tag(self.tag).unwrap_or_default()
     }
 

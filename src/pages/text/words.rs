@@ -201,14 +201,10 @@ catalogue! {
     // A diagnosis.
     diagnosis: "Diagnosis", "诊断";
     diagnosis_waiting: "Other diagnoses are being computed. This page loads itself again every few seconds.", "正在计算其他诊断，本页每隔几秒自动刷新。";
-    verdict_no_gap: "The model predicts this campaign to within its noise: there is no gap, and nothing to explain.", "模型与试验数据在噪声范围内一致：没有差异，也没有需要解释的。";
-    verdict_explained: "There is a gap; what is named below explains it, and nothing significant remains.", "存在差异；下列效应已解释，没有显著剩余。";
-    verdict_partly_explained: "There is a gap; what is named below explains part of it, and something significant remains.", "存在差异；下列效应解释了一部分，仍有显著剩余。";
-    verdict_unexplained: "There is a gap, and nothing in the catalogue earns the blame.", "存在差异，但目录中没有可以归因的效应。";
     gap_before: "Gap before", "解释前";
-    by_pattern: "As a whole the residuals are no larger than noise alone would leave them: the gap stands out by its pattern over the dwells, not by its size.", "残差总体并不大于噪声所应留下的残差：差异是凭其在各测点上的形态显现的，而不是凭大小。";
     noise_alone: "Noise alone would leave", "仅有噪声时应余";
     gap_after: "Left after", "解释后";
+    model_in_use: "Model in use", "现用模型";
     noise_floor: "Noise floor", "噪声底";
     sign_of_more: "Sign of more", "还有其他迹象";
     what_parts_them: "Causes found", "差异来源";

@@ -163,3 +163,11 @@ noise_repeats_residual = repeats and residuals
 noise_residual = residuals
 noise_stated = stated
 noise_none = none
+
+## What a diagnosis comes to
+
+diagnosis_no_gap = No gap: the model predicts this campaign to within its noise.
+diagnosis_explained = Explained by the causes below. The residuals are at the noise floor.
+diagnosis_partly_explained = Partly explained by the causes below. Significant residuals remain.
+diagnosis_unexplained = Unexplained: no effect in the catalogue accounts for the gap.
+diagnosis_by_pattern = The residuals are no larger than noise alone would leave. The gap shows in their pattern over the dwells, not in their size.

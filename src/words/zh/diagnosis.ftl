@@ -163,3 +163,11 @@ noise_repeats_residual = 重复测量与残差
 noise_residual = 残差
 noise_stated = 给定值
 noise_none = 无
+
+## What a diagnosis comes to
+
+diagnosis_no_gap = 没有差异：模型与试验数据在噪声范围内一致。
+diagnosis_explained = 差异已由下列原因解释，残差已达噪声底。
+diagnosis_partly_explained = 差异部分由下列原因解释，仍有显著残差。
+diagnosis_unexplained = 差异未得到解释：目录中没有能说明它的效应。
+diagnosis_by_pattern = 残差并不大于噪声所应留下的残差。差异体现在残差随测点的形态上，而不是大小上。

@@ -1,116 +1,33 @@
-//! `/campaigns/{id}/diagnosis`: where campaign and model part, what parts them, how far the gap shrinks, what cannot be told,
-//! and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
+//! A diagnosis, section by section: of its page, and of the report that `diagnose --report` writes.
 
-use std::time::Duration;
-
-use axum::extract::{Path, Query, State as Held};
-use axum::http::header::REFRESH;
-use axum::http::{HeaderValue, StatusCode};
-use axum::response::Response;
 use maud::{Markup, html};
 
-use super::Pages;
-use super::calibration::stored_campaign;
-use super::figure::{percent, short};
-use super::layout::{Page, Section, encoded, instant};
-use super::residuals;
-use super::text::Text;
-use super::viewer::Viewer;
 use crate::core::effects::Effect;
-use crate::core::mounting::Slot;
-use crate::pages::reference;
-use crate::pages::reference::Against;
-use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
+use crate::pages::figure::{percent, short};
+use crate::pages::text::Text;
+use crate::pages::{figure, layout, residuals};
 use crate::wire::diagnosis::{CandidateBody, DiagnosisBody, EffectBody, HeldOutBody};
-use crate::wire::problem::Problem;
-use crate::words;
 
-pub(super) async fn page(
-    Held(pages): Held<Pages>,
-    viewer: Viewer,
-    Path(id): Path<String>,
-    Query(asked): Query<reference::Asked>,
-) -> Response {
-    match build(&pages, &viewer, &id, &asked).await {
-        Ok(Some(page)) => viewer.show(Ok(page)),
-        Ok(None) => waiting(&viewer),
-        Err(problem) => viewer.show(Err(problem)),
+/// Slot and serial of each gyro in `gyros`; `against`: the gap against a reference.
+pub(super) fn of(t: &Text, d: &DiagnosisBody, gyros: &[(String, String)], against: &Markup) -> Markup {
+    html! {
+        (summary(t, d))
+        (effects(t, d))
+        (against)
+        (located(t, d, gyros))
+        (candidates(t, &d.candidates))
+        (impact(t, d))
+        (before_and_after(t, d, gyros))
+        (blind_spots(t, d))
+        (next(t, d))
+        @if !d.notes.is_empty() { section { h2 { (t.notes) } ul { @for note in &d.notes { li { (note) } } } } }
     }
 }
 
-/// Others are being made: the browser asks again by itself.
-fn waiting(viewer: &Viewer) -> Response {
-    let t = viewer.text();
-    let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
-    let page = Page { title: t.diagnosis.into(), section: Section::Fleet, plots: false, body };
-    let mut response = viewer.respond(StatusCode::ACCEPTED, &page);
-    response.headers_mut().insert(REFRESH, HeaderValue::from_static("3"));
-    response
-}
-
-/// How long a viewer waits for a diagnosis that is being made.
-const PATIENCE: Duration = Duration::from_secs(10);
-
-/// The page; none while the diagnosis waits for others.
-async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
-    let t = viewer.text();
-    let stored = stored_campaign(pages, id).await?;
-    let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {
-        DiagnosisAnswer::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
-        DiagnosisAnswer::Waiting => return Ok(None),
-        DiagnosisAnswer::Answered(diagnosed) => match &*diagnosed {
-            Ok(diagnosis) => diagnosis.clone().said_in(words::asked()),
-            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
-        },
-    };
-    let slots: Vec<(String, String)> = stored
-        .answer
-        .calibration
-        .gyros
-        .iter()
-        .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
-        .collect();
-    let against = Against::of(pages, &stored, &diagnosis, asked).await?;
-    let body = html! {
-        (head(t, &stored, &diagnosis))
-        (effects(t, &diagnosis))
-        (against.section(t))
-        (located(t, &diagnosis, &slots))
-        (candidates(t, &diagnosis.candidates))
-        (impact(t, &diagnosis))
-        (before_and_after(t, &diagnosis, &slots))
-        (blind_spots(t, &diagnosis))
-        (next(t, &diagnosis))
-        @if !diagnosis.notes.is_empty() {
-            section { h2 { (t.notes) } ul { @for note in &diagnosis.notes { li { (note) } } } }
-        }
-    };
-    let title = format!("{} · {}", t.diagnosis, stored.answer.imu);
-    Ok(Some(Page { title, section: Section::Fleet, plots: false, body }))
-}
-
-fn verdict_in_words(t: &Text, verdict: &str) -> &'static str {
-    match verdict {
-        "no_gap" => t.verdict_no_gap,
-        "explained" => t.verdict_explained,
-        "partly_explained" => t.verdict_partly_explained,
-        _ => t.verdict_unexplained,
-    }
-}
-
-fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
-    let answer = &stored.answer;
+fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
     let gap = |rms: f64, chi2: f64, p: f64| html! { td.n { (short(rms)) } td.n { (short(chi2)) } td.n { (short(p)) } };
     html! {
-        h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
-        p.note {
-            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.item.calibrated_at)) " · "
-            (answer.calibration.dwells) " " (t.dwells) " · "
-            a href={ "/campaigns/" (stored.item.id) } { (t.campaign) } " · "
-            a href={ "/v1/campaigns/" (stored.item.id) "/diagnosis" } { "JSON" }
-        }
-        p.lead { strong { (verdict_in_words(t, &d.verdict)) } }
-        @if d.stands_out_by_pattern() { p { (t.by_pattern) } }
+        p.lead { strong { (d.verdict_in_words(t.language())) } }
         div.scroll tabindex="0" { table {
             thead { tr { th {} th.n { "rms, deg/h" } th.n { "χ²/ν" } th.n { (t.adjusted_p) } } }
             tbody {
@@ -122,6 +39,7 @@ fn head(t: &Text, stored: &StoredCampaign, d: &DiagnosisBody) -> Markup {
                     th scope="row" { (t.gap_after) }
                     (gap(d.remaining.rms_deg_per_h, d.remaining.reduced_chi2, d.remaining.p_value))
                 }
+                tr { th scope="row" { (t.model_in_use) } td colspan="3" { (d.model.listed()) } }
                 tr {
                     th scope="row" { (t.noise_floor) } td.n { (short(d.noise_floor.deg_per_h)) }
                     td.quiet colspan="2" { (t.noise_source(&d.noise_floor.source)) }
@@ -173,7 +91,7 @@ fn one_effect(t: &Text, effect: &EffectBody) -> Markup {
                 tbody { @for estimate in &effect.estimates {
                     tr {
                         td { (if estimate.slot == "all" { t.all_gyros } else { &estimate.slot }) } td { (estimate.name) }
-                        td.n { (super::figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (estimate.unit) }
+                        td.n { (figure::with_sd(estimate.value, Some(estimate.sd), 6)) } td { (estimate.unit) }
                     }
                 } }
             } }
@@ -252,23 +170,23 @@ fn candidates(t: &Text, all: &[CandidateBody]) -> Markup {
 }
 
 fn impact(t: &Text, d: &DiagnosisBody) -> Markup {
+    let coefficients = d.drift_before_and_after();
     html! {
-        @if d.impact.is_empty() && !d.impact_within_noise.is_empty() {
-            section { h2 { (t.impact) } p { (t.impact_within_noise) } }
-        }
-        @if !d.impact.is_empty() {
+        @if !coefficients.is_empty() {
             section {
                 h2 { (t.impact) }
+                @if d.impact.is_empty() { p { (t.impact_within_noise) } }
                 div.scroll tabindex="0" { table {
                     thead { tr {
                         th { (t.serial) } th {} th.n { (t.plain) } th.n { (t.with_effects) } th.n { (t.shift) } th.n { (t.of_budget) }
                     } }
-                    tbody { @for one in &d.impact {
+                    tbody { @for (one, moved) in coefficients {
+                        @let sd = Some(one.augmented_sd);
                         tr {
-                            td { (one.slot) } td { (super::layout::symbol(&one.coefficient)) }
-                            td.n { (super::figure::with_sd(one.plain, Some(one.augmented_sd), 6)) }
-                            td.n { (super::figure::with_sd(one.augmented, Some(one.augmented_sd), 6)) }
-                            td.n { (format!("{:+.*}", super::figure::places_beside(Some(one.augmented_sd), 6), one.shift)) } td.n { (percent(one.of_budget)) }
+                            td { (one.slot) } td { (layout::symbol(&one.coefficient)) }
+                            td.n { (figure::with_sd(one.plain, sd, 6)) } td.n { (figure::with_sd(one.augmented, sd, 6)) }
+                            td.n { (format!("{:+.*}", figure::places_beside(sd, 6), one.shift)) }
+                            td.n { @if moved { (percent(one.of_budget)) } @else { (t.within_noise) } }
                         }
                     } }
                 } }

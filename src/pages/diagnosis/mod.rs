@@ -1,0 +1,94 @@
+//! `/campaigns/{id}/diagnosis`: where campaign and model part, what parts them, how far the gap shrinks, what cannot be told,
+//! and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
+
+mod report;
+mod sections;
+
+use std::time::Duration;
+
+use axum::extract::{Path, Query, State as Held};
+use axum::http::header::REFRESH;
+use axum::http::{HeaderValue, StatusCode};
+use axum::response::Response;
+use maud::{Markup, html};
+
+pub use report::{Subject, report};
+
+use super::Pages;
+use super::calibration::stored_campaign;
+use super::layout::{Page, Section, encoded, instant};
+use super::text::Text;
+use super::viewer::Viewer;
+use crate::core::mounting::Slot;
+use crate::pages::reference;
+use crate::pages::reference::Against;
+use crate::pipeline::{DiagnosisAnswer, StoredCampaign};
+use crate::wire::problem::Problem;
+use crate::words;
+
+pub(super) async fn page(
+    Held(pages): Held<Pages>,
+    viewer: Viewer,
+    Path(id): Path<String>,
+    Query(asked): Query<reference::Asked>,
+) -> Response {
+    match build(&pages, &viewer, &id, &asked).await {
+        Ok(Some(page)) => viewer.show(Ok(page)),
+        Ok(None) => waiting(&viewer),
+        Err(problem) => viewer.show(Err(problem)),
+    }
+}
+
+/// Others are being made: the browser asks again by itself.
+fn waiting(viewer: &Viewer) -> Response {
+    let t = viewer.text();
+    let body = html! { h1 { (t.diagnosis) } p.lead #waiting { (t.diagnosis_waiting) } };
+    let page = Page { title: t.diagnosis.into(), section: Section::Fleet, plots: false, body };
+    let mut response = viewer.respond(StatusCode::ACCEPTED, &page);
+    response.headers_mut().insert(REFRESH, HeaderValue::from_static("3"));
+    response
+}
+
+/// How long a viewer waits for a diagnosis that is being made.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// The page; none while the diagnosis waits for others.
+async fn build(pages: &Pages, viewer: &Viewer, id: &str, asked: &reference::Asked) -> Result<Option<Page>, Problem> {
+    let t = viewer.text();
+    let stored = stored_campaign(pages, id).await?;
+    let diagnosis = match pages.pipeline.diagnoses.of_campaign(stored.item.id, PATIENCE).await? {
+        DiagnosisAnswer::NoSuchCampaign => return Err(Problem::no_such_campaign(id)),
+        DiagnosisAnswer::Waiting => return Ok(None),
+        DiagnosisAnswer::Answered(diagnosed) => match &*diagnosed {
+            Ok(diagnosis) => diagnosis.clone().said_in(words::asked()),
+            Err(why) => return Err(Problem::new(422, "title_nothing_to_diagnose", why.clone())),
+        },
+    };
+    let slots: Vec<(String, String)> = stored
+        .answer
+        .calibration
+        .gyros
+        .iter()
+        .map(|gyro| (Slot::from(gyro.slot).name().to_owned(), gyro.serial.clone()))
+        .collect();
+    let against = Against::of(pages, &stored, &diagnosis, asked).await?;
+    let body = html! {
+        (head(t, &stored))
+        (sections::of(t, &diagnosis, &slots, &against.section(t)))
+    };
+    let title = format!("{} · {}", t.diagnosis, stored.answer.imu);
+    Ok(Some(Page { title, section: Section::Fleet, plots: false, body }))
+}
+
+fn head(t: &Text, stored: &StoredCampaign) -> Markup {
+    let answer = &stored.answer;
+    html! {
+        h1 { (t.diagnosis) " " a href={ "/imus/" (encoded(&answer.imu)) } { (answer.imu) } }
+        p.note {
+            (t.station) " " (answer.station) " · " (t.measured) " " (instant(stored.item.calibrated_at)) " · "
+            (answer.calibration.dwells) " " (t.dwells) " · "
+            a href={ "/campaigns/" (stored.item.id) } { (t.campaign) } " · "
+            a href={ "/v1/campaigns/" (stored.item.id) "/diagnosis" } { "JSON" }
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! A diagnosis as one HTML file that needs nothing else: no script, no font, no network. It can be mailed, printed and filed with the
+//! campaign.
+
+use maud::{DOCTYPE, PreEscaped, html};
+
+use super::sections;
+use crate::pages::assets::STYLE;
+use crate::pages::layout::written;
+use crate::pages::reference;
+use crate::wire::diagnosis::DiagnosisBody;
+use crate::words::Language;
+
+/// Whose campaign it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Subject {
+    pub imu: String,
+    pub station: String,
+    /// RFC 3339.
+    pub measured_at: String,
+    pub dwells: usize,
+    /// Slot and serial of each gyro.
+    pub gyros: Vec<(String, String)>,
+}
+
+/// The whole report in `language`, as an HTML document.
+pub fn report(subject: &Subject, diagnosis: &DiagnosisBody, language: Language) -> String {
+    let t = language.text();
+    let title = format!("{} · {}", t.diagnosis, subject.imu);
+    let gyros: Vec<String> = subject.gyros.iter().map(|(slot, serial)| format!("{slot} {serial}")).collect();
+    let against = html! {
+        @if let Some(split) = &diagnosis.reference { section { h2 { (t.against) } (reference::parts(t, split)) } }
+    };
+    html! {
+        (DOCTYPE)
+        html lang=(language.tag()) {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE.content)) }
+            }
+            body { main {
+                h1 { (title) }
+                p.note {
+                    (t.station) " " (subject.station) " · " (t.measured) " " (written(&subject.measured_at)) " · "
+                    (gyros.join(", ")) " · " (subject.dwells) " " (t.dwells)
+                }
+                (sections::of(t, diagnosis, &subject.gyros, &against))
+            } }
+        }
+    }
+    .into_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::augmented::Options;
+    use crate::core::diagnose::diagnose;
+    use crate::wire::document;
+
+    fn report_of(file: &str, language: Language) -> String {
+        let bytes = std::fs::read(format!("tests/data/practice/{file}")).unwrap();
+        let campaign = document::parse(&bytes).unwrap();
+        let diagnosis = DiagnosisBody::from(&diagnose(&campaign, &Options::default()).unwrap()).said_in(language);
+        let subject = Subject {
+            imu: "IMU <7>".into(),
+            station: "ST & Co".into(),
+            measured_at: "2026-03-01T08:00:00Z".into(),
+            dwells: campaign.dwells.len(),
+            gyros: campaign.gyros.iter().map(|g| (g.slot.name().into(), g.serial.to_string())).collect(),
+        };
+        report(&subject, &diagnosis, language)
+    }
+
+    #[test]
+    fn a_report_needs_nothing_else_and_escapes_what_stations_write() {
+        for language in Language::ALL {
+            let page = report_of("campaign-02.json", language);
+            for loader in ["<script", "src=", "http://", "https://", "@import", "url(", "href="] {
+                assert!(!page.contains(loader), "{loader}");
+            }
+            assert!(page.contains("IMU &lt;7&gt;") && page.contains("ST &amp; Co"));
+            assert!(page.contains("temperature_bias"));
+        }
+    }
+
+    #[test]
+    fn every_dwell_of_every_gyro_is_drawn() {
+        let page = report_of("campaign-02.json", Language::English);
+        assert_eq!(page.matches("<circle").count(), 2 * 3 * 78);
+        let body = page.split("<main>").nth(1).unwrap();
+        assert!(!body.contains("NaN") && !body.contains(">inf") && !body.contains("\"inf"));
+    }
+}

@@ -1,4 +1,5 @@
-//! One campaign diagnosed: 78 dwells, 3 gyros, the whole catalogue, closure with its interval. `cargo bench --bench diagnosis`.
+//! One campaign diagnosed: 78 dwells, 3 gyros, the whole catalogue, closure with its interval. `cargo bench --bench
+//! diagnosis`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

@@ -3,13 +3,14 @@
 //! `cargo bench --bench ingest`
 //!
 //! Client and service share the machine. Each connection posts records of one IMU of its own, one after the other; a
-//! record counts when its 201 is read. It asks for whole answers, and for minimal ones. Then one import brings many records of a fleet at once, as a move from another system does.
-//! After the records one connection posts raw campaigns (78 dwells, three gyros), by turns with the records above and with records of the very
-//! calibration that is fitted to the campaign: these raise the same alerts and have standard deviations too.
+//! record counts when its 201 is read. It asks for whole answers, and for minimal ones. Then one import brings many
+//! records of a fleet at once, as a move from another system does. After the records one connection posts raw
+//! campaigns (78 dwells, three gyros), by turns with the records above and with records of the very calibration that
+//! is fitted to the campaign: these raise the same alerts and have standard deviations too.
 //!
-//! The bare loops write the same text and three rows of 120 bytes a record, WAL and `synchronous = FULL` as the service has them: one through sqlx,
-//! one transaction a record or many, and those of [`bare`] through SQLite itself. Rounds are run by turns, and medians are printed: of the
-//! rates, and of the ratios round by round.
+//! The bare loops write the same text and three rows of 120 bytes a record, WAL and `synchronous = FULL` as the
+//! service has them: one through sqlx, one transaction a record or many, and those of [`bare`] through SQLite itself.
+//! Rounds are run by turns, and medians are printed: of the rates, and of the ratios round by round.
 
 mod bare;
 mod client;
@@ -63,7 +64,8 @@ const OF_RECORDS: Load = Load { path: "/v1/records", body: record, count: RECORD
 const OF_CAMPAIGNS: Load = Load { path: "/v1/campaigns", body: campaign, count: CAMPAIGNS, wanted: Wanted::Whole };
 const OF_THE_SAME: Load = Load { path: "/v1/records", body: fitted, count: CAMPAIGNS, wanted: Wanted::Whole };
 
-/// What was aimed at, as a part of what bare SQLite did on the machine on which the aims were set (`docs/performance.md`).
+/// What was aimed at, as a part of what bare SQLite did on the machine on which the aims were set
+/// (`docs/performance.md`).
 fn aim(connections: usize) -> Option<f64> {
     match connections {
         1 => Some(4_000.0 / 8_500.0),

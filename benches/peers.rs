@@ -1,11 +1,13 @@
 //! The service beside databases that people would otherwise put such records into, on the same machine in the same run.
 //!
 //! `scripts/bench peers` starts them all and runs this. Each store is given where its variable names an address:
-//! `GYROWATCH_BENCH_GYROWATCH`, `_INFLUXDB`, `_VICTORIAMETRICS` (`host:port`), `_POSTGRES` (a directory with pgbench scripts).
+//! `GYROWATCH_BENCH_GYROWATCH`, `_INFLUXDB`, `_VICTORIAMETRICS` (`host:port`), `_POSTGRES` (a directory with pgbench
+//! scripts).
 //!
-//! What each is sent for a calibration of three gyros: the service its record, which it parses, separates, judges and keeps; InfluxDB and
-//! VictoriaMetrics six points (and InfluxDB the raw record as well); PostgreSQL one row with the record and three
-//! of the history, in one transaction. Rounds are run by turns, and the medians of three are printed.
+//! What each is sent for a calibration of three gyros: the service its record, which it parses, separates, judges and
+//! keeps; InfluxDB and VictoriaMetrics six points (and InfluxDB the raw record as well); PostgreSQL one row with the
+//! record and three of the history, in one transaction. Rounds are run by turns, and the medians of three are
+//! printed.
 
 mod client;
 
@@ -249,7 +251,8 @@ fn median(mut rounds: Vec<Figure>) -> Figure {
     rounds[rounds.len() / 2]
 }
 
-/// By turns, so that what else the machine does falls on all of them; each is held against the service, with each of its answers.
+/// By turns, so that what else the machine does falls on all of them; each is held against the service, with each of
+/// its answers.
 async fn compare(title: &str, peers: &[Peer], measure: impl AsyncFn(&Peer, usize) -> Figure) {
     let mut rounds = vec![Vec::new(); peers.len()];
     for round in 0..ROUNDS {

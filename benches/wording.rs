@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench wording`
 //!
-//! Records of one IMU are judged and stored one after the other, without HTTP. Then the verdicts of each are put into the JSON of an answer.
+//! Records of one IMU are judged and stored one after the other, without HTTP. Then the verdicts of each are put into
+//! the JSON of an answer.
 
 mod client;
 

@@ -1,4 +1,5 @@
-//! Routes, each written once with the least role that it takes. The router, who is admitted and the description of the API follow from that.
+//! Routes, each written once with the least role that it takes. The router, who is admitted and the description of
+//! the API follow from that.
 
 use std::collections::HashMap;
 

@@ -1,6 +1,7 @@
 //! What the service counts about itself, for Prometheus: every metric is named and described here.
 //!
-//! The recorder is one a process, as the `metrics` macros want it. Without [`start`] (tests, command line) they count nothing.
+//! The recorder is one a process, as the `metrics` macros want it. Without [`start`] (tests, command line) they count
+//! nothing.
 
 use std::sync::OnceLock;
 use std::time::Duration;

@@ -269,7 +269,8 @@ async fn until_the_first_token_an_open_service_may_be_asked_for_everything_and_t
     }
 }
 
-/// DNS rebinding: a page of `evil.example`, whose name then leads to this machine, is to the browser a page of this service.
+/// DNS rebinding: a page of `evil.example`, whose name then leads to this machine, is to the browser a page of this
+/// service.
 #[tokio::test]
 async fn without_a_token_nothing_is_answered_under_another_name_than_this_machines() {
     let server = Server::start().await;

@@ -1,5 +1,5 @@
-//! Closing the loop on the command line: an effect that was named enters the model, the next campaigns are fitted with it
-//! and compared with it, a simulated one shows it, and leaving it out undoes it.
+//! Closing the loop on the command line: an effect that was named enters the model, the next campaigns are fitted
+//! with it and compared with it, a simulated one shows it, and leaving it out undoes it.
 
 mod support;
 
@@ -39,7 +39,8 @@ fn read(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
-/// The practice campaign with one effect alone, of those that other campaigns than the one it was found in can have, and that effect.
+/// The practice campaign with one effect alone, of those that other campaigns than the one it was found in can have,
+/// and that effect.
 fn practice_with_one_effect() -> (String, String) {
     let key = read(&data_path("practice/key.json"));
     let once = ["bias_step", "outlier_dwell"];

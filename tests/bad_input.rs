@@ -256,7 +256,8 @@ fn has_code(errors: &Value, code: &str) -> bool {
     }
 }
 
-/// Sends every row, to a program and to a Chinese page, and collects all that is wrong with the answers, so that one run shows the whole table.
+/// Sends every row, to a program and to a Chinese page, and collects all that is wrong with the answers, so that one
+/// run shows the whole table.
 async fn refuse(server: &Server, route: &str, rows: Vec<Row>) {
     let before = server.holdings().await;
     let mut wrong = Vec::new();
@@ -957,7 +958,8 @@ fn of_imu(number: usize, day: usize, poisoned: bool) -> Value {
     record
 }
 
-/// Status and answer to each of `bodies`: the first `imported` of them are sent as lines of one import, the others as posts, all at once.
+/// Status and answer to each of `bodies`: the first `imported` of them are sent as lines of one import, the others as
+/// posts, all at once.
 async fn sent(server: &Server, bodies: &[String], imported: usize) -> Vec<(u16, Value)> {
     let (lines, posts) = bodies.split_at(imported);
     let import = async {

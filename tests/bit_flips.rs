@@ -1,7 +1,7 @@
 //! Single bits flipped in databases: `restore --check` of a backup and `verify` of the service's own file find them.
 //!
-//! A flip counts where SQLite uses the byte: what is free within a page, and pages that are free, say nothing. Which bytes are used is
-//! read from the file itself, by its format (sqlite.org/fileformat2.html).
+//! A flip counts where SQLite uses the byte: what is free within a page, and pages that are free, say nothing. Which
+//! bytes are used is read from the file itself, by its format (sqlite.org/fileformat2.html).
 
 mod support;
 

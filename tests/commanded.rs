@@ -1,5 +1,5 @@
-//! What is commanded is held against the Earth: simulated campaigns over latitudes and programmes, each mistake that a station makes
-//! put into each of them.
+//! What is commanded is held against the Earth: simulated campaigns over latitudes and programmes, each mistake that
+//! a station makes put into each of them.
 //!
 //! `cargo test --test commanded -- --nocapture` prints how many of which kind are refused.
 
@@ -91,8 +91,8 @@ const REVERSED_Z: Matrix3<f64> = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
 const EXCHANGED_XY: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
 const NED: Matrix3<f64> = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
 
-/// One mistake, words of the cause that the refusal must hold, and the mistake put into a campaign at a latitude of this sine; none where
-/// there is nothing to get wrong.
+/// One mistake, words of the cause that the refusal must hold, and the mistake put into a campaign at a latitude of
+/// this sine; none where there is nothing to get wrong.
 type Mutant = (&'static str, &'static str, fn(&Campaign, f64) -> Option<Campaign>);
 
 const MUTANTS: [Mutant; 21] = [
@@ -123,7 +123,8 @@ const MUTANTS: [Mutant; 21] = [
             each(c, |d| {
                 let (along, across) = earth(d, sin);
                 d.rate_arcsec_s += match d.phase {
-                    // (E, N, U) = (0, c, s) written as (N, E, D) = (c, 0, -s): north is a quarter turn back from where it was.
+                    // (E, N, U) = (0, c, s) written as (N, E, D) = (c, 0, -s): north is a quarter turn back from
+                    // where it was.
                     Phase::Static => across.cross(&up(d)) - across - 2.0 * along,
                     Phase::Rate => -2.0 * along,
                 };
@@ -215,8 +216,8 @@ fn no_clean_campaign_is_refused_or_noted() {
     println!("clean: 0 of {} refused", campaigns.len());
 }
 
-/// With attitudes every mistake shows. Without them some cannot: on the equator the Earth's rate has no vertical part, and a force reversed as a
-/// whole or in one axis is that of other gyros.
+/// With attitudes every mistake shows. Without them some cannot: on the equator the Earth's rate has no vertical
+/// part, and a force reversed as a whole or in one axis is that of other gyros.
 #[test]
 fn every_mistake_that_shows_is_refused_by_its_name() {
     let campaigns = clean(CAMPAIGNS);
@@ -247,7 +248,8 @@ fn every_mistake_that_shows_is_refused_by_its_name() {
             );
             let missed: Vec<_> = missed.iter().take(4).collect();
             assert_eq!(elsewhere.refused, elsewhere.all, "{name}, attitudes {with}: {missed:?}");
-            // A body mirrored as a whole is refused by the direction of its E; only where E is held do the outputs have to tell.
+            // A body mirrored as a whole is refused by the direction of its E; only where E is held do the outputs
+            // have to tell.
             let by_its_e = name.contains("of both") && !with;
             assert!(elsewhere.named == elsewhere.all || by_its_e, "{name}, attitudes {with}: {missed:?}");
             if with {

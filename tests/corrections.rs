@@ -1,4 +1,5 @@
-//! What becomes of a gyro when a record turns out not to count: trends, verdicts, baselines, alerts; and of the record itself.
+//! What becomes of a gyro when a record turns out not to count: trends, verdicts, baselines, alerts; and of the
+//! record itself.
 
 mod lab;
 mod support;
@@ -62,7 +63,8 @@ async fn trend(lab: &Lab, query: &str) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// What a laboratory that never had the other records would say of gyro `A`: every record's verdicts, without identifiers.
+/// What a laboratory that never had the other records would say of gyro `A`: every record's verdicts, without
+/// identifiers.
 async fn verdicts(lab: &Lab, ids: &[&String]) -> Vec<Value> {
     let mut all = Vec::new();
     for id in ids {
@@ -111,7 +113,8 @@ async fn a_voided_record_stays_to_be_seen_and_counts_no_more() {
     assert!(lab.get("/v1/gyros").await.text.contains(&day(80)), "the newest that counts");
 }
 
-/// One of the three of its baseline, one that is revised, one that only ever was the newest; whatever is said of others since.
+/// One of the three of its baseline, one that is revised, one that only ever was the newest; whatever is said of
+/// others since.
 #[tokio::test]
 async fn what_a_record_was_judged_to_be_stays_readable_when_it_counts_no_more() {
     const VOIDED: &str = " It does not count any more: the record was voided or revised.";
@@ -456,7 +459,8 @@ async fn corrections_outlive_a_restart_and_a_gyro_is_overdue_from_its_newest_rec
     assert_eq!(overdue(&lab).await[0]["state"], "resolved");
 }
 
-/// The alert goes with the record that it rests on, in one transaction: whenever the service dies, both are there or neither.
+/// The alert goes with the record that it rests on, in one transaction: whenever the service dies, both are there or
+/// neither.
 #[tokio::test]
 async fn a_service_that_is_killed_while_a_record_is_voided_has_done_all_of_it_or_nothing() {
     use std::time::Duration;

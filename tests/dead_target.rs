@@ -1,5 +1,5 @@
-//! A target that is down for days, on a simulated clock: the ladder is climbed as it is documented, nothing is lost, the others
-//! are told at once, and what is given up can be looked at and sent again.
+//! A target that is down for days, on a simulated clock: the ladder is climbed as it is documented, nothing is lost,
+//! the others are told at once, and what is given up can be looked at and sent again.
 
 mod lab;
 mod receiver;
@@ -90,7 +90,8 @@ impl Scene {
         }
     }
 
-    /// Climbs the ladder to the attempt that is the `rungs`-th after the first: each comes when it is due, and not before.
+    /// Climbs the ladder to the attempt that is the `rungs`-th after the first: each comes when it is due, and not
+    /// before.
     async fn climbs(&self, rungs: usize) {
         let mut tried = self.has_tried(1).await;
         for (climbed, wait) in WAITS_S[..rungs].iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Campaigns that a diagnosis can do little with: each gets an answer or a clear refusal, never a number that is none, a
-//! panic, or a cause made up.
+//! Campaigns that a diagnosis can do little with: each gets an answer or a clear refusal, never a number that is
+//! none, a panic, or a cause made up.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -243,7 +243,8 @@ fn temperatures_and_standard_errors_are_used_where_they_are() {
     assert_eq!((&answer["verdict"], names(&answer)), (&json!("explained"), vec!["temperature_bias"]));
 }
 
-/// A chamber's log: one orientation, a ramp of temperature, an accelerometer that drifts with it, no attitude and no standard errors.
+/// A chamber's log: one orientation, a ramp of temperature, an accelerometer that drifts with it, no attitude and no
+/// standard errors.
 fn thermal_log(seed: u64, bend: f64) -> Value {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = |sd: f64| -> f64 {
@@ -291,7 +292,8 @@ fn a_thermal_log_is_put_down_to_temperature_and_to_nothing_implausible() {
     }
 }
 
-/// An accelerometer that drifts with temperature gives specific force the course of the outputs: coefficients of 1e5 deg/(h g0) fit.
+/// An accelerometer that drifts with temperature gives specific force the course of the outputs: coefficients of 1e5
+/// deg/(h g0) fit.
 #[test]
 fn nothing_is_named_that_no_gyro_can_have() {
     for seed in 0..6 {

@@ -1,5 +1,5 @@
-//! What a diagnosis says of campaigns whose truth is known: names, gyros, class, closure and floor. The campaigns of the
-//! simulator are few here; `gyrowatch blindcheck` has the figures.
+//! What a diagnosis says of campaigns whose truth is known: names, gyros, class, closure and floor. The campaigns of
+//! the simulator are few here; `gyrowatch blindcheck` has the figures.
 
 mod support;
 

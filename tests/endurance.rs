@@ -1,4 +1,5 @@
-//! What takes long or takes much: giant bodies, a clock that jumps, and hours of load. `scripts/soak` runs the long forms.
+//! What takes long or takes much: giant bodies, a clock that jumps, and hours of load. `scripts/soak` runs the long
+//! forms.
 
 mod receiver;
 mod support;
@@ -27,8 +28,8 @@ fn memory(server: &Server, line: &str) -> u64 {
     found.trim_start_matches(':').trim().trim_end_matches(" kB").parse().unwrap()
 }
 
-/// Sends a head and then `megabytes` of `filling`, each framed by `frame`, as far as the service takes it; what it answers, up to
-/// what is expected.
+/// Sends a head and then `megabytes` of `filling`, each framed by `frame`, as far as the service takes it; what it
+/// answers, up to what is expected.
 async fn sends(
     server: &Server,
     head: &str,

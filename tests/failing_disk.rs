@@ -142,8 +142,8 @@ async fn until_refused(server: &Server) -> (Answer, usize) {
     panic!("everything was stored though the disk fails");
 }
 
-/// strace counts the calls of each thread by itself, and several take turns to write: one may still do so when another fails. What it has then
-/// answered 201 is stored.
+/// strace counts the calls of each thread by itself, and several take turns to write: one may still do so when
+/// another fails. What it has then answered 201 is stored.
 async fn until_every_thread_fails(server: &Server) {
     let mut refused_in_a_row = 0;
     for number in 3_000..9_000 {

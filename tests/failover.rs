@@ -1,5 +1,5 @@
-//! The database behind the servers changes under them: a standby takes over that has lost commits, a host falls silent, is far away, or
-//! is one of several. Nothing is mixed up, and writing goes on.
+//! The database behind the servers changes under them: a standby takes over that has lost commits, a host falls
+//! silent, is far away, or is one of several. Nothing is mixed up, and writing goes on.
 
 mod database_proxy;
 mod support;

@@ -1,5 +1,5 @@
-//! Many campaigns diagnosed at once: an engineer orders it, follows it, cancels it, and reads what they say together. The
-//! campaigns are the simulator's, so what is in them, and since when, is known.
+//! Many campaigns diagnosed at once: an engineer orders it, follows it, cancels it, and reads what they say together.
+//! The campaigns are the simulator's, so what is in them, and since when, is known.
 
 mod lab;
 mod support;
@@ -41,8 +41,8 @@ fn in_gyros(effect: &str, gyros: &[&str]) -> EffectChoice {
     EffectChoice { gyros: Some(gyros), ..EffectChoice::detectable(effect, 30.0) }
 }
 
-/// Four IMUs: `WARM` has `temperature_bias` in G1 from its third campaign on, `LAG` hysteresis in G2 and G3 in all of its two,
-/// `ODD` something that no catalogue knows, `FINE` nothing.
+/// Four IMUs: `WARM` has `temperature_bias` in G1 from its third campaign on, `LAG` hysteresis in G2 and G3 in all of
+/// its two, `ODD` something that no catalogue knows, `FINE` nothing.
 fn fleet() -> Vec<Value> {
     let warm = |day, station, hidden: bool| {
         campaign("WARM", day, station, hidden.then(|| in_gyros("temperature_bias", &["G1"])))

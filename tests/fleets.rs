@@ -108,7 +108,8 @@ fn a_slow_ramp_is_foretold_before_it_reaches_the_budget() {
     assert!(share > 0.95 && trend + 30.0 < baseline, "trend after {trend} days, baseline after {baseline}");
 }
 
-/// (foretold - true deviation after the horizon)/sd, and whether the true date lies in its interval, of ramps older than the window.
+/// (foretold - true deviation after the horizon)/sd, and whether the true date lies in its interval, of ramps older
+/// than the window.
 fn forecasts(noise: Noise, limits: &Limits) -> Vec<(f64, bool)> {
     let of = |seed: u64| {
         let per_year = [0.005, -0.006, 0.007, -0.008][seed as usize % 4];

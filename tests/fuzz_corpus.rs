@@ -1,6 +1,7 @@
 //! The inputs that fuzzing has kept, each through its target, and mutations of them: what was once reached stays right.
 //!
-//! The mutations are blind where those of `scripts/soak fuzz` follow what the program does; they need no other compiler.
+//! The mutations are blind where those of `scripts/soak fuzz` follow what the program does; they need no other
+//! compiler.
 
 #[path = "../fuzz/targets.rs"]
 mod targets;

@@ -328,7 +328,8 @@ fn spelt_v4(address: Ipv4Addr, chance: &mut ChaCha8Rng) -> String {
     words.join(".") + if chance.random_bool(0.2) { "." } else { "" }
 }
 
-/// An IPv6 address that carries it: mapped, compatible, NAT64 of both kinds, 6to4 or Teredo; short, or every digit written.
+/// An IPv6 address that carries it: mapped, compatible, NAT64 of both kinds, 6to4 or Teredo; short, or every digit
+/// written.
 fn spelt_v6(address: Ipv4Addr, chance: &mut ChaCha8Rng) -> String {
     let [a, b, c, d] = address.octets();
     let (high, low) = (u16::from_be_bytes([a, b]), u16::from_be_bytes([c, d]));
@@ -350,7 +351,8 @@ fn spelt_v6(address: Ipv4Addr, chance: &mut ChaCha8Rng) -> String {
     }
 }
 
-/// Characters that mean the same in the name of a host: wide ones, escaped ones, other full stops, and such as are left out.
+/// Characters that mean the same in the name of a host: wide ones, escaped ones, other full stops, and such as are
+/// left out.
 fn disguised(host: &str, chance: &mut ChaCha8Rng) -> String {
     let disguise = |c: char| match (chance.random_range(0..12), c) {
         (0, '.') => (*["\u{3002}", "\u{ff0e}", "\u{ff61}", "%2E"].choose(chance).unwrap()).to_owned(),

@@ -342,8 +342,8 @@ async fn whatever_a_target_does_is_named_in_the_history_and_harms_nobody() {
     assert_eq!(server.get("/readyz").await.status, 200);
 }
 
-/// Its waits are of the time that writing down an attempt takes, so that some end between the look for what is due after it and the
-/// question what will be; nothing else wakes the lane.
+/// Its waits are of the time that writing down an attempt takes, so that some end between the look for what is due
+/// after it and the question what will be; nothing else wakes the lane.
 #[tokio::test]
 async fn a_delivery_that_becomes_due_while_others_are_looked_for_is_not_left_until_somebody_looks_again() {
     let waits: Vec<String> = (0..50).map(|k| (0.0005 * 1.1_f64.powi(k)).to_string()).collect();

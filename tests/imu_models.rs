@@ -1,4 +1,5 @@
-//! The error model of an IMU over HTTP: adopted with a reason, used by the later campaigns, kept through a restart, undone.
+//! The error model of an IMU over HTTP: adopted with a reason, used by the later campaigns, kept through a restart,
+//! undone.
 
 mod lab;
 

@@ -333,7 +333,8 @@ async fn an_import_of_thousands_is_judged_as_if_posted_one_by_one() {
     assert!(posted.iter().any(|(_, state)| state == "exceeded") && posted.iter().any(|(_, state)| state == "within"));
 }
 
-/// `days` records of each of twenty IMUs in the order of time; of every fourth the gyro moves by ten budgets and back, ten days in forty.
+/// `days` records of each of twenty IMUs in the order of time; of every fourth the gyro moves by ten budgets and
+/// back, ten days in forty.
 fn of_a_fleet(from: i64, days: i64) -> Vec<Value> {
     let of_day = |day_of: i64| {
         (0..20).map(move |imu| {

@@ -1,4 +1,5 @@
-//! Records that come a little late, or very densely: judged by what is remembered of their gyro, as if they had come in order and all were.
+//! Records that come a little late, or very densely: judged by what is remembered of their gyro, as if they had come
+//! in order and all were.
 
 mod lab;
 

@@ -43,7 +43,8 @@ fn of(serial: &str, at: i64, d_i: f64) -> Value {
     record(&format!("IMU-{serial}"), &day(at), &[("G1", serial, d_i, 2.0)])
 }
 
-/// Twenty years' worth of events in two: A steps and stays there, B steps and comes back, C is well, D steps ten days ago.
+/// Twenty years' worth of events in two: A steps and stays there, B steps and comes back, C is well, D steps ten days
+/// ago.
 fn histories() -> Vec<Value> {
     let mut all = Vec::new();
     for at in (0..TODAY).step_by(20) {

@@ -38,8 +38,8 @@ fn the_mimu_run_says_that_time_and_g_cannot_be_told_apart_and_which_dwells_would
         let answer = diagnose(MIMU, options);
         let ramp =
             confounded(&answer, "time_ramp").unwrap_or_else(|| panic!("{options:?}: {}", answer["not_identifiable"]));
-        // Computed apart from this program (numpy, weighted): 92 to 93 % of a ramp's power beside the bias is in g_linear,
-        // 4.6 to 6.2 % is left by the whole model, most of it in G3.
+        // Computed apart from this program (numpy, weighted): 92 to 93 % of a ramp's power beside the bias is in
+        // g_linear, 4.6 to 6.2 % is left by the whole model, most of it in G3.
         let visible = ramp["visible_fraction"].as_f64().unwrap();
         assert!((0.06..0.085).contains(&visible), "{ramp}");
         let next = answer["next_dwells"].as_array().unwrap();

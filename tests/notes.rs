@@ -1,5 +1,5 @@
-//! What is noted about a record beside what is known of its IMU and gyros: nothing where there is nothing, each kind where it was put in;
-//! and records whose time is in doubt, which count when somebody has confirmed it.
+//! What is noted about a record beside what is known of its IMU and gyros: nothing where there is nothing, each kind
+//! where it was put in; and records whose time is in doubt, which count when somebody has confirmed it.
 
 mod lab;
 

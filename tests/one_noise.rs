@@ -1,4 +1,5 @@
-//! A diagnosis and a calibration of one campaign give one set of figures: chi-square, ratio of real to stated noise, D_I and D_S.
+//! A diagnosis and a calibration of one campaign give one set of figures: chi-square, ratio of real to stated noise,
+//! D_I and D_S.
 
 use gyrowatch::blindcheck::draw::{Case, Draw};
 use gyrowatch::core::augmented::{AugmentedModel, Options};

@@ -416,7 +416,8 @@ async fn a_station_is_shown_with_what_it_does_to_results() {
         assert_eq!(answer.status, 201);
     }
     let shown = page(&server, "/stations", &[]).await;
-    // Successive differences at ST-1 of 0.002: 1.4826 times their median over the square root of two; and the step to ST-2.
+    // Successive differences at ST-1 of 0.002: 1.4826 times their median over the square root of two; and the step to
+    // ST-2.
     assert!(shown.contains("0.002097") && shown.contains("0.500000"), "{shown}");
 }
 

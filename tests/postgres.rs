@@ -1,5 +1,5 @@
-//! Servers that share a PostgreSQL: what each stores the others judge by, what one leaves undone another takes over, and nothing is
-//! lost or done twice when a server or the database itself is killed.
+//! Servers that share a PostgreSQL: what each stores the others judge by, what one leaves undone another takes over,
+//! and nothing is lost or done twice when a server or the database itself is killed.
 
 mod lab;
 mod receiver;
@@ -89,7 +89,8 @@ impl Load {
         self.stations * self.records_each as usize
     }
 
-    /// Sends everything; `each` hears of every record that was acknowledged, and says whether to go on. Returns their identifiers.
+    /// Sends everything; `each` hears of every record that was acknowledged, and says whether to go on. Returns their
+    /// identifiers.
     async fn run(&self, station: &Station, each: impl Fn(usize) -> bool + Send + Sync + 'static) -> Vec<String> {
         let (each, acknowledged) = (Arc::new(each), Arc::new(AtomicUsize::new(0)));
         let mut at_work = tokio::task::JoinSet::new();
@@ -345,7 +346,8 @@ async fn a_record_that_the_database_refuses_takes_no_other_of_its_group_along() 
     assert_eq!(count(&url, "SELECT count(*) FROM record").await, 64);
 }
 
-/// What hooks were told, held against what the outbox says: every step once or again, none of an alert after a later one.
+/// What hooks were told, held against what the outbox says: every step once or again, none of an alert after a later
+/// one.
 async fn nothing_was_lost_or_invented(url: &str, told: &Receiver) {
     let open = "SELECT count(*) FROM delivery WHERE state <> 'delivered'";
     until("every delivery is made", LEASE * 2 + Duration::from_secs(60), async || count(url, open).await == 0).await;
@@ -601,7 +603,8 @@ async fn what_a_server_has_claimed_stays_its_own_however_long_it_takes() {
         brought += many;
         let (mut claimed, mut since) = (Vec::new(), Instant::now());
         while count(&url, DIAGNOSED).await < brought as i64 {
-            // A diagnosis gives way to what comes in, so that those that were claimed together take longer than a claim holds.
+            // A diagnosis gives way to what comes in, so that those that were claimed together take longer than a
+            // claim holds.
             assert!(server.post_json("/v1/records", &sent).await.status < 300);
             let sql = "SELECT record, until > now() FROM diagnosis_claim ORDER BY record";
             let found: Vec<(i64, bool)> = sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap();

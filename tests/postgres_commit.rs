@@ -1,4 +1,5 @@
-//! The connection to PostgreSQL breaks in the middle of a commit: what came about counts, and what did not is done again, once.
+//! The connection to PostgreSQL breaks in the middle of a commit: what came about counts, and what did not is done
+//! again, once.
 
 mod lab;
 mod receiver;

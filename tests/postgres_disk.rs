@@ -59,7 +59,8 @@ impl Crowd {
         self.heard.lock().unwrap().refused.len()
     }
 
-    /// Sends one record after another, each until a server has taken it: what is not answered with an identifier is sent again.
+    /// Sends one record after another, each until a server has taken it: what is not answered with an identifier is
+    /// sent again.
     async fn send(self: Arc<Self>, sender: usize) {
         while !self.stop.load(Ordering::Relaxed) {
             let record = record(self.next.fetch_add(1, Ordering::Relaxed));
@@ -108,8 +109,8 @@ struct Outcome {
     slowest: Duration,
 }
 
-/// Fills the disk under load and makes room again, so many times; whoever looks after the database starts it where it has ended,
-/// and leaves the servers alone.
+/// Fills the disk under load and makes room again, so many times; whoever looks after the database starts it where it
+/// has ended, and leaves the servers alone.
 async fn fills_up(cluster: &mut Cluster, url: &str, rounds: usize) -> Outcome {
     let crowd = Crowd::on(url);
     let mut at_work: Vec<_> = (0..SENDERS).map(|sender| tokio::spawn(crowd.clone().send(sender))).collect();

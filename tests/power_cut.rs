@@ -1,5 +1,6 @@
-//! Power cuts: a run of the service is recorded down to each write and flush, the disk is rebuilt as it might be found after a
-//! cut at a moment of that run, and what clients were told is looked for in it. `scripts/soak power` tries 1,000 moments.
+//! Power cuts: a run of the service is recorded down to each write and flush, the disk is rebuilt as it might be
+//! found after a cut at a moment of that run, and what clients were told is looked for in it. `scripts/soak power`
+//! tries 1,000 moments.
 
 mod power;
 mod support;

@@ -215,7 +215,8 @@ fn led_to(page: &str, attribute: &str) -> Vec<String> {
     page.split(&opening).skip(1).map(|rest| rest.split('"').next().unwrap().replace("&amp;", "&")).collect()
 }
 
-/// A fleet with an alert, a campaign, a bench result, a hook with deliveries, a silence: every page has something to show.
+/// A fleet with an alert, a campaign, a bench result, a hook with deliveries, a silence: every page has something to
+/// show.
 async fn furnish(server: &Server) {
     server.stores_half_a_year().await;
     assert_eq!(server.post("/v1/campaigns", "application/json", data("practice/campaign-00.json")).await.status, 201);

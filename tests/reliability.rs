@@ -1,5 +1,5 @@
-//! What must not happen whatever happens: short forms of the tests of docs/reliability.md. `scripts/soak` runs the long ones,
-//! which differ in their numbers alone.
+//! What must not happen whatever happens: short forms of the tests of docs/reliability.md. `scripts/soak` runs the
+//! long ones, which differ in their numbers alone.
 
 mod support;
 
@@ -142,8 +142,8 @@ async fn answers(dir: &std::path::Path, paths: &[String]) -> Option<Vec<(u16, Ve
     Some(answers)
 }
 
-/// Where a gyro's D_I stands in the rows of the history, of which there may be several (`src/store/packed/history_row.rs`): 28 bytes after
-/// their version and slot.
+/// Where a gyro's D_I stands in the rows of the history, of which there may be several
+/// (`src/store/packed/history_row.rs`): 28 bytes after their version and slot.
 fn places_of(d_i: f64, file: &[u8]) -> Vec<usize> {
     let stands = |at: &usize| file[*at..*at + 8] == d_i.to_le_bytes() && file[*at - 28] == 1 && file[*at - 27] < 3;
     (28..file.len() - 8).filter(stands).collect()
@@ -346,7 +346,8 @@ async fn requests_that_can_be_read_in_two_ways_are_refused_and_the_connection_is
     assert_eq!(server.get("/healthz").await.status, 200);
 }
 
-/// The same record written otherwise: another offset, fractions of a second that are none, blanks, a note that says nothing.
+/// The same record written otherwise: another offset, fractions of a second that are none, blanks, a note that says
+/// nothing.
 fn written_otherwise(record: &Value, chance: &mut ChaCha8Rng) -> String {
     let mut record = record.clone();
     let at: jiff::Timestamp = record["calibrated_at"].as_str().unwrap().parse().unwrap();

@@ -1,5 +1,5 @@
-//! `gyrowatch import --watch` against the real service: files are sent, kept while the service is down, moved when their
-//! fate is known.
+//! `gyrowatch import --watch` against the real service: files are sent, kept while the service is down, moved when
+//! their fate is known.
 
 mod support;
 

@@ -1,4 +1,5 @@
-//! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said before.
+//! Databases of every earlier version, with data in them, are brought up to date at the start, and say what they said
+//! before.
 
 mod lab;
 mod receiver;
@@ -15,7 +16,8 @@ use support::{Server, cluster, data, gyrowatch};
 /// Bytes of a row of the history's log: the gyro's number, and its figures.
 const ROW: usize = 124;
 
-/// A service with records (one came late), a campaign, bench results and an event in it, and what it answers about them.
+/// A service with records (one came late), a campaign, bench results and an event in it, and what it answers about
+/// them.
 async fn filled(settings: &[(&str, &str)]) -> (Server, Vec<(String, Value)>) {
     let server = Server::start_with(settings).await;
     let mut paths = Vec::new();
@@ -160,7 +162,8 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
     }
 }
 
-/// Makes an empty database of a server one as `version` left it, with what that version could hold of the database `from`.
+/// Makes an empty database of a server one as `version` left it, with what that version could hold of the database
+/// `from`.
 async fn write_server_as_of(version: i64, all: &Migrator, url: &str, from: &mut PgConnection) {
     let early = all.iter().filter(|migration| migration.version <= version).cloned().collect();
     let mut connection = PgConnection::connect(url).await.unwrap();

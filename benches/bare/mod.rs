@@ -1,7 +1,7 @@
 //! Bare SQLite: what a service that does nothing but store could reach on this machine at most.
 //!
-//! A record is its text and three rows of 120 bytes, of a thousand gyros at random; WAL, `synchronous = FULL`, a checkpoint every 20,000
-//! pages. Nothing is read, separated or judged, and nobody is spoken to.
+//! A record is its text and three rows of 120 bytes, of a thousand gyros at random; WAL, `synchronous = FULL`, a
+//! checkpoint every 20,000 pages. Nothing is read, separated or judged, and nobody is spoken to.
 
 use std::sync::mpsc;
 use std::thread;
@@ -68,7 +68,8 @@ pub fn in_batches(count: usize, each: usize) -> f64 {
     count as f64 / begun.elapsed().as_secs_f64()
 }
 
-/// Records/s of several threads that store one record after the other each; those that wait at a time share a transaction.
+/// Records/s of several threads that store one record after the other each; those that wait at a time share a
+/// transaction.
 pub fn together(count: usize, threads: usize) -> f64 {
     let (send, waiting) = mpsc::channel::<(String, mpsc::SyncSender<()>)>();
     let mut bare = Bare::new();

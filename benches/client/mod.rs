@@ -1,4 +1,5 @@
-//! A client that takes little of the machine that it shares with what it measures: one connection, raw requests, answers read whole.
+//! A client that takes little of the machine that it shares with what it measures: one connection, raw requests,
+//! answers read whole.
 #![allow(dead_code, clippy::allow_attributes, reason = "each bench compiles its own copy and uses a part of it")]
 
 use std::time::{Duration, Instant};

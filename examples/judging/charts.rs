@@ -1,5 +1,5 @@
-//! Control charts that everyone knows, on the same histories: each learns mean and standard deviation of D_I and of D_S from the first 26
-//! records, and counts an alarm whenever it begins to speak.
+//! Control charts that everyone knows, on the same histories: each learns mean and standard deviation of D_I and of
+//! D_S from the first 26 records, and counts an alarm whenever it begins to speak.
 
 use crate::fleet::Arrival;
 

@@ -39,7 +39,8 @@ pub struct Noise {
     pub phi: f64,
     /// Random walk that is added, deg/(h g0) a root year.
     pub walk: f64,
-    /// Student's t with 3 degrees of freedom, scaled to the same standard deviation, instead of the normal distribution.
+    /// Student's t with 3 degrees of freedom, scaled to the same standard deviation, instead of the normal
+    /// distribution.
     pub heavy_tails: bool,
 }
 

@@ -1,5 +1,5 @@
-//! What the rules are worth on simulated fleets: false alarms by kind of noise beside well-known charts, detection delays, and whether the
-//! dates of `trend` are right.
+//! What the rules are worth on simulated fleets: false alarms by kind of noise beside well-known charts, detection
+//! delays, and whether the dates of `trend` are right.
 //!
 //! ```text
 //! cargo run --release --example judging            the tables of docs/judging.md
@@ -200,7 +200,8 @@ struct Forecast {
     provisional: bool,
 }
 
-/// One a ramp that begins at `onset`: at a record 26 to 40 after the first one where that is 0, else 6 to 20 after the onset.
+/// One a ramp that begins at `onset`: at a record 26 to 40 after the first one where that is 0, else 6 to 20 after
+/// the onset.
 fn forecasts(noise: Noise, onset: f64, limits: &Limits) -> Vec<Forecast> {
     let of = |seed: u64| {
         let mut rng = Fleet::rng(5_000_000 + seed);

@@ -1,5 +1,5 @@
-//! One attempt to tell one target. It ends within seconds whatever the target does, reads a few kilobytes at most, and says
-//! how it went: what is decided from that is the caller's.
+//! One attempt to tell one target. It ends within seconds whatever the target does, reads a few kilobytes at most,
+//! and says how it went: what is decided from that is the caller's.
 
 use std::error::Error;
 use std::io::ErrorKind;

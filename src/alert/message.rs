@@ -36,7 +36,8 @@ impl HookKind {
     }
 }
 
-/// One thing told to a hook. Rendered anew at every attempt; but for an Alertmanager's `endsAt`, always to the same bytes.
+/// One thing told to a hook. Rendered anew at every attempt; but for an Alertmanager's `endsAt`, always to the same
+/// bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     /// Stays the same over attempts, replays and hooks: receivers recognise repetitions by it.

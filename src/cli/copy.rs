@@ -8,7 +8,8 @@ use super::{block_on, document};
 use crate::config::Config;
 use crate::store::{self, Copied, Options};
 
-/// Copy a database from a file to an empty one on PostgreSQL and compare the two; interrupted, it goes on when run again
+/// Copy a database from a file to an empty one on PostgreSQL and compare the two; interrupted, it goes on when run
+/// again
 #[derive(Debug, Args)]
 pub struct Copy {
     /// The database to copy, which no service serves meanwhile

@@ -38,17 +38,17 @@ pub struct Diagnose {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 
-    /// An earlier campaign or calibration record of the IMU: also say how much of the gap is parameters that have moved since,
-    /// how much is structure and how much noise
+    /// An earlier campaign or calibration record of the IMU: also say how much of the gap is parameters that have
+    /// moved since, how much is structure and how much noise
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
 
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 
-    /// Instead of a file: have a running service (--url) diagnose its stored campaigns, those that are up to date left alone, and
-    /// print what all of them say together: which effects, in which gyros, at which stations, since when. Breaking off loses nothing:
-    /// the service goes on, and the same command finds the order again
+    /// Instead of a file: have a running service (--url) diagnose its stored campaigns, those that are up to date
+    /// left alone, and print what all of them say together: which effects, in which gyros, at which stations, since
+    /// when. Breaking off loses nothing: the service goes on, and the same command finds the order again
     #[arg(long, conflicts_with_all = ["campaign", "model", "adopt", "report", "reference"])]
     all: bool,
 
@@ -128,8 +128,8 @@ fn is_record(bytes: &[u8]) -> bool {
     !is_csv(bytes) && DocumentKind::is_record(bytes)
 }
 
-/// Writes the model in use with what was named, and says on standard error what it holds. Only a model file is replaced: a name
-/// mistyped must not cost a campaign.
+/// Writes the model in use with what was named, and says on standard error what it holds. Only a model file is
+/// replaced: a name mistyped must not cost a campaign.
 fn adopt(path: &Path, in_use: &AugmentedModel, campaign: &Campaign, diagnosed: &Diagnosis) -> anyhow::Result<()> {
     document::write(path, &(wire::model::to_json(&in_use.adopting(campaign, diagnosed)) + "\n"))?;
     let named: Vec<&str> = diagnosed.effects.iter().map(|e| e.effect.id()).collect();

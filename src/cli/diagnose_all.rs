@@ -1,6 +1,8 @@
-//! `diagnose --all`: has a running service diagnose its stored campaigns, follows it, and prints what they say together.
+//! `diagnose --all`: has a running service diagnose its stored campaigns, follows it, and prints what they say
+//! together.
 //!
-//! The service works and remembers. Breaking off here breaks nothing off there: the same command finds the same order again.
+//! The service works and remembers. Breaking off here breaks nothing off there: the same command finds the same order
+//! again.
 
 use std::time::{Duration, Instant};
 

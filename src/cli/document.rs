@@ -60,7 +60,8 @@ pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes files into a folder, which is made where it is missing, and says on standard error how many took the place of others.
+/// Writes files into a folder, which is made where it is missing, and says on standard error how many took the place
+/// of others.
 pub fn write_all(dir: &Path, files: impl Iterator<Item = anyhow::Result<(String, String)>>) -> anyhow::Result<()> {
     std::fs::create_dir_all(dir).with_context(|| dir.display().to_string())?;
     let mut replaced = 0;
@@ -78,8 +79,8 @@ pub fn write_all(dir: &Path, files: impl Iterator<Item = anyhow::Result<(String,
 
 /// Writes a file whole or not at all; whether there was one before.
 ///
-/// The text is written beside the file and renamed onto it: whoever reads the file sees the old one or the new one, also where the disk
-/// is full. What is no regular file (a pipe, `/dev/stdout`) is written to as it is.
+/// The text is written beside the file and renamed onto it: whoever reads the file sees the old one or the new one,
+/// also where the disk is full. What is no regular file (a pipe, `/dev/stdout`) is written to as it is.
 fn put(path: &Path, text: &str) -> anyhow::Result<bool> {
     let replaced = match std::fs::metadata(path) {
         Ok(there) if !there.is_file() => {

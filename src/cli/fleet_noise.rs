@@ -14,7 +14,8 @@ use crate::store;
 use crate::system::Clock;
 use crate::wire::time;
 
-/// Fit the fleet's noise constants (correlation, random walk) to the stored history, and print the line for the configuration
+/// Fit the fleet's noise constants (correlation, random walk) to the stored history, and print the line for the
+/// configuration
 #[derive(Debug, Args)]
 pub struct FleetNoise {
     /// Configuration file that names the database; repeat for several, later ones win [default: config/*.toml]

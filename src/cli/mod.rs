@@ -2,7 +2,8 @@
 //!
 //! A subcommand is a `clap::Args` struct with `fn run(self) -> anyhow::Result<()>`: it prints its result on standard
 //! output and returns an error that names the file and the field. Exit status: 0 done, 1 an error, 2 wrong usage
-//! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in [`Command::run`].
+//! (clap's own, and [`Usage`]). To add one: a file here, a `mod` line, a variant of [`Command`] and its arm in
+//! [`Command::run`].
 
 mod backup;
 mod blindcheck;

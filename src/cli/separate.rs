@@ -1,5 +1,5 @@
-//! `separate`: one record in, its drift coefficients out. Nothing is stored; what is judged is E and G against what is required of them,
-//! which takes no history.
+//! `separate`: one record in, its drift coefficients out. Nothing is stored; what is judged is E and G against what
+//! is required of them, which takes no history.
 
 use std::path::PathBuf;
 
@@ -113,7 +113,8 @@ fn tables(record: &Record, separations: &[Separation], verdicts: &[Requirements]
     format!("{imu}, calibrated by {station} at {at}\n\n{}{requirements}", drift_and_mounting(rows))
 }
 
-/// How E and G keep to what is required of them, and below the table why where they do not; empty where nothing is required.
+/// How E and G keep to what is required of them, and below the table why where they do not; empty where nothing is
+/// required.
 fn requirement_table<'a>(gyros: impl Iterator<Item = (&'a GyroParameters, &'a Requirements)>) -> String {
     let (mut states, mut reasons) = (table(["gyro", "serial", "E", "G"], 4..4), String::new());
     for (gyro, verdicts) in gyros.filter(|(_, verdicts)| verdicts.iter().any(Option::is_some)) {
@@ -177,7 +178,8 @@ fn published_row(name: &str, published: &Result<Published, NotPublished>) -> [St
 /// Decimals of a figure whose standard deviation is not known.
 const DECIMALS: usize = 6;
 
-/// The value with its sign, and its standard deviation where it is known: both as far as two digits of it go, as on the pages.
+/// The value with its sign, and its standard deviation where it is known: both as far as two digits of it go, as on
+/// the pages.
 pub(super) fn figure(value: f64, sd: Option<f64>) -> String {
     let mut text = with_sd(value, sd, DECIMALS);
     if value >= 0.0 {

@@ -91,7 +91,8 @@ async fn serve(config: Config, ready: impl FnOnce(SocketAddr), stop: impl Future
     let (pipeline, writing) =
         Pipeline::start(store, writer, Arc::clone(&config), Clock::System).await.with_context(database)?;
     let served = serve_with(pipeline, config, listener, tls, stop, ready).await;
-    // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and closes the database.
+    // The router and the worker are gone, and with them the last sender: the writer finishes what is queued and
+    // closes the database.
     writing.await.context("the writer failed")?;
     served?;
     tracing::info!("stopped");
@@ -128,7 +129,8 @@ async fn serve_with(
     Ok(())
 }
 
-/// Until there is a token, who asks is told by their address, which a reverse proxy on this machine shares with all whom it lets through.
+/// Until there is a token, who asks is told by their address, which a reverse proxy on this machine shares with all
+/// whom it lets through.
 fn warn_without_tokens(pipeline: &Pipeline) {
     let guard = pipeline.access.guard();
     match guard.setup_secret() {
@@ -161,7 +163,8 @@ fn start_log(log: &Log) -> anyhow::Result<()> {
     let filter = EnvFilter::try_new(&log.filter).with_context(|| format!("log.filter: {:?}", log.filter))?;
     let colours = std::io::stderr().is_terminal();
     let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(colours);
-    // A log that cannot be written, on a disk that is full say, must not end what it tells of: the complaint about it panics.
+    // A log that cannot be written, on a disk that is full say, must not end what it tells of: the complaint about it
+    // panics.
     let builder = builder.log_internal_errors(false);
     let started = match log.format {
         LogFormat::Text => builder.try_init(),

@@ -1,5 +1,5 @@
-//! `token`: who may use the service. Works on the database itself, so that the first token can be made before the service runs
-//! and nobody is locked out.
+//! `token`: who may use the service. Works on the database itself, so that the first token can be made before the
+//! service runs and nobody is locked out.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,8 @@ use crate::wire::{text, time};
 pub struct Token {
     #[command(subcommand)]
     order: Order,
-    /// Configuration file that names the database, as GYROWATCH_DATABASE_URL does too; repeat for several, later ones win [default: config/*.toml]
+    /// Configuration file that names the database, as GYROWATCH_DATABASE_URL does too; repeat for several, later ones
+    /// win [default: config/*.toml]
     #[arg(long = "config", value_name = "FILE", global = true)]
     config: Vec<PathBuf>,
 }
@@ -33,7 +34,8 @@ enum Order {
     Create {
         /// Who or what will use it
         name: String,
-        /// What it may do: viewer (read), station (send and read), engineer (acknowledge, mark events, adopt models), admin (all)
+        /// What it may do: viewer (read), station (send and read), engineer (acknowledge, mark events, adopt models),
+        /// admin (all)
         #[arg(long, value_parser = role)]
         role: Role,
         /// The only station that it may send for

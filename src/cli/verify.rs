@@ -15,7 +15,8 @@ use crate::system::Clock;
 /// Compute every stored separation and verdict again from what was sent, and compare; exit status 1 names what differs
 #[derive(Debug, Args)]
 pub struct Verify {
-    /// Configuration file that names the database and the limits; repeat for several, later ones win [default: config/*.toml]
+    /// Configuration file that names the database and the limits; repeat for several, later ones win [default:
+    /// config/*.toml]
     #[arg(long = "config", value_name = "FILE")]
     config: Vec<PathBuf>,
 }

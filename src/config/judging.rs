@@ -111,8 +111,8 @@ impl Judging {
         placed.filter(move |(_, change)| change.matches(imu, serial))
     }
 
-    /// What E and G of the gyro `serial` in `slot` of `imu` must keep. Without an override that names them nothing is required of a geometry
-    /// other than the skewed one.
+    /// What E and G of the gyro `serial` in `slot` of `imu` must keep. Without an override that names them nothing is
+    /// required of a geometry other than the skewed one.
     pub fn requirement(&self, skewed: bool, slot: Slot, imu: &str, serial: &str) -> Requirement {
         let mut required = Requirement::default();
         if skewed && self.requirements {

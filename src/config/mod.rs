@@ -206,7 +206,8 @@ impl Config {
         Ok(Self { secrets, ..Self::read(merged(files, environment)?)? })
     }
 
-    /// What [`Config::load`] takes its values from, as one file (TOML), once it has been checked. A password within an address is left out.
+    /// What [`Config::load`] takes its values from, as one file (TOML), once it has been checked. A password within
+    /// an address is left out.
     pub fn in_force(
         files: &[PathBuf],
         environment: impl IntoIterator<Item = (String, String)>,

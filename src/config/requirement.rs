@@ -1,4 +1,5 @@
-//! `[judging.requirement]` and `requirement` of an override: what E and G must keep, where the paper's tables are not to hold.
+//! `[judging.requirement]` and `requirement` of an override: what E and G must keep, where the paper's tables are not
+//! to hold.
 
 use serde::Deserialize;
 

@@ -54,7 +54,8 @@ impl TryFrom<String> for OffRule {
 }
 
 impl RuleKeys {
-    /// Changes what these keys name: of one coefficient, or of both and the closure. `place` is that of the override that holds them.
+    /// Changes what these keys name: of one coefficient, or of both and the closure. `place` is that of the override
+    /// that holds them.
     pub(super) fn apply(&self, coefficient: Option<OverriddenCoefficient>, place: Option<u16>, limits: &mut Limits) {
         if coefficient != Some(OverriddenCoefficient::DS) {
             self.apply_to_drift(place, &mut limits.d_i);

@@ -10,7 +10,8 @@ use serde_json::Value;
 use crate::core::time::UtcMicros;
 use crate::wire::time;
 
-/// Text, or a number as it is written: an environment variable that holds nothing else (a port, a year) is read as a number.
+/// Text, or a number as it is written: an environment variable that holds nothing else (a port, a year) is read as a
+/// number.
 fn as_written<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     Ok(match Value::deserialize(deserializer)? {
         Value::String(text) => text,

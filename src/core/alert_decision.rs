@@ -1,8 +1,8 @@
 //! When to tell somebody: earlier alert + verdict + now in, next alert + action out.
 //!
-//! There is one alert per gyro, coefficient and rule. It follows the verdict on the gyro's *newest* record (a late record
-//! that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the telling;
-//! nothing here knows a clock, a person or a hook.
+//! There is one alert per gyro, coefficient and rule. It follows the verdict on the gyro's *newest* record (a late
+//! record that leaves the newest verdict as it was is history, not news). The caller keeps the state and does the
+//! telling; nothing here knows a clock, a person or a hook.
 
 use super::judge::{Rule, Severity, State, Verdict};
 use super::time::UtcMicros;
@@ -242,8 +242,8 @@ fn hush(alert: &Alert, verdict: &Verdict, arrival: &Arrival, policy: &Policy) ->
     hush.then_some(Hushed { at, digest: digest || waits })
 }
 
-/// What a hook is told of an alert that has changed or is repeated, where it has heard last that the alert fires with the severity
-/// `heard`, or that all is well.
+/// What a hook is told of an alert that has changed or is repeated, where it has heard last that the alert fires with
+/// the severity `heard`, or that all is well.
 ///
 /// It never hears more of what it did not hear fire, and always hears the end of what it did.
 pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: UtcMicros) -> Option<Action> {
@@ -259,8 +259,8 @@ pub fn for_hook(alert: &Alert, heard: Option<Severity>, action: Action, now: Utc
     }
 }
 
-/// The digest of an import tells of an alert that waited for it. None where it does not fire, did not wait, or is silenced: then the
-/// end of the silence tells it.
+/// The digest of an import tells of an alert that waited for it. None where it does not fire, did not wait, or is
+/// silenced: then the end of the silence tells it.
 pub fn digest(alert: &Alert, now: UtcMicros) -> Option<Decision> {
     alert.hushed.filter(|hushed| hushed.digest)?;
     Some(announce(Alert { hushed: None, ..*alert }, now))

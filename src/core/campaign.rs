@@ -82,7 +82,8 @@ pub struct Site {
 }
 
 impl Site {
-    /// The Earth's rate in East, North, Up, deg/h (the same number in arcsec/s): Omega [0, cos L, sin L] at the geodetic latitude L.
+    /// The Earth's rate in East, North, Up, deg/h (the same number in arcsec/s): Omega [0, cos L, sin L] at the
+    /// geodetic latitude L.
     pub fn earth_rate(&self) -> Vector<Nav> {
         Vector::new(EARTH_RATE_DEG_H * Vector3::new(0.0, self.latitude.cos(), self.latitude.sin()))
     }
@@ -152,8 +153,9 @@ impl Campaign {
         self.dwells.iter().any(|d| d.output_sem_pulse_s.is_some())
     }
 
-    /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets the median of those of its phase (of
-    /// all, where its phase has none), each brought to its duration: means over longer times scatter less.
+    /// Standard errors of gyro `j` by dwell, none where no dwell states any. A dwell without one gets the median of
+    /// those of its phase (of all, where its phase has none), each brought to its duration: means over longer times
+    /// scatter less.
     pub fn errors_of(&self, j: usize) -> Option<Vec<f64>> {
         let own = |d: &Dwell| d.output_sem_pulse_s.as_ref().map(|sem| sem[j]);
         if !self.states_errors() {

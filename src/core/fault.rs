@@ -9,7 +9,8 @@ pub struct Fault {
     pub message: Message,
 }
 
-/// Every fault that was found in one document, in no language where it is logged; never empty where it is returned as an error.
+/// Every fault that was found in one document, in no language where it is logged; never empty where it is returned as
+/// an error.
 #[derive(Debug, Clone, PartialEq, Eq, Default, thiserror::Error)]
 #[error("{}", summary(.0))]
 pub struct Faults(pub Vec<Fault>);

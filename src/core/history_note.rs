@@ -1,11 +1,13 @@
-//! What a record looks like beside what is known of its IMU and gyros: kinds and parameters; words are made at the edge.
+//! What a record looks like beside what is known of its IMU and gyros: kinds and parameters; words are made at the
+//! edge.
 
 use super::mounting::Slot;
 use super::time::UtcMicros;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum HistoryNote {
-    /// Its time is that of a clock that was never set, or decades from everything else: it is set aside until somebody confirms it.
+    /// Its time is that of a clock that was never set, or decades from everything else: it is set aside until
+    /// somebody confirms it.
     TimeInDoubt(TimeDoubt),
     /// Earlier records are set aside because this one is decades after them.
     OthersSetAside { records: Vec<Named> },
@@ -94,7 +96,8 @@ pub fn is_unset(at: UtcMicros) -> bool {
     UNSET_DAYS.contains(&at.days_since(UtcMicros(0)))
 }
 
-/// Whether a time is in doubt, by the epochs at which clocks that were never set begin, and by the nearest record of the same gyros.
+/// Whether a time is in doubt, by the epochs at which clocks that were never set begin, and by the nearest record of
+/// the same gyros.
 pub fn doubt(at: UtcMicros, epochs: &[UtcMicros], nearest: Option<UtcMicros>) -> Option<TimeDoubt> {
     let away = nearest.map(|nearest| nearest.days_since(at));
     if away.is_some_and(|days| days.abs() <= COMPANY_DAYS) {

@@ -12,8 +12,8 @@ pub struct Filter {
     pub rules: Vec<Rule>,
     /// Serials that pass, a `*` standing for any run of characters; all of them where the list is empty.
     pub gyros: Vec<String>,
-    /// The least severity that passes. A threshold and not a list, because the severity of an alert never falls while it
-    /// fires: whoever was told that it fires is also told that it has resolved.
+    /// The least severity that passes. A threshold and not a list, because the severity of an alert never falls while
+    /// it fires: whoever was told that it fires is also told that it has resolved.
     pub severity: Option<Severity>,
 }
 

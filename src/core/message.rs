@@ -1,7 +1,7 @@
 //! What is to be said, before it is words: a code that never changes once it has been given out, and its parameters.
 //!
-//! Words are made at the edge, in the language that was asked for ([`crate::words`]). Figures are parameters as they are to be read, rounded to
-//! what they are known to; counts stay numbers, because words agree with them.
+//! Words are made at the edge, in the language that was asked for ([`crate::words`]). Figures are parameters as they
+//! are to be read, rounded to what they are known to; counts stay numbers, because words agree with them.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
@@ -29,7 +29,8 @@ impl Message {
         Self { code: Cow::Borrowed(code), parameters }
     }
 
-    /// A text of others, which is said as it is: of a library, of the operating system, of a database that an older version wrote.
+    /// A text of others, which is said as it is: of a library, of the operating system, of a database that an older
+    /// version wrote.
     pub fn verbatim(text: impl Display) -> Self {
         crate::message!("verbatim", text = text.to_string())
     }

@@ -69,7 +69,8 @@ pub fn normal_form(text: &str) -> Cow<'_, str> {
     Cow::Owned(words.join(" ").nfc().collect())
 }
 
-/// Whether a character takes no ink: format characters, and what Unicode calls ignorable by default (Default_Ignorable_Code_Point).
+/// Whether a character takes no ink: format characters, and what Unicode calls ignorable by default
+/// (Default_Ignorable_Code_Point).
 fn is_unseen(c: char) -> bool {
     if c.is_ascii() {
         return false;
@@ -85,16 +86,17 @@ fn is_unseen(c: char) -> bool {
             | '\u{E0000}'..='\u{E0FFF}')
 }
 
-/// The keys under which a name is known to its look-alikes: two names look alike where they share one. The first is how it looks
-/// (Unicode TS 39, so that O and 0, l and 1, Latin and Cyrillic are one), the second how it reads in small letters.
+/// The keys under which a name is known to its look-alikes: two names look alike where they share one. The first is
+/// how it looks (Unicode TS 39, so that O and 0, l and 1, Latin and Cyrillic are one), the second how it reads in
+/// small letters.
 pub fn look_keys(name: &str) -> [String; 2] {
     // What looks like 1 is kept apart from a capital L, whose small form it is.
     let looks = skeleton(name).map(|c| if c == 'l' { '\u{1}' } else { c }).collect::<String>().to_lowercase();
     [format!("\u{2}{looks}"), name.to_lowercase()]
 }
 
-/// How many characters are to be changed, put in, left out or exchanged with their neighbour to make `a` of `b`; none where more than
-/// `most`.
+/// How many characters are to be changed, put in, left out or exchanged with their neighbour to make `a` of `b`; none
+/// where more than `most`.
 pub fn distance(a: &str, b: &str, most: usize) -> Option<usize> {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     if a.len().abs_diff(b.len()) > most {

@@ -1,4 +1,5 @@
-//! Enums whose values have a name on the wire and words: [`Rule::Step`](crate::core::judge::Rule) is `step`, its words are those of `rule_step`.
+//! Enums whose values have a name on the wire and words: [`Rule::Step`](crate::core::judge::Rule) is `step`, its
+//! words are those of `rule_step`.
 
 /// `named! { pub enum Rule("rule_") { Step = "step", ... } }`: the enum with `ALL`, `name`, `from_name` and `word`.
 macro_rules! named {

@@ -1,5 +1,5 @@
-//! Notes on an item that is accepted: what a reader should know before relying on its figures. Kinds and parameters only; words
-//! are made at the edge ([`crate::wire::note`]).
+//! Notes on an item that is accepted: what a reader should know before relying on its figures. Kinds and parameters
+//! only; words are made at the edge ([`crate::wire::note`]).
 
 use super::campaign::CampaignNote;
 use super::history_note::HistoryNote;

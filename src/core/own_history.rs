@@ -81,8 +81,8 @@ fn all_factors() -> impl Iterator<Item = f64> {
 }
 
 impl Looked<'_> {
-    /// How far its figures are from its own level and from its last record, whichever is nearer, in budgets; nothing where it has no
-    /// history.
+    /// How far its figures are from its own level and from its last record, whichever is nearer, in budgets; nothing
+    /// where it has no history.
     fn off_by(&self) -> f64 {
         self.distance_to(self.before).unwrap_or(0.0)
     }
@@ -96,7 +96,8 @@ impl Looked<'_> {
         Some(from(level).min(from(last)))
     }
 
-    /// What makes a budget for D_I or D_S: its own, or as much of its own scatter and of its uncertainty as is worth one.
+    /// What makes a budget for D_I or D_S: its own, or as much of its own scatter and of its uncertainty as is worth
+    /// one.
     fn tolerance(&self, history: &[Shown], column: usize) -> f64 {
         let of_scatter = OFF_SCATTERS / OFF_BUDGETS;
         let stated = |shown: &Shown| shown.sd.map_or(0.0, |sd| sd[column]);
@@ -111,7 +112,8 @@ fn level(history: &[Shown]) -> [f64; 3] {
     [0, 1, 2].map(|i| median(last.iter().map(|shown| shown.d[i]).collect()))
 }
 
-/// The standard deviation of one record, from the median of the differences between neighbours; nothing of fewer than three.
+/// The standard deviation of one record, from the median of the differences between neighbours; nothing of fewer than
+/// three.
 fn scatter(history: &[Shown], column: usize) -> f64 {
     if history.len() < 3 {
         return 0.0;

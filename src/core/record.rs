@@ -28,7 +28,8 @@ pub struct GyroParameters {
     pub bias: f64,
     pub e_sd: Option<Vector3<f64>>,
     pub g_sd: Option<Vector3<f64>>,
-    /// Whether the station states G/|E|: `g_sd` is then |E| times that of the ratio, and an error of |E| moves G as well.
+    /// Whether the station states G/|E|: `g_sd` is then |E| times that of the ratio, and an error of |E| moves G as
+    /// well.
     pub g_is_ratio: bool,
 }
 
@@ -58,20 +59,23 @@ pub struct Plausibility {
 }
 
 impl Default for Plausibility {
-    /// Wide enough for floated gyros (1 to 3 pulse/arcsec) and for others (1 where a pulse is an arcsec, 0.005 of raw counts), too
-    /// narrow for a floated gyro's pulses per degree (3600 times as many), and for drift in deg/s or per hour where it should be per second.
+    /// Wide enough for floated gyros (1 to 3 pulse/arcsec) and for others (1 where a pulse is an arcsec, 0.005 of raw
+    /// counts), too narrow for a floated gyro's pulses per degree (3600 times as many), and for drift in deg/s or per
+    /// hour where it should be per second.
     fn default() -> Self {
         Self { scale_factor: (0.001, 1000.0), max_misalignment: 5.0_f64.to_radians(), max_drift: 1e3 }
     }
 }
 
 impl Plausibility {
-    /// What every campaign that was ever stored satisfies: those that lie there are read with it, whatever the limits are today.
+    /// What every campaign that was ever stored satisfies: those that lie there are read with it, whatever the limits
+    /// are today.
     pub fn ever() -> Self {
         Self { scale_factor: (1e-6, 1e6), max_drift: f64::INFINITY, ..Self::default() }
     }
 
-    /// Whether `e` (pulse/arcsec) is a possible row of E for the gyro in `slot`. A slot without axes is not held against any.
+    /// Whether `e` (pulse/arcsec) is a possible row of E for the gyro in `slot`. A slot without axes is not held
+    /// against any.
     ///
     /// # Errors
     /// |E| out of range, or its direction too far from the nominal input axis, and whose axis it fits instead.

@@ -46,7 +46,8 @@ impl UtcMicros {
 
 impl std::fmt::Display for UtcDate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // As `{:04}-{:02}-{:02}` writes it, without three rounds through the formatter: an answer names dozens of dates.
+        // As `{:04}-{:02}-{:02}` writes it, without three rounds through the formatter: an answer names dozens of
+        // dates.
         let Some(year) = u16::try_from(self.year).ok().filter(|year| *year < 10_000) else {
             return write!(f, "{:04}-{:02}-{:02}", self.year, self.month, self.day);
         };

@@ -117,8 +117,8 @@ fn foreign() -> Problem {
     Problem::new(403, "title_foreign_page", message!("foreign_page"))
 }
 
-/// Whether a request is for this machine by the name it uses. Any site can let its own name lead here, and to a browser its page is then
-/// one of this service: only the name tells. What names no host comes from no browser.
+/// Whether a request is for this machine by the name it uses. Any site can let its own name lead here, and to a
+/// browser its page is then one of this service: only the name tells. What names no host comes from no browser.
 fn names_this_machine(headers: &HeaderMap) -> bool {
     let Some(host) = headers.get(HOST) else { return true };
     let Ok(authority) = Authority::try_from(host.as_bytes()) else { return false };

@@ -22,8 +22,8 @@ pub struct AgreementQuery {
     to: Option<String>,
 }
 
-/// Results of every method. Without `from` and `to`: the separation nearest in time to the newest bench result, and of each
-/// bench method the nearest result before and after it (or the two nearest, where all lie on one side).
+/// Results of every method. Without `from` and `to`: the separation nearest in time to the newest bench result, and
+/// of each bench method the nearest result before and after it (or the two nearest, where all lie on one side).
 #[derive(Serialize, ToSchema)]
 pub struct Agreement {
     serial: String,
@@ -50,8 +50,9 @@ struct ResultBody {
     id: String,
     d_i: FigureBody,
     d_s: FigureBody,
-    /// Whether it counts in the ranges and the verdicts: of a separation, only the judged method's figures do; and without `from` and `to`,
-    /// only what is no more than `judging.agreement_days` older than the newest of these results.
+    /// Whether it counts in the ranges and the verdicts: of a separation, only the judged method's figures do; and
+    /// without `from` and `to`, only what is no more than `judging.agreement_days` older than the newest of these
+    /// results.
     counts: bool,
 }
 

@@ -64,7 +64,8 @@ struct Alerts {
 struct ListedAlert {
     #[serde(flatten)]
     alert: AlertBody,
-    /// The same for all alerts that rest on the same record of the same gyro: one change of a gyro violates several rules.
+    /// The same for all alerts that rest on the same record of the same gyro: one change of a gyro violates several
+    /// rules.
     group: String,
 }
 
@@ -158,8 +159,8 @@ pub struct AlertDetail {
 struct StepBody {
     id: String,
     at: String,
-    /// `fire`, `escalate`, `repeat`, `resolve`, `digest` (told at the end of an import); or what somebody did: `acknowledge`,
-    /// `unacknowledge`, `silence`.
+    /// `fire`, `escalate`, `repeat`, `resolve`, `digest` (told at the end of an import); or what somebody did:
+    /// `acknowledge`, `unacknowledge`, `silence`.
     action: String,
     /// Whether hooks were told.
     told: bool,

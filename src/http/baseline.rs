@@ -30,7 +30,8 @@ struct BaselineBody {
     at: Option<String>,
     #[serde(default)]
     author: Option<String>,
-    /// The levels from then on, from an acceptance file, say; what is left out is the median of the first three records.
+    /// The levels from then on, from an acceptance file, say; what is left out is the median of the first three
+    /// records.
     #[serde(default)]
     fixed: Option<FixedBody>,
 }

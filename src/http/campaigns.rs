@@ -125,7 +125,8 @@ pub async fn get_campaign(State(app): State<App>, Path(id): Path<String>) -> Res
     Ok(Json(StoredCampaignBody { answer, standing, received_at, sent_by, campaign }))
 }
 
-/// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot be told.
+/// The gap between the campaign and its error model: where, which unmodelled effect, how far it shrinks, what cannot
+/// be told.
 #[utoipa::path(get, path = "/v1/campaigns/{id}/diagnosis", tag = "campaigns",
     params(DiagnosisQuery),
     responses(
@@ -175,7 +176,8 @@ const PATIENCE_S: u64 = 10;
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct DiagnosisQuery {
-    /// Identifier of an earlier campaign or record of the IMU: the gap is then also split into parameters, structure and noise.
+    /// Identifier of an earlier campaign or record of the IMU: the gap is then also split into parameters, structure
+    /// and noise.
     reference: Option<String>,
     /// Seconds to wait for one that is being made, 0 to 10; 10 where left out.
     wait: Option<u64>,

@@ -32,7 +32,8 @@ pub struct ConfirmedBody {
     standing: StandingBody,
 }
 
-/// The time of a record or campaign that was set aside is right: it counts from now on, and what depends on it is judged again.
+/// The time of a record or campaign that was set aside is right: it counts from now on, and what depends on it is
+/// judged again.
 #[utoipa::path(post, path = "/v1/records/{id}/confirm", tag = "records", request_body = ConfirmOrder,
     params(("id" = String, Path, description = "identifier of the record or campaign")),
     responses(

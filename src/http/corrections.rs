@@ -187,8 +187,8 @@ struct RecordRevision {
     record: Box<RawValue>,
 }
 
-/// Another record stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
-/// was voided can still be revised.
+/// Another record stands in the place of one, which counts no more. Both are kept; what depends on them is judged
+/// again. What was voided can still be revised.
 #[utoipa::path(post, path = "/v1/records/{id}/revise", tag = "records", request_body = RecordRevision,
     responses(
         (status = 201, description = "the new record is stored and judged", body = Standing<RecordAnswer>, headers(("Location" = String, description = "where it is"))),
@@ -223,8 +223,8 @@ struct CampaignRevision {
     campaign: Box<RawValue>,
 }
 
-/// Another campaign stands in the place of one, which counts no more. Both are kept; what depends on them is judged again. What
-/// was voided can still be revised.
+/// Another campaign stands in the place of one, which counts no more. Both are kept; what depends on them is judged
+/// again. What was voided can still be revised.
 #[utoipa::path(post, path = "/v1/campaigns/{id}/revise", tag = "campaigns", request_body = CampaignRevision,
     responses(
         (status = 201, description = "the new campaign is stored and judged", body = Standing<CampaignAnswer>, headers(("Location" = String, description = "where it is"))),

@@ -27,8 +27,8 @@ const MOST_FAILURES: usize = 1000;
 
 /// Orders the diagnoses of stored campaigns: all that count, or those of an IMU, a station, a stretch of time.
 ///
-/// Those whose diagnosis is of this version of the program and the model in force are done already, unless `again` is true. The
-/// same order, sent while it is being worked off, is that order.
+/// Those whose diagnosis is of this version of the program and the model in force are done already, unless `again` is
+/// true. The same order, sent while it is being worked off, is that order.
 #[utoipa::path(post, path = "/v1/diagnoses", tag = "diagnoses", request_body = WhichBody,
     responses(
         (status = 202, description = "taken; `Location` says how it goes", body = JobDetailBody, headers(("Location" = String, description = "where its progress is"))),
@@ -123,8 +123,9 @@ pub struct SummaryQuery {
     format: Option<String>,
 }
 
-/// What the diagnoses of stored campaigns say together: which effects, in which IMUs and gyros, at which stations, since when, how
-/// far the gap closes and what D_I and D_S are moved by; and whose gap the catalogue does not explain.
+/// What the diagnoses of stored campaigns say together: which effects, in which IMUs and gyros, at which stations,
+/// since when, how far the gap closes and what D_I and D_S are moved by; and whose gap the catalogue does not
+/// explain.
 ///
 /// Campaigns that were voided or revised are left out. In CSV a line is an effect in a gyro, or an IMU in doubt.
 #[utoipa::path(get, path = "/v1/diagnoses/summary", tag = "diagnoses",

@@ -26,8 +26,8 @@ impl<S: Send + Sync> FromRequest<S> for Document {
 }
 
 impl Document {
-    /// The answer to a document that cannot be read as the kind that is `wanted`: of one that is of another kind, where it belongs, for
-    /// its members are then all at fault.
+    /// The answer to a document that cannot be read as the kind that is `wanted`: of one that is of another kind,
+    /// where it belongs, for its members are then all at fault.
     pub fn refused_as(wanted: DocumentKind, bytes: &[u8], faults: Faults) -> Problem {
         let belongs = match DocumentKind::instead_of(wanted, bytes) {
             None => return Self::problem(bytes, faults),

@@ -69,8 +69,8 @@ impl DocumentPost {
         Ok(accepted)
     }
 
-    /// Stores a calibration that is to be found in `collection`. What is new is answered with `whole` and its verdicts, or as much of that as
-    /// is wanted.
+    /// Stores a calibration that is to be found in `collection`. What is new is answered with `whole` and its
+    /// verdicts, or as much of that as is wanted.
     pub async fn store<T: Serialize>(
         &self,
         app: &App,
@@ -93,7 +93,8 @@ impl DocumentPost {
         }
     }
 
-    /// The answer to a calibration that was there: `whole`, or as much of it as is wanted, and how it stands where that is to be said.
+    /// The answer to a calibration that was there: `whole`, or as much of it as is wanted, and how it stands where
+    /// that is to be said.
     pub fn again<T: Serialize>(
         &self,
         (collection, id): (&str, Id),

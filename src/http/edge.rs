@@ -1,7 +1,8 @@
-//! The outermost of the service: who asks, and by which scheme and name, where a trusted proxy says so; the path under which a proxy
-//! serves it; identifiers of requests, their log, and the headers of every answer.
+//! The outermost of the service: who asks, and by which scheme and name, where a trusted proxy says so; the path
+//! under which a proxy serves it; identifiers of requests, their log, and the headers of every answer.
 //!
-//! Whatever lies further in knows neither proxies nor prefixes: it sees the client's address, its `Host`, and paths that begin with `/`.
+//! Whatever lies further in knows neither proxies nor prefixes: it sees the client's address, its `Host`, and paths
+//! that begin with `/`.
 
 mod forwarded;
 mod trace;
@@ -76,7 +77,8 @@ impl Edge {
         response
     }
 
-    /// The address without the prefix; none where it does not have it, because the proxy has cut it off or there is no proxy.
+    /// The address without the prefix; none where it does not have it, because the proxy has cut it off or there is
+    /// no proxy.
     fn without_base(&self, uri: &Uri) -> Option<Uri> {
         let rest = uri.path_and_query()?.as_str().strip_prefix(&self.base_path)?;
         if self.base_path.is_empty() || !(rest.is_empty() || rest.starts_with(['/', '?'])) {

@@ -10,7 +10,7 @@ use super::events::EventBody;
 use super::query::{self, Parameters};
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
-use crate::core::judge::history::Measured;
+use crate::core::judge::Measured;
 use crate::core::judge::{Event, State as Judgement, Status};
 use crate::core::time::Span;
 use crate::message;
@@ -77,12 +77,13 @@ struct Gyro {
     serial: String,
     /// Null for a gyro that only a bench has seen.
     latest: Option<Latest>,
-    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included: `indeterminate` while none
-    /// could judge its drift, null before the first. `exceeded` in any case while an alert of `agreement` is not resolved.
+    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included:
+    /// `indeterminate` while none could judge its drift, null before the first. `exceeded` in any case while an alert
+    /// of `agreement` is not resolved.
     state: Option<&'static str>,
-    /// The worst of its verdicts and of what its alerts know besides, and whether its calibration is overdue: `confirmed`, `out_of_tolerance`,
-    /// `unconfirmed`, `drifting`, `overdue`, `borderline`, `too_uncertain`, `not_enough_data` or `in_tolerance`, the worst first. Null
-    /// for a gyro that only a bench has seen.
+    /// The worst of its verdicts and of what its alerts know besides, and whether its calibration is overdue:
+    /// `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `overdue`, `borderline`, `too_uncertain`,
+    /// `not_enough_data` or `in_tolerance`, the worst first. Null for a gyro that only a bench has seen.
     status: Option<&'static str>,
     /// `retired` or `in_storage`, until it is calibrated again: it is never overdue.
     out_of_use: Option<&'static str>,
@@ -174,7 +175,8 @@ async fn page(
 pub struct GyroDetail {
     #[serde(flatten)]
     gyro: Gyro,
-    /// Verdicts on its newest record, each with its `status`; where a bench has measured it, also how the methods agree.
+    /// Verdicts on its newest record, each with its `status`; where a bench has measured it, also how the methods
+    /// agree.
     verdicts: Vec<VerdictBody>,
     /// What was done to it, oldest first.
     events: Vec<EventBody>,

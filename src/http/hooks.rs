@@ -59,7 +59,8 @@ pub async fn get_hook(State(app): State<App>, Path(id): Path<String>) -> Result<
     Ok(Json(hook.ok_or_else(|| no_such_hook(&id))?))
 }
 
-/// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits at once.
+/// Changes a hook. A secret that is replaced signs beside the new one for a while; `enabled: true` sends what waits
+/// at once.
 #[utoipa::path(patch, path = "/v1/hooks/{id}", tag = "hooks", request_body = HookPatchBody,
     responses(
         (status = 200, description = "changed", body = HookBody),

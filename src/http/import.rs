@@ -1,8 +1,9 @@
 //! `/v1/import`: one document a line, as many as there are, answered line by line.
 //!
-//! The body is read as it comes and never held whole: so much of its text is under way at a time ([`lines::UNDER_WAY_KIB`]). Lines that are
-//! there together are read together, on a thread for computing, and share commits. A client that sends everything before it reads an answer
-//! is not blocked: answers wait in memory, up to a bound.
+//! The body is read as it comes and never held whole: so much of its text is under way at a time
+//! ([`lines::UNDER_WAY_KIB`]). Lines that are there together are read together, on a thread for computing, and share
+//! commits. A client that sends everything before it reads an answer is not blocked: answers wait in memory, up to a
+//! bound.
 
 mod lines;
 
@@ -41,8 +42,8 @@ use crate::words;
 const LINES_AT_ONCE: usize = 512;
 /// Such chunks that are read at the same time, while others are judged and others wait for the disk.
 const CHUNKS_READ_AT_ONCE: usize = 4;
-/// Such chunks that are judged or wait for the disk. What is under way is bounded by its text; this holds for those who send line by line, so that
-/// one import does not fill the queue of all writes.
+/// Such chunks that are judged or wait for the disk. What is under way is bounded by its text; this holds for those
+/// who send line by line, so that one import does not fill the queue of all writes.
 const CHUNKS_UNDER_WAY: usize = 64;
 /// Answers that wait for a client that does not read them, bytes.
 const MAX_UNREAD_ANSWERS: usize = 32 << 20;
@@ -65,7 +66,8 @@ struct LineAnswer {
 
 /// Stores records, campaigns and bench results, one a line, each by itself: a bad line is named and holds up no other.
 ///
-/// What a gyro did long ago and is found now (`alerts.backfill_days`) is told in one message a hook when the import ends, as far as it fires still.
+/// What a gyro did long ago and is found now (`alerts.backfill_days`) is told in one message a hook when the import
+/// ends, as far as it fires still.
 #[utoipa::path(post, path = "/v1/import", tag = "records", request_body(content = String, content_type = "application/x-ndjson", description = "one JSON document a line"),
     params(Telling),
     responses(
@@ -78,7 +80,8 @@ pub async fn post_import(
 ) -> Result<Response, Problem> {
     check_media_type(request.headers(), &["application/x-ndjson", "application/ndjson", "application/jsonl"])?;
     let asks_to_go_on = request.headers().contains_key(EXPECT);
-    // nginx, whose requests have HTTP/1.0 unless it is told otherwise, sends no more of a body once the answer to it has begun.
+    // nginx, whose requests have HTTP/1.0 unless it is told otherwise, sends no more of a body once the answer to it
+    // has begun.
     let is_through = request.extensions().get::<Forwarded>().is_some() || request.version() == Version::HTTP_10;
     let mut body = request.into_body().into_data_stream().peekable();
     if asks_to_go_on {

@@ -31,7 +31,8 @@ pub async fn get_metrics(State(app): State<App>) -> Result<Response, Problem> {
     Ok(([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::render()).into_response())
 }
 
-/// A request that is counted when it has been answered, under its route, so that names in paths do not make a series each.
+/// A request that is counted when it has been answered, under its route, so that names in paths do not make a series
+/// each.
 pub struct Counted {
     method: &'static str,
     route: Option<MatchedPath>,

@@ -1,4 +1,5 @@
-//! What every request passes on its way in and out. One middleware: each by itself would copy the whole stack below it for every request.
+//! What every request passes on its way in and out. One middleware: each by itself would copy the whole stack below
+//! it for every request.
 
 use std::panic::AssertUnwindSafe;
 
@@ -39,7 +40,8 @@ async fn passed(gate: Gate, request: Request, next: Next) -> Response {
     answered(counted, longest_body, access::admit(&gate, request, next)).await
 }
 
-/// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would break off.
+/// A panic, of the admission as of a handler, is answered and counted like any other failure; the connection would
+/// break off.
 async fn answered(counted: Counted, longest_body: usize, answer: impl Future<Output = Response>) -> Response {
     let answer = AssertUnwindSafe(answer).catch_unwind().await.unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
@@ -51,8 +53,9 @@ async fn answered(counted: Counted, longest_body: usize, answer: impl Future<Out
     response
 }
 
-/// The refusal of a request that a proxy in front may read otherwise: as ending elsewhere, or as meant for somebody else. Nothing
-/// more is read from its connection. hyper refuses lengths that contradict one another, but takes any coding that ends in `chunked`.
+/// The refusal of a request that a proxy in front may read otherwise: as ending elsewhere, or as meant for somebody
+/// else. Nothing more is read from its connection. hyper refuses lengths that contradict one another, but takes any
+/// coding that ends in `chunked`.
 fn doubt(version: Version, headers: &HeaderMap) -> Option<Response> {
     let mut codings = headers.get_all(TRANSFER_ENCODING).iter();
     let known = codings.next().is_none_or(|coding| coding.as_bytes().eq_ignore_ascii_case(b"chunked"));

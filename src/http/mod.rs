@@ -67,7 +67,8 @@ pub fn router(app: App, pages: Routes) -> Router {
     let routes = routes(&server).with_state(app.clone()).merge(pages);
     let gate = Gate { app, rules: Arc::new(Rules::of(routes.rules())) };
     routes.into_router().fallback(problem::no_such_path).layer(
-        // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by itself would be boxed.
+        // The outermost first. Refusals are put into form before they are compressed. As one stack: each layer by
+        // itself would be boxed.
         ServiceBuilder::new()
             .layer(CompressionLayer::new())
             .layer(from_fn_with_state(gate, middleware::pass))
@@ -76,8 +77,8 @@ pub fn router(app: App, pages: Routes) -> Router {
     )
 }
 
-/// Every route but those of pages. A handler says its method and path; administrators decide where data leave to (hooks) and who comes in
-/// (tokens).
+/// Every route but those of pages. A handler says its method and path; administrators decide where data leave to
+/// (hooks) and who comes in (tokens).
 pub fn routes(server: &Server) -> Routes<App> {
     let timeout = TimeoutLayer::with_status_code(
         StatusCode::SERVICE_UNAVAILABLE,

@@ -54,7 +54,8 @@ pub async fn get_model(State(app): State<App>, Path(imu): Path<String>) -> Resul
     Ok(Json(ImuModelBody { imu, model, history }))
 }
 
-/// Adopts the content of a model file for the IMU: its later campaigns are fitted with it, its diagnoses reported against it.
+/// Adopts the content of a model file for the IMU: its later campaigns are fitted with it, its diagnoses reported
+/// against it.
 ///
 /// A body without terms and effects undoes what was adopted before. What is stored stays as it was judged.
 #[utoipa::path(post, path = "/v1/imus/{imu}/model", tag = "imus", request_body = AdoptionBody,

@@ -1,5 +1,5 @@
-//! What operations have in common, described once: the parameter of a path, what a request may be refused for, and which answers name what
-//! other operations are about. What a handler says itself stays.
+//! What operations have in common, described once: the parameter of a path, what a request may be refused for, and
+//! which answers name what other operations are about. What a handler says itself stays.
 
 use utoipa::openapi::link::Link;
 use utoipa::openapi::path::{Operation, Parameter, ParameterIn};

@@ -1,5 +1,6 @@
-//! How much of an answer a client wants (RFC 7240): whoever only has to know that what it sent is stored asks for `return=minimal`, and neither
-//! side spends time on figures and words. What was stored before is read as for a whole answer.
+//! How much of an answer a client wants (RFC 7240): whoever only has to know that what it sent is stored asks for
+//! `return=minimal`, and neither side spends time on figures and words. What was stored before is read as for a whole
+//! answer.
 
 use std::convert::Infallible;
 

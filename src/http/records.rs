@@ -28,8 +28,8 @@ use crate::wire::time;
 
 /// Separates, stores and judges a calibration record.
 ///
-/// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and time with
-/// other content 409.
+/// The record is on disk before the answer. The same content again answers 200 with the same id; the same IMU and
+/// time with other content 409.
 #[utoipa::path(post, path = "/v1/records", tag = "records", request_body = RecordBody,
     params(IdempotencyKey, Telling, Wanted),
     responses(

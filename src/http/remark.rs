@@ -38,8 +38,8 @@ impl Said {
     }
 }
 
-/// Reads what a document says of the gyro of a path and submits it: 201 and its identifier where it is new, 200 where it was there in the same
-/// words; `otherwise` is told where it was in others.
+/// Reads what a document says of the gyro of a path and submits it: 201 and its identifier where it is new, 200 where
+/// it was there in the same words; `otherwise` is told where it was in others.
 pub async fn post(
     app: &App,
     serial: &str,

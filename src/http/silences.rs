@@ -54,8 +54,8 @@ pub async fn get_silences(
     Ok(Json(Silences { silences: app.pipeline.alerts.silences(all).await? }))
 }
 
-/// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has changed by then is told at
-/// its end.
+/// Nobody is told of any alert that matches, before a time: of those that fire, and of those that will. What has
+/// changed by then is told at its end.
 #[utoipa::path(post, path = "/v1/silences", tag = "alerts", request_body = NewSilenceBody,
     responses(
         (status = 201, description = "it holds", body = MatchingSilenceBody, headers(("Location" = String, description = "where it is"))),

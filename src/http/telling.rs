@@ -14,12 +14,13 @@ use crate::wire::problem::Problem;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct Telling {
-    /// How what fires since longer than `alerts.backfill_days` is told. `all`: every change of every alert by itself. `digest`: what fires
-    /// still, in one message at the end of the import; so for an import unless it is given. `none`: not at all.
+    /// How what fires since longer than `alerts.backfill_days` is told. `all`: every change of every alert by itself.
+    /// `digest`: what fires still, in one message at the end of the import; so for an import unless it is given.
+    /// `none`: not at all.
     #[param(value_type = Option<String>)]
     notify: Option<Late>,
-    /// `true`: more requests of the same import follow. The digest comes after the last, which may be empty, or a quarter of an hour after
-    /// nothing has come.
+    /// `true`: more requests of the same import follow. The digest comes after the last, which may be empty, or a
+    /// quarter of an hour after nothing has come.
     #[param(value_type = Option<bool>)]
     more: bool,
 }

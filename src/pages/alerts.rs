@@ -133,8 +133,8 @@ pub(super) async fn open_ones(pages: &Pages, gyro: u32) -> Result<Vec<AlertBody>
     Ok(open)
 }
 
-/// Alerts that stand together: of one gyro, and among those of one record. Gyros and their records come in the order in which
-/// their first alerts do.
+/// Alerts that stand together: of one gyro, and among those of one record. Gyros and their records come in the order
+/// in which their first alerts do.
 fn groups<'a>(alerts: impl Iterator<Item = &'a AlertBody>) -> Vec<Vec<&'a AlertBody>> {
     let mut gyros: Vec<(&str, Vec<Vec<&AlertBody>>)> = Vec::new();
     for alert in alerts {
@@ -196,7 +196,8 @@ fn heading(viewer: &Viewer, gyros: bool) -> Markup {
     }
 }
 
-/// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can be.
+/// `gyros`: whether each line names its gyro. `here`: where to come back to from what is done; none where nothing can
+/// be.
 pub(super) fn table<'a>(
     viewer: &Viewer,
     alerts: impl Iterator<Item = &'a AlertBody>,

@@ -1,5 +1,5 @@
-//! Style sheet, script and plot library, held compressed. Their names carry a hash of their content, so that a browser may
-//! keep them for ever and a new version is another name.
+//! Style sheet, script and plot library, held compressed. Their names carry a hash of their content, so that a
+//! browser may keep them for ever and a new version is another name.
 
 use std::io::{Read, Write};
 use std::sync::{LazyLock, OnceLock};
@@ -77,8 +77,8 @@ pub(super) async fn serve(Path(name): Path<String>, headers: HeaderMap) -> Respo
 mod tests {
     use super::*;
 
-    /// Addresses that a string of a script begins with: what it could load. Names of XML's spaces are loaded by nobody, and in a
-    /// comment an address stands in no quotes.
+    /// Addresses that a string of a script begins with: what it could load. Names of XML's spaces are loaded by
+    /// nobody, and in a comment an address stands in no quotes.
     fn addresses(script: &str) -> Vec<&str> {
         let is_address = |part: &&str| {
             let host = ["http://", "https://", "//"].iter().find_map(|scheme| part.strip_prefix(scheme));
@@ -95,8 +95,8 @@ mod tests {
         for loads in ["fetch(", "import(", "importScripts", "sendBeacon", "WebSocket", "EventSource"] {
             assert!(!script.contains(loads), "{loads}");
         }
-        // The outlines of maps, which this bundle does not draw: that is the setting, and nothing reads it. Where formats are described.
-        // Where the emblem leads that a reader may press.
+        // The outlines of maps, which this bundle does not draw: that is the setting, and nothing reads it. Where
+        // formats are described. Where the emblem leads that a reader may press.
         let named = [
             "https://cdn.plot.ly/un/",
             "https://github.com/d3/d3-format/tree/v1.4.5#d3-format",

@@ -7,7 +7,7 @@ use super::layout::{DRIFTS, instant, symbol};
 use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
-use crate::core::judge::history::Measured;
+use crate::core::judge::Measured;
 use crate::core::judge::{Event, Limit, Rule, Status};
 use crate::pages::history::event_name;
 use crate::pages::status;

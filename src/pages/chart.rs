@@ -147,7 +147,7 @@ fn place(pixels: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::judge::history::Measured;
+    use crate::core::judge::Measured;
     use crate::pages::plot::{Mark, Point};
 
     #[test]

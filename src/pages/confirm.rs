@@ -1,4 +1,5 @@
-//! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is about.
+//! `/records/{id}/confirm`: the time of a record that was set aside is right, said on a page that shows what it is
+//! about.
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};

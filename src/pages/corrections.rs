@@ -1,5 +1,5 @@
-//! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and how an
-//! item stands that was voided or revised.
+//! `…/void`: a record, a campaign or a bench result counts no more, said on a page that tells what that changes; and
+//! how an item stands that was voided or revised.
 
 use axum::Form;
 use axum::extract::{Path, Query, State as Held};
@@ -178,7 +178,8 @@ fn with_form<T>(viewer: &Viewer, item: &Item, word: &Word, show: impl FnOnce(&De
 pub(super) struct Standing {
     /// Whether it has neither been voided nor revised.
     pub counts: bool,
-    /// What was said of it, where it does not count any more or stands in another's place; and the way to void one that counts.
+    /// What was said of it, where it does not count any more or stands in another's place; and the way to void one
+    /// that counts.
     pub said: Markup,
 }
 

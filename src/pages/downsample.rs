@@ -1,7 +1,7 @@
 //! Fewer points for the same picture.
 
-/// Indices of at most `most` of `values`, in order: the first, the last, and of each of equal stretches in between the lowest
-/// and the highest. Every extreme of the whole is among them.
+/// Indices of at most `most` of `values`, in order: the first, the last, and of each of equal stretches in between
+/// the lowest and the highest. Every extreme of the whole is among them.
 pub(super) fn indices(values: &[f64], most: usize) -> Vec<usize> {
     let n = values.len();
     if n <= most || most < 4 {

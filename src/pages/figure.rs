@@ -1,7 +1,7 @@
 //! Figures as people write them: value and uncertainty to the same place.
 
-/// Digits of a figure whose uncertainty nobody has stated: a ten-thousandth of the usual budget of 1e-2 deg/(h g0), as the
-/// paper's Table 5 prints.
+/// Digits of a figure whose uncertainty nobody has stated: a ten-thousandth of the usual budget of 1e-2 deg/(h g0),
+/// as the paper's Table 5 prints.
 const DRIFT_DECIMALS: usize = 6;
 
 /// A drift coefficient, deg/(h g0).
@@ -9,7 +9,8 @@ pub(super) fn drift(value: f64, sd: Option<f64>) -> String {
     with_sd(value, sd, DRIFT_DECIMALS)
 }
 
-/// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is known.
+/// `4.1926 ± 0.0004`: two digits of the standard deviation, the value to the same place; `decimals` where none is
+/// known.
 pub(crate) fn with_sd(value: f64, sd: Option<f64>, decimals: usize) -> String {
     match sd.filter(|sd| *sd > 0.0 && sd.is_finite()) {
         // Nobody counts zeros behind the point.

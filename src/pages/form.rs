@@ -1,5 +1,5 @@
-//! Forms for whatever changes something: with who, why, and that it is meant. That they come from this site's own pages is seen to
-//! where every request is admitted.
+//! Forms for whatever changes something: with who, why, and that it is meant. That they come from this site's own
+//! pages is seen to where every request is admitted.
 
 use axum::http::header::LOCATION;
 use axum::http::{HeaderValue, StatusCode};

@@ -10,9 +10,9 @@ use super::viewer::Viewer;
 use crate::config::JudgedMethod;
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
-use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::DEFAULT_BUDGET;
 use crate::core::judge::{Limits, Rule, Status};
+use crate::core::judge::{Measured, Sample};
 use crate::core::time::UtcMicros;
 use crate::pipeline::{Baseline, BenchItem, Course, EventItem, Names, Statuses, sample_of};
 
@@ -165,8 +165,8 @@ const LEAST_RANGES: usize = 7;
 /// The mean difference of two values over their standard deviation: 2/sqrt(pi).
 const MEAN_RANGE: f64 = std::f64::consts::FRAC_2_SQRT_PI;
 
-/// How far a gyro's own scatter reaches: three standard deviations, from the mean of successive differences (a control chart of
-/// individual values and moving ranges, ISO 7870-2).
+/// How far a gyro's own scatter reaches: three standard deviations, from the mean of successive differences (a
+/// control chart of individual values and moving ranges, ISO 7870-2).
 fn control(values: &[f64]) -> Option<f64> {
     let ranges = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let count = ranges.len();

@@ -1,8 +1,8 @@
-//! `/import`: what a file says, and by line everything that is wrong with it or stands in its way, before anything is stored;
-//! then storing it.
+//! `/import`: what a file says, and by line everything that is wrong with it or stands in its way, before anything is
+//! stored; then storing it.
 //!
-//! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no larger on
-//! the way than it is.
+//! The form is sent as `text/plain`, which is the text as it stands: it works without a script, and a file is no
+//! larger on the way than it is.
 
 use std::sync::Arc;
 
@@ -28,8 +28,9 @@ use crate::wire::campaign::Form;
 use crate::wire::json::from_line;
 use crate::wire::note::NoteBody;
 
-/// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against what is stored, each
-/// with queries of its own: all that are shown, and no more, for a file may hold tens of thousands.
+/// Documents of one form that are shown; all are read and all are stored. So many of the sound ones are held against
+/// what is stored, each with queries of its own: all that are shown, and no more, for a file may hold tens of
+/// thousands.
 const MOST_SHOWN: usize = 200;
 
 pub(super) async fn page(viewer: Viewer) -> Response {
@@ -63,8 +64,8 @@ enum Prospect {
     Sound(Box<Submission>, Arc<[Note]>),
 }
 
-/// Every document with its line, and what storing it would come to: what is stored already may stand in the way of the first
-/// [`MOST_SHOWN`] that are sound.
+/// Every document with its line, and what storing it would come to: what is stored already may stand in the way of
+/// the first [`MOST_SHOWN`] that are sound.
 async fn previews(pipeline: &Pipeline, read: Vec<(usize, Result<ReadDocument, Faults>)>) -> Vec<(usize, Prospect)> {
     let sound: Vec<(usize, &ReadDocument)> =
         read.iter().filter_map(|(line, read)| Some((*line, read.as_ref().ok()?))).collect();

@@ -15,8 +15,8 @@ use crate::core::time::UtcMicros;
 use crate::wire::problem::Problem;
 use crate::wire::time;
 
-/// Nothing is loaded from elsewhere and nothing inline runs. Plotly puts style elements into the page, and pictures that
-/// are saved are made from blobs.
+/// Nothing is loaded from elsewhere and nothing inline runs. Plotly puts style elements into the page, and pictures
+/// that are saved are made from blobs.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
                       connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 
@@ -68,7 +68,8 @@ impl Viewer {
         (status, head, self.under_base(self.document(page).into_string())).into_response()
     }
 
-    /// Has whatever leads to this service lead under its prefix. In text and values quotation marks are escaped, so only attributes match.
+    /// Has whatever leads to this service lead under its prefix. In text and values quotation marks are escaped, so
+    /// only attributes match.
     fn under_base(&self, document: String) -> String {
         if self.base_path.is_empty() {
             return document;

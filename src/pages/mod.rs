@@ -1,7 +1,7 @@
 //! The web pages: rendered here, whole without scripts; a script of our own draws plots and local times over them.
 //!
-//! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is named,
-//! and the content security policy allows none.
+//! A page is a function of what the pipeline answers. Everything it needs comes from this service: no other host is
+//! named, and the content security policy allows none.
 
 mod alerts;
 mod assets;

@@ -1,5 +1,5 @@
-//! E, G and P of an IMU's gyros in the form of the paper's Tables 3 and 4: each figure with its standard deviation, what is
-//! required of it, and whether it keeps that.
+//! E, G and P of an IMU's gyros in the form of the paper's Tables 3 and 4: each figure with its standard deviation,
+//! what is required of it, and whether it keeps that.
 
 use std::collections::BTreeSet;
 

@@ -6,8 +6,8 @@ use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
 use super::text::Text;
+use crate::core::judge::Measured;
 use crate::core::judge::Status;
-use crate::core::judge::history::Measured;
 use crate::core::time::UtcMicros;
 use crate::pages::downsample;
 

@@ -1,5 +1,5 @@
-//! The gap of a campaign against an earlier calibration of its IMU, split into parameters, structure and noise: a section of
-//! the page of its diagnosis.
+//! The gap of a campaign against an earlier calibration of its IMU, split into parameters, structure and noise: a
+//! section of the page of its diagnosis.
 
 use maud::{Markup, html};
 use serde::Deserialize;

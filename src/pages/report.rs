@@ -1,5 +1,5 @@
-//! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file. Whole without scripts, its plots
-//! drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
+//! `/gyros/{serial}/report` and `/imus/{imu}/report`: one to put into the acceptance file. Whole without scripts, its
+//! plots drawn by the service; the style sheet keeps what belongs together on one sheet of paper.
 
 use axum::extract::{Path, State as Held};
 use axum::response::Response;

@@ -38,7 +38,8 @@ pub(super) fn pieces(text: &str) -> Vec<Piece<'_>> {
     vec![piece(body, Form::Csv)]
 }
 
-/// The lines of a text as far as its parts, which ascend, have come: every line is counted once, however many parts there are.
+/// The lines of a text as far as its parts, which ascend, have come: every line is counted once, however many parts
+/// there are.
 struct Lines<'a> {
     whole: &'a str,
     passed: usize,

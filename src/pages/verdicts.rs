@@ -92,8 +92,8 @@ fn one(viewer: &Viewer, said: &Said) -> Markup {
     }
 }
 
-/// What the reason does not say: the figures of what has passed, and of what was judged by other limits; else the limit, where there is
-/// nothing yet to compare with it.
+/// What the reason does not say: the figures of what has passed, and of what was judged by other limits; else the
+/// limit, where there is nothing yet to compare with it.
 fn figures(t: &Text, said: &Said, unit: Unit) -> Markup {
     let VerdictBody { value, limit, sd, limit_from, .. } = &said.body;
     let (p, unit) = (digits(*limit), t.word(&unit.word()));

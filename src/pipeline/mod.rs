@@ -13,8 +13,8 @@
 //! ```
 //!
 //! The writer takes all that has queued up while the last group was committed, so that many senders share one flush
-//! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival. Of an import in order of time
-//! one group is judged while the one before is still being written (`ingest/writer/overlapped.rs`).
+//! of the disk. A group is judged in its end state: each gyro once, whatever the order of arrival. Of an import in
+//! order of time one group is judged while the one before is still being written (`ingest/writer/overlapped.rs`).
 
 mod access;
 mod alerts;
@@ -97,7 +97,8 @@ impl Pipeline {
         let task = writer::Task::new(store, writer, config, clock, after).await?;
         // It ends when the writer, who alone tells it of more, is gone.
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
-        // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just answered.
+        // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just
+        // answered.
         let runtime = Handle::current();
         let handle = tokio::task::spawn_blocking(move || runtime.block_on(task.run(jobs)));
         Ok((pipeline, handle))

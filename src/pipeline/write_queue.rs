@@ -18,8 +18,8 @@ pub(super) type Reply<T, E> = oneshot::Sender<Result<T, E>>;
 /// What the writer is asked to do.
 #[derive(Debug)]
 pub(super) enum Job {
-    /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and ahead of the disk; how what is found
-    /// late is told.
+    /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and
+    /// ahead of the disk; how what is found late is told.
     Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: ReplySender },
     /// A hook or its queue is to change.
     Hook { order: Order, by: Actor, reply: Reply<Id, HookError> },

@@ -181,8 +181,8 @@ impl Effect {
         }
     }
 
-    /// Alternatives of an effect, each with one member for every free coefficient, over a campaign of so many hours and dwells; `times`
-    /// are tried beside the grid of time constants and periods.
+    /// Alternatives of an effect, each with one member for every free coefficient, over a campaign of so many hours
+    /// and dwells; `times` are tried beside the grid of time constants and periods.
     pub fn alternatives(id: &str, span_h: f64, dwells: usize, times: &[f64]) -> Option<Vec<Vec<Self>>> {
         let directions = |of: fn([Vector3<f64>; 3]) -> Self| {
             vec![(0..3).map(|axis| of([Vector3::ith(axis, 1.0); 3])).collect::<Vec<_>>()]

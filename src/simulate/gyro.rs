@@ -71,7 +71,8 @@ impl TrueGyro {
     }
 }
 
-/// Draws what the choices leave open (another seed draws other gyros, with other serials), in slot order so that each gyro's numbers depend on its own choices only.
+/// Draws what the choices leave open (another seed draws other gyros, with other serials), in slot order so that each
+/// gyro's numbers depend on its own choices only.
 pub fn gyros(
     choices: &[GyroChoice],
     geometry: &Geometry,

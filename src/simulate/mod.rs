@@ -7,10 +7,11 @@
 //!
 //! # In reading order
 //!
-//! [`scenario`] what can be asked for, [`presets`] ready ones, [`experiment`] the paper's; [`programme`] the table's positions and rates in
-//! time; [`station`] what the IMU feels in each dwell ([`felt`]: at one moment); [`gyro`] how it answers; [`cause`] and [`outside`] what may
-//! go wrong, [`inject`] how much of it; [`world`] puts them together; [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is
-//! written apart from the campaign.
+//! [`scenario`] what can be asked for, [`presets`] ready ones, [`experiment`] the paper's; [`programme`] the table's
+//! positions and rates in time; [`station`] what the IMU feels in each dwell ([`felt`]: at one moment); [`gyro`] how
+//! it answers; [`cause`] and [`outside`] what may go wrong, [`inject`] how much of it; [`world`] puts them together;
+//! [`noise`] and [`environment`] chance; [`detectability`] how visible a cause is; [`truth`] what is written apart
+//! from the campaign.
 
 pub mod augment;
 pub mod cause;

@@ -1,8 +1,8 @@
 //! What one transaction writes: statements, each with many rows.
 //!
-//! SQLite is in the process: a statement is run once a row, whose cells are bound one by one. PostgreSQL is asked once a
-//! statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything else) that the numbers
-//! point into.
+//! SQLite is in the process: a statement is run once a row, whose cells are bound one by one. PostgreSQL is asked
+//! once a statement: there the rows travel as one JSON array of arrays (numbers) and one run of bytes (everything
+//! else) that the numbers point into.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -23,8 +23,8 @@ pub(crate) struct Batch(Vec<(Sql, Rows)>);
 const PAGE: usize = 4096;
 
 impl Batch {
-    /// Appends `sql` unless there are no rows. `$1` and `$2` stand in PostgreSQL's words for the JSON array and the bytes, `$C0`, `$C1`
-    /// and so on in SQLite's for the cells of one row, by their places.
+    /// Appends `sql` unless there are no rows. `$1` and `$2` stand in PostgreSQL's words for the JSON array and the
+    /// bytes, `$C0`, `$C1` and so on in SQLite's for the cells of one row, by their places.
     pub fn add(&mut self, sql: Sql, rows: Rows) {
         if !rows.ends.is_empty() {
             self.0.push((sql, rows));

@@ -150,8 +150,8 @@ impl Writer {
         &mut self.ids
     }
 
-    /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes: what is read is what holds when this is
-    /// committed. Says what others have written since the last turn; names are known already.
+    /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes: what is read is what holds when
+    /// this is committed. Says what others have written since the last turn; names are known already.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -173,8 +173,8 @@ impl Writer {
         }
     }
 
-    /// Writes all changes in one transaction, and ends the turn; they are on disk when this returns. After an error nothing is
-    /// stored; only after [`StoreError::Unanswered`] that is not known.
+    /// Writes all changes in one transaction, and ends the turn; they are on disk when this returns. After an error
+    /// nothing is stored; only after [`StoreError::Unanswered`] that is not known.
     ///
     /// # Errors
     /// [`StoreError`]; after [`StoreError::NotDurable`] every later commit fails alike.
@@ -188,8 +188,8 @@ impl Writer {
         }
     }
 
-    /// A way to commit as [`Writer::commit`] does, on a thread of its own; none where servers take turns, and each transaction needs
-    /// its own.
+    /// A way to commit as [`Writer::commit`] does, on a thread of its own; none where servers take turns, and each
+    /// transaction needs its own.
     pub fn committer(&self) -> Option<Committer> {
         match &self.engine {
             Engine::File(writer) => Some(Committer(Arc::clone(writer))),
@@ -226,7 +226,8 @@ impl Writer {
     }
 }
 
-/// Does `work` on this thread. Where it is one of those that run a runtime's tasks, its others are handed over to the next.
+/// Does `work` on this thread. Where it is one of those that run a runtime's tasks, its others are handed over to the
+/// next.
 pub(super) fn waiting_for_disk<T>(work: impl FnOnce() -> T) -> T {
     match Handle::current().runtime_flavor() {
         RuntimeFlavor::CurrentThread => work(),

@@ -1,5 +1,5 @@
-//! A database in a file copied into an empty one on a server: block by block, so that an interrupted copy goes on where it
-//! stopped, and compared row by row at the end.
+//! A database in a file copied into an empty one on a server: block by block, so that an interrupted copy goes on
+//! where it stopped, and compared row by row at the end.
 
 use futures::TryStreamExt;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteRow};
@@ -125,11 +125,12 @@ impl Copied {
     }
 }
 
-/// Copies the database in a file into an empty one on a server, or goes on with that, and compares both. `each` hears of every
-/// block: the table, and how many of its rows are there.
+/// Copies the database in a file into an empty one on a server, or goes on with that, and compares both. `each` hears
+/// of every block: the table, and how many of its rows are there.
 ///
 /// # Errors
-/// [`StoreError`]: a file that is served, a server that holds other data. What was copied before stays, and the next call goes on.
+/// [`StoreError`]: a file that is served, a server that holds other data. What was copied before stays, and the next
+/// call goes on.
 pub async fn copy(
     from: &Options,
     to: &Options,

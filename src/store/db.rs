@@ -1,7 +1,7 @@
 //! One query on either database: SQLite or PostgreSQL.
 //!
-//! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. Nothing is made up at run
-//! time, and each database is spoken to in its own words, so that neither pays for the other.
+//! Most texts are understood by both; where they are not, the two stand side by side as a [`Sql`]. Nothing is made up
+//! at run time, and each database is spoken to in its own words, so that neither pays for the other.
 
 use sqlx::encode::IsNull;
 use sqlx::error::BoxDynError;
@@ -67,8 +67,9 @@ macro_rules! on {
     };
 }
 
-/// `INSERT INTO $into ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is its kind and its
-/// place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see [`super::batch::Row::bytes`].
+/// `INSERT INTO $into ... $then` for each row of a [`super::batch::Rows`], in the words of both databases. A cell is
+/// its kind and its place in the row: `int`, `real` and `text` take one place, `blob` and `words` (text) two, see
+/// [`super::batch::Row::bytes`].
 macro_rules! insert {
     ($into:literal, [$kind:ident $($place:literal)+ $(, $kinds:ident $($places:literal)+)* $(,)?] $(, $then:literal)?) => {
         $crate::store::db::Sql {
@@ -109,7 +110,8 @@ macro_rules! cell {
     };
 }
 
-/// `$what` is among the first cells of a [`super::batch::Rows`], which are whole numbers, `$then`, in the words of both databases.
+/// `$what` is among the first cells of a [`super::batch::Rows`], which are whole numbers, `$then`, in the words of
+/// both databases.
 macro_rules! among {
     ($what:literal $(, $then:literal)?) => {
         $crate::store::db::Sql {

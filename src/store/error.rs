@@ -80,7 +80,8 @@ fn of_server(code: &str, message: &str) -> Option<StoreError> {
         // Files of the server's that it cannot read or write.
         ("25006", _) | (_, "58") => StoreError::ReadOnly(message),
         (_, "21" | "22" | "23") => StoreError::Refused(message),
-        // Connections; transactions that were broken off; resources; locks not had in time; a server on its way up or down.
+        // Connections; transactions that were broken off; resources; locks not had in time; a server on its way up or
+        // down.
         (_, "08" | "25" | "40" | "53" | "55" | "57") => StoreError::Unreachable(message),
         (_, "XX") => StoreError::Damaged(message),
         _ => return None,

@@ -82,7 +82,8 @@ pub(super) const MIGRATIONS: [(i64, &str, &str); 16] = [
 /// Opens the database, creates it if there is none, and brings its schema up to date.
 ///
 /// # Errors
-/// [`StoreError`] where the file cannot be opened, is served by another process, is no database, or holds a schema newer than this program.
+/// [`StoreError`] where the file cannot be opened, is served by another process, is no database, or holds a schema
+/// newer than this program.
 pub async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     if options.is_server() { postgres::open(options).await } else { open_file(options).await }
 }

@@ -1,5 +1,6 @@
-//! What hooks are told with and must not be read in a backup: addresses (some hold a token), authorizations, signing secrets. With a key
-//! (GYROWATCH_SECRETS_KEY) they are stored encrypted, bound to their hook and column; without one as they are.
+//! What hooks are told with and must not be read in a backup: addresses (some hold a token), authorizations, signing
+//! secrets. With a key (GYROWATCH_SECRETS_KEY) they are stored encrypted, bound to their hook and column; without one
+//! as they are.
 
 use std::sync::Arc;
 
@@ -12,7 +13,8 @@ use crate::core::id::Id;
 use crate::store::tables::hook::HookRow;
 use crate::system::fill_random;
 
-/// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it is encrypted.
+/// Before an encrypted text, and with a character that no text of a hook may have. The number is that of the way it
+/// is encrypted.
 const MARK: &str = "\u{1}encrypted:1:";
 
 /// The key, or none.

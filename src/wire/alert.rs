@@ -18,8 +18,8 @@ pub struct AlertBody {
     /// `firing`, `acknowledged` (firing, and somebody knows), `silenced` (firing, and told to nobody until a time) or
     /// `resolved`.
     pub state: Cow<'static, str>,
-    /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`; `in_tolerance` once it is resolved. None
-    /// where an earlier version wrote this.
+    /// What the gyro is by it: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting` or `overdue`;
+    /// `in_tolerance` once it is resolved. None where an earlier version wrote this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub status: Option<Cow<'static, str>>,
     /// `warning`, or `critical` once a second campaign has confirmed the violation of a specification.
@@ -101,7 +101,8 @@ pub struct AcknowledgementBody {
 /// Nothing is told before `until`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct SilenceBody {
-    /// The silence of many alerts (`/v1/silences`) that holds for this one; null where it is a silence of this alert alone.
+    /// The silence of many alerts (`/v1/silences`) that holds for this one; null where it is a silence of this alert
+    /// alone.
     #[serde(default)]
     pub silence: Option<String>,
     pub by: String,

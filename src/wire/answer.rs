@@ -102,13 +102,14 @@ pub struct VerdictBody {
     pub rule: Cow<'static, str>,
     /// `within`, `exceeded`, or `indeterminate`.
     pub state: Cow<'static, str>,
-    /// What that comes to: `in_tolerance`, `not_enough_data`, `too_uncertain`, `borderline`, `overdue`, `drifting`, `unconfirmed`,
-    /// `out_of_tolerance` or `confirmed`.
+    /// What that comes to: `in_tolerance`, `not_enough_data`, `too_uncertain`, `borderline`, `overdue`, `drifting`,
+    /// `unconfirmed`, `out_of_tolerance` or `confirmed`.
     pub status: Cow<'static, str>,
     /// The magnitude that is compared with the limit; none where there are too few points.
     pub value: Option<f64>,
     pub limit: f64,
-    /// The key of the configuration that sets the limit; none where the verdict was decided with other limits than today's.
+    /// The key of the configuration that sets the limit; none where the verdict was decided with other limits than
+    /// today's.
     pub limit_from: Option<String>,
     pub sd: Option<f64>,
     /// Probability that the true value exceeds the limit, where `sd` is known.

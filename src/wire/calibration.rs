@@ -105,8 +105,8 @@ pub struct GyroFitBody {
     pub dof: usize,
     /// chi2/dof, where standard errors are given and dwells are left over.
     pub reduced_chi2: Option<f64>,
-    /// Lack of fit: the chance of residuals as large as these if the model and the noise scale are right. Where repeats give the
-    /// scale it is no chi-square probability of `reduced_chi2`.
+    /// Lack of fit: the chance of residuals as large as these if the model and the noise scale are right. Where
+    /// repeats give the scale it is no chi-square probability of `reduced_chi2`.
     pub p_value: Option<f64>,
     pub noise: NoiseBody,
     pub residuals: ResidualsBody,

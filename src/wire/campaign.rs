@@ -97,7 +97,8 @@ pub struct CampaignBody {
     pub site: Option<SiteBody>,
     pub gyros: Vec<CampaignGyroBody>,
     pub dwells: Vec<DwellBody>,
-    /// What `rate_arcsec_s` holds: `inertial` rates (default), or the `table`'s own, to which the service adds the Earth's.
+    /// What `rate_arcsec_s` holds: `inertial` rates (default), or the `table`'s own, to which the service adds the
+    /// Earth's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rates: Option<String>,
     /// `imu` (default), `torque_feedback` or `turntable_servo`.

@@ -79,7 +79,8 @@ impl DiagnosisBody {
         language.sentences(&[verdict].into_iter().chain(by_pattern).collect::<Vec<_>>())
     }
 
-    /// D_I and D_S of every gyro before and after the named effects entered the model, in order, and whether they moved beyond their noise.
+    /// D_I and D_S of every gyro before and after the named effects entered the model, in order, and whether they
+    /// moved beyond their noise.
     pub fn drift_before_and_after(&self) -> Vec<(&ImpactBody, bool)> {
         let moved = self.impact.iter().map(|one| (one, true));
         let mut all: Vec<_> = moved.chain(self.impact_within_noise.iter().map(|one| (one, false))).collect();
@@ -201,7 +202,8 @@ pub struct CandidateBody {
     #[serde(default)]
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
-    /// Whether noise alone shows as much too often for a name: `closure` is then that of a chance pattern, and no finding.
+    /// Whether noise alone shows as much too often for a name: `closure` is then that of a chance pattern, and no
+    /// finding.
     #[serde(default)]
     pub within_noise: bool,
     pub gyros: Vec<String>,

@@ -24,7 +24,8 @@ impl Differences {
         Self { pointers: vec![String::new()], further: 0 }
     }
 
-    /// None where both say the same. In which order the gyros stand says nothing: each is compared with the one in its slot.
+    /// None where both say the same. In which order the gyros stand says nothing: each is compared with the one in
+    /// its slot.
     pub fn between(stored: Value, sent: &Value) -> Self {
         let mut found = Self::default();
         if stored != *sent {
@@ -84,8 +85,8 @@ impl fmt::Display for Differences {
     }
 }
 
-/// `stored` with its gyros, and with them the outputs in its dwells, in the order of their slots in `sent`. Where a slot is in `sent`
-/// alone there is nothing in its place; those that are stored alone come last.
+/// `stored` with its gyros, and with them the outputs in its dwells, in the order of their slots in `sent`. Where a
+/// slot is in `sent` alone there is nothing in its place; those that are stored alone come last.
 fn in_order_of(mut stored: Value, sent: &Value) -> Value {
     let (Some(there), Some(wanted)) = (slots(&stored), slots(sent)) else { return stored };
     let found = wanted.iter().map(|slot| there.iter().position(|other| other == slot));

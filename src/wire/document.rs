@@ -18,7 +18,8 @@ pub enum DocumentKind {
     Campaign,
 }
 
-/// In longer documents nobody looks for the E of a gyro: no record comes near it, and whoever sends nonsense shall not fill the memory.
+/// In longer documents nobody looks for the E of a gyro: no record comes near it, and whoever sends nonsense shall
+/// not fill the memory.
 const LONGEST_RECORD: usize = 64 * 1024;
 
 /// The members that tell the kinds apart.
@@ -58,7 +59,8 @@ impl DocumentKind {
         (shown != wanted).then_some(shown)
     }
 
-    /// Whether a document shows that it is a bench result, complete or not: it has a method or a drift, and nothing that the others have.
+    /// Whether a document shows that it is a bench result, complete or not: it has a method or a drift, and nothing
+    /// that the others have.
     fn is_bench(bytes: &[u8]) -> bool {
         let of_others =
             |m: &Marks| m.imu.is_some() || m.calibrated_at.is_some() || m.gyros.is_some() || m.dwells.is_some();
@@ -72,7 +74,8 @@ impl DocumentKind {
         marks.calibrated_at.is_some() || bytes.len() <= LONGEST_RECORD && has_e(bytes)
     }
 
-    /// Whether a document shows that it is a campaign of raw dwells: in JSON by their list, in CSV by a column that only they have.
+    /// Whether a document shows that it is a campaign of raw dwells: in JSON by their list, in CSV by a column that
+    /// only they have.
     pub fn is_campaign(bytes: &[u8]) -> bool {
         if is_csv(bytes) {
             return memchr::memmem::find(bytes, b"specific_force_g0_x").is_some();
@@ -101,7 +104,8 @@ fn has_e(bytes: &[u8]) -> bool {
     gyros.is_some_and(|gyros| gyros.iter().any(|gyro| gyro.get("e_pulse_per_arcsec").is_some()))
 }
 
-/// Reads and checks a campaign that comes in, in JSON or CSV, told apart by the first character: JSON begins with a brace.
+/// Reads and checks a campaign that comes in, in JSON or CSV, told apart by the first character: JSON begins with a
+/// brace.
 ///
 /// # Errors
 /// As [`parse_json_as_sent`] and [`parse_csv`].

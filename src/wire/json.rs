@@ -15,8 +15,8 @@ pub use lines::{from_line, on_a_line};
 use place::{fault, fault_at};
 pub use place::{pointer_token, said_of};
 
-/// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be found
-/// by reading on past the first, of a long one the first.
+/// Reads one JSON document. The error holds what is wrong with its form: of a short document every fault that can be
+/// found by reading on past the first, of a long one the first.
 ///
 /// Every document is an object. A leading byte-order mark is skipped, as RFC 8259 (section 8.1) allows.
 /// The document is read without tracking places first, because almost all are good; only a refused one is read

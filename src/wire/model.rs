@@ -1,5 +1,5 @@
-//! The model file: terms and effects that an IMU is compared with. `diagnose --adopt` writes it; `calibrate`, `diagnose`
-//! and `simulate` take it with `--model`, the service by `POST /v1/imus/{imu}/model`.
+//! The model file: terms and effects that an IMU is compared with. `diagnose --adopt` writes it; `calibrate`,
+//! `diagnose` and `simulate` take it with `--model`, the service by `POST /v1/imus/{imu}/model`.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -13,7 +13,8 @@ use crate::words::{Language, asked};
 /// The form of what is kept.
 const VERSION: u64 = 1;
 
-/// Sentence by sentence. In answers `code` and `parameters` of the first, and `reason`, all of them in the language that the request asks for.
+/// Sentence by sentence. In answers `code` and `parameters` of the first, and `reason`, all of them in the language
+/// that the request asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reason(pub Vec<Message>);
 
@@ -21,8 +22,8 @@ pub struct Reason(pub Vec<Message>);
 #[derive(serde::Serialize, ToSchema)]
 #[schema(as = Reason)]
 struct ReasonBody {
-    /// What the rule saw, for programs; `verbatim` where an earlier version kept words alone. Figures are rounded as people read them: those to
-    /// go on with stand beside it.
+    /// What the rule saw, for programs; `verbatim` where an earlier version kept words alone. Figures are rounded as
+    /// people read them: those to go on with stand beside it.
     #[serde(flatten)]
     finding: MessageBody,
     /// The same, the limit and how certain it is, in words.

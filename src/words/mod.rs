@@ -1,9 +1,11 @@
 //! Words for people: messages of the core and the edges in English and in Chinese (Project Fluent).
 //!
-//! Which language is asked for is known to the task: [`asked`]. The outermost middleware of the service says it for each request, by the cookie of
-//! the pages or by `Accept-Language`; on the command line the environment says it. Elsewhere it is English.
+//! Which language is asked for is known to the task: [`asked`]. The outermost middleware of the service says it for
+//! each request, by the cookie of the pages or by `Accept-Language`; on the command line the environment says it.
+//! Elsewhere it is English.
 //!
-//! One message a code, in `en/*.ftl` and `zh/*.ftl`; `tests/words.rs` proves that both languages have the same codes with the same parameters.
+//! One message a code, in `en/*.ftl` and `zh/*.ftl`; `tests/words.rs` proves that both languages have the same codes
+//! with the same parameters.
 
 use std::borrow::Cow;
 use std::env;
@@ -52,7 +54,8 @@ pub fn sources(language: Language) -> &'static [&'static str] {
     }
 }
 
-/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process. Not for a service: what it stores is not its operator's.
+/// Takes the language of the environment (`LC_ALL`, else `LANG`) for this process. Not for a service: what it stores
+/// is not its operator's.
 pub fn speak_as_the_environment() {
     let set = ["LC_ALL", "LANG"].into_iter().filter_map(|name| env::var(name).ok()).find(|value| !value.is_empty());
     let language = set.and_then(|locale| Language::from_tag(&locale.replace(['_', '.'], "-")));

@@ -216,8 +216,8 @@ fn no_machine_paths(text: &str) -> Vec<String> {
     complaints
 }
 
-/// Words of PostgreSQL's SQL that CockroachDB and YugabyteDB, which speak its protocol, do not document as their own, or that make
-/// servers wait for one another in ways that they do not know.
+/// Words of PostgreSQL's SQL that CockroachDB and YugabyteDB, which speak its protocol, do not document as their own,
+/// or that make servers wait for one another in ways that they do not know.
 fn only_what_relatives_run_too(text: &str) -> Vec<String> {
     const FOREIGN: [&str; 10] = [
         "create trigger",
@@ -317,8 +317,8 @@ fn spread_types(house: &House) -> Vec<String> {
     spread.map(|((module, name), files)| format!("{}::{name}: {files:?}", module.join("::"))).collect()
 }
 
-/// Who may take from the store: the pipeline, whoever puts it together, the configuration that says how a database is opened, and the
-/// subcommands that look after the database itself.
+/// Who may take from the store: the pipeline, whoever puts it together, the configuration that says how a database is
+/// opened, and the subcommands that look after the database itself.
 const KNOW_THE_STORE: [&str; 10] = [
     "pipeline/",
     "config/mod.rs",
@@ -410,8 +410,8 @@ fn effects_named(text: &str, ids: &[String]) -> Vec<String> {
     variants.chain(quoted.cloned()).collect()
 }
 
-/// What the program knows of an effect is its entry: a new one touches its family, the enum, its independent injection, its words and the
-/// documentation.
+/// What the program knows of an effect is its entry: a new one touches its family, the enum, its independent
+/// injection, its words and the documentation.
 #[test]
 fn nothing_but_the_catalogue_lists_effects() {
     let families = files_below(&root().join("src/core/effects"));

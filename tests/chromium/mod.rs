@@ -36,7 +36,8 @@ pub fn is_installed() -> bool {
     installed
 }
 
-/// axe-core's source, where `npm ci --prefix tests/chromium` has put it. Where it is required, its absence is a failure.
+/// axe-core's source, where `npm ci --prefix tests/chromium` has put it. Where it is required, its absence is a
+/// failure.
 pub fn axe() -> Option<String> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/chromium/node_modules/axe-core/axe.min.js");
     let source = std::fs::read_to_string(file).ok();
@@ -221,7 +222,8 @@ impl Drop for Browser {
         let (host, path) = address.split_once('/').expect("a path");
         if let Ok(mut stream) = TcpStream::connect(host) {
             let end = format!("DELETE /{path} HTTP/1.1\r\nhost: {host}\r\nconnection: close\r\n\r\n");
-            // The driver keeps the connection open whatever it is told: its status line is the sign that the browser is gone.
+            // The driver keeps the connection open whatever it is told: its status line is the sign that the browser
+            // is gone.
             let _gone_too = stream.set_read_timeout(Some(Duration::from_secs(10)));
             let _gone_too = stream.write_all(end.as_bytes());
             let _answered = stream.read(&mut [0; 64]);

@@ -1,5 +1,5 @@
-//! PostgreSQL for tests: a server of their own on a free port of this machine, which ends with the process that started it, however
-//! that ends, and takes its files along.
+//! PostgreSQL for tests: a server of their own on a free port of this machine, which ends with the process that
+//! started it, however that ends, and takes its files along.
 #![allow(dead_code, clippy::allow_attributes, reason = "each test file compiles its own copy and uses a part of it")]
 
 use std::fs::File;
@@ -74,8 +74,8 @@ pub enum Crowded {
     Log,
 }
 
-/// Runs the server until the standard input ends, and then kills it as a crash would; its files go. Meanwhile it does what each
-/// line says, and says when it is done.
+/// Runs the server until the standard input ends, and then kills it as a crash would; its files go. Meanwhile it does
+/// what each line says, and says when it is done.
 const KEEPER: &str = r#"
 programs=$1 dir=$2 port=$3
 shift 3
@@ -97,8 +97,9 @@ crash
 rm -rf "$dir"
 "#;
 
-/// Mounts a small disk, puts what is to lie there onto it, and runs the keeper, all but the first as somebody who may start a
-/// server. Segments of the log are as small as they get and none is used again: a server ends where it cannot begin the next one.
+/// Mounts a small disk, puts what is to lie there onto it, and runs the keeper, all but the first as somebody who may
+/// start a server. Segments of the log are as small as they get and none is used again: a server ends where it cannot
+/// begin the next one.
 const ON_A_SMALL_DISK: &str = r#"
 dir=$1 size=$2 template=$3 what=$4 programs=$5
 shift 5

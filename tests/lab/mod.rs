@@ -58,7 +58,8 @@ impl Lab {
         Self::with(|_| {}).await
     }
 
-    /// With a configuration of its own, in which nothing is found late. The clock stands at noon of 2026-11-21 until it is moved.
+    /// With a configuration of its own, in which nothing is found late. The clock stands at noon of 2026-11-21 until
+    /// it is moved.
     pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
         system::install_crypto();
         let dir = TempDir::new().expect("a directory for the database");
@@ -237,8 +238,8 @@ pub fn tables_3_and_4() -> Value {
 /// A gyro that a made-up record holds: slot, serial, D_I, D_S (deg/(h g0)).
 pub type Made<'a> = (&'a str, &'a str, f64, f64);
 
-/// A record of nominally mounted gyros, 1.4676 pulse/arcsec each, so that both methods find D_I and D_S as they are given
-/// (the rigid one to rounding).
+/// A record of nominally mounted gyros, 1.4676 pulse/arcsec each, so that both methods find D_I and D_S as they are
+/// given (the rigid one to rounding).
 pub fn record(imu: &str, at: &str, gyros: &[Made<'_>]) -> Value {
     let gyros: Vec<Value> = gyros.iter().map(|gyro| made(*gyro)).collect();
     json!({"imu": imu, "station": "ST-1", "calibrated_at": at, "geometry": "skewed", "gyros": gyros})

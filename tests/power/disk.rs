@@ -1,4 +1,5 @@
-//! A disk with a cache that forgets: what was flushed stays, what was not may be there, missing, or torn between sectors.
+//! A disk with a cache that forgets: what was flushed stays, what was not may be there, missing, or torn between
+//! sectors.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,5 @@
-//! What a service asked of its disk, in order, as `strace` saw it; and the disk after a power cut at any moment of that.
+//! What a service asked of its disk, in order, as `strace` saw it; and the disk after a power cut at any moment of
+//! that.
 
 pub mod disk;
 

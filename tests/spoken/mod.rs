@@ -2,7 +2,8 @@
 
 use super::support::Server;
 
-/// Words that a document, its units or the mathematics have in every language: names of members and columns, their values.
+/// Words that a document, its units or the mathematics have in every language: names of members and columns, their
+/// values.
 const OF_EVERY_LANGUAGE: [&str; 33] = [
     "inf",
     "station",

@@ -44,7 +44,8 @@ pub fn paper_record(imu: usize, minute: usize) -> Value {
     record
 }
 
-/// The service of this build, or the one that `scripts/soak` is told to put to the test (an absolute path), such as a release build.
+/// The service of this build, or the one that `scripts/soak` is told to put to the test (an absolute path), such as a
+/// release build.
 fn program() -> String {
     std::env::var("GYROWATCH_SOAK_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_gyrowatch").to_owned())
 }
@@ -77,7 +78,8 @@ pub fn seed(round: usize) -> u64 {
     (asked("GYROWATCH_SOAK_SEED", 1) + round) as u64
 }
 
-/// Whether a program that a test drives is there. `scripts/test` installs it where it can, and then its absence is a failure.
+/// Whether a program that a test drives is there. `scripts/test` installs it where it can, and then its absence is a
+/// failure.
 pub fn required(program: &str) -> bool {
     let there = std::env::var_os("PATH")
         .is_some_and(|path| std::env::split_paths(&path).any(|dir| dir.join(program).is_file()));
@@ -88,7 +90,8 @@ pub fn required(program: &str) -> bool {
     there
 }
 
-/// Words that make a file system of `size` in memory at the directory that follows, which only the service sees, and then run it.
+/// Words that make a file system of `size` in memory at the directory that follows, which only the service sees, and
+/// then run it.
 pub fn on_a_small_disk(options: &str) -> Vec<String> {
     let script = format!("mount -t tmpfs -o {options} none \"$0\" && cd \"$0\" && exec \"$@\"");
     let as_root = std::fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
@@ -323,8 +326,8 @@ pub async fn closed(mut stream: TcpStream) {
     let _reset_counts_too = stream.read_to_end(&mut rest).await;
 }
 
-/// Starts `gyrowatch serve`, and waits for the line that names its address. Without tokens this machine may do everything, unless
-/// `settings` say otherwise; an empty value leaves a variable out.
+/// Starts `gyrowatch serve`, and waits for the line that names its address. Without tokens this machine may do
+/// everything, unless `settings` say otherwise; an empty value leaves a variable out.
 fn spawn(under: &[&str], dir: &Path, listen: &str, settings: &[(String, String)]) -> (Child, String) {
     let log = File::options().create(true).append(true).open(dir.join("log")).unwrap();
     let left_out = |name: &str| settings.iter().any(|(other, value)| other == name && value.is_empty());

@@ -69,8 +69,8 @@ pub fn render_push(message: &Message, context: &Context<'_>) -> Payload {
     json_payload(&alerts)
 }
 
-/// `POST /api/v2/alerts` of everything that fires: sent again and again, so that an Alertmanager that was restarted knows
-/// it too and one that is not told any more lets it go.
+/// `POST /api/v2/alerts` of everything that fires: sent again and again, so that an Alertmanager that was restarted
+/// knows it too and one that is not told any more lets it go.
 ///
 /// Each with the severity that was told: the label set that the Alertmanager knows.
 pub fn push_firing(firing: &[(String, AlertBody)], context: &Context<'_>) -> Payload {

@@ -1,5 +1,5 @@
-//! From a message to the body that a hook's target understands: pure mappings, one file a dialect. Everything that tells of a gyro holds a
-//! link to its page.
+//! From a message to the body that a hook's target understands: pure mappings, one file a dialect. Everything that
+//! tells of a gyro holds a link to its page.
 
 mod alertmanager;
 mod body;

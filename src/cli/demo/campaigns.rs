@@ -11,7 +11,8 @@ use crate::wire::campaign::CampaignBody;
 use crate::wire::time;
 
 const IMU: &str = "IMU-21";
-/// Each gyro with the scale factor (pulse per arcsec) that Table 3 requires, and how well they are mounted: E keeps to the table.
+/// Each gyro with the scale factor (pulse per arcsec) that Table 3 requires, and how well they are mounted: E keeps
+/// to the table.
 const GYROS: [(&str, f64); 3] = [("LFG-0061", 1.468), ("LFG-0062", 1.468), ("LFG-0063", 1.4775)];
 const MISALIGNMENT_ARCMIN: f64 = 2.0;
 /// Days before today; the programme; what is hidden, and how visible it is.

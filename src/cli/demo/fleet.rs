@@ -21,7 +21,8 @@ const SEED: u64 = 20150115;
 pub const DAYS: f64 = 730.0;
 const IMUS: usize = 12;
 const SPARES: usize = 2;
-/// How D_I and D_S of a steady gyro age, standard deviation over the fleet, deg/(h g0) a year: nothing that two years would show.
+/// How D_I and D_S of a steady gyro age, standard deviation over the fleet, deg/(h g0) a year: nothing that two years
+/// would show.
 const AGEING: f64 = 1e-4;
 /// Scatter of D_I and D_S from campaign to campaign, deg/(h g0): a sixteenth of the budget.
 const SCATTER: f64 = 6e-4;

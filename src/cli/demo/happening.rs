@@ -15,7 +15,8 @@ pub(super) enum Happening {
 }
 
 impl Happening {
-    /// When it happened, RFC 3339 in UTC: every instant of the demo lies on a whole second, so that texts sort as times.
+    /// When it happened, RFC 3339 in UTC: every instant of the demo lies on a whole second, so that texts sort as
+    /// times.
     pub(super) fn at(&self) -> &str {
         match self {
             Self::Record(record) => &record.calibrated_at,

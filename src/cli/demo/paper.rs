@@ -1,8 +1,9 @@
 //! The paper's own figures: Tables 3 and 4 as one record, the three result columns of Table 5 as a second.
 //!
-//! Table 5's separation column does not follow from Tables 3 and 4 (see `docs/method.md`). They are two sets of
-//! data, and get IMUs and serial numbers of their own. The paper prints no E and G for Table 5: those here are what gives its D_I and
-//! D_S at one pulse per arc second, and their axes are stated one by one, for Tables 3 and 4 are required of the geometry `skewed`.
+//! Table 5's separation column does not follow from Tables 3 and 4 (see `docs/method.md`). They are two sets of data,
+//! and get IMUs and serial numbers of their own. The paper prints no E and G for Table 5: those here are what gives
+//! its D_I and D_S at one pulse per arc second, and their axes are stated one by one, for Tables 3 and 4 are required
+//! of the geometry `skewed`.
 
 use nalgebra::Vector3;
 

@@ -25,7 +25,8 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::Statuses;
 use crate::store::{self, Store};
 
-/// Write the history of every gyro into one file, CSV or Parquet: a row a gyro and calibration, all methods, all verdicts
+/// Write the history of every gyro into one file, CSV or Parquet: a row a gyro and calibration, all methods, all
+/// verdicts
 #[derive(Debug, Args)]
 pub struct Export {
     /// The file to write; it must not exist. What follows its last dot says the form, unless --format does

@@ -1,6 +1,7 @@
 //! A directory that others may write to: nothing in it is opened, written or moved by way of a symbolic link.
 //!
-//! Everything is asked of the open directory by the bare name, so that what is swapped for a link meanwhile is not followed either.
+//! Everything is asked of the open directory by the bare name, so that what is swapped for a link meanwhile is not
+//! followed either.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;

@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde_json::Value;
 
-/// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each state, what was judged out of bounds, and
-/// what could not be checked; nothing for other answers.
+/// Displays D_I and D_S of each gyro or why there are none, how many verdicts there are of each state, what was
+/// judged out of bounds, and what could not be checked; nothing for other answers.
 pub struct Gist<'a>(pub &'a Value);
 
 impl fmt::Display for Gist<'_> {

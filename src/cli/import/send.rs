@@ -253,8 +253,8 @@ async fn patiently<T>(pauses: &[Duration], mut attempt: impl AsyncFnMut() -> Res
     attempt().await
 }
 
-/// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what stands in the
-/// way, and how the two differ.
+/// The places at fault, or the detail where the problem names none. Of a conflict the detail too: it alone names what
+/// stands in the way, and how the two differ.
 fn in_words(problem: &ProblemBody) -> String {
     if problem.errors.is_empty() || problem.status == 409 {
         return problem.detail.clone();
@@ -264,7 +264,8 @@ fn in_words(problem: &ProblemBody) -> String {
     places.collect::<Vec<_>>().join("; ")
 }
 
-/// Says that the import has come to its end: the service tells what it has left firing. It does so by itself in a quarter of an hour.
+/// Says that the import has come to its end: the service tells what it has left firing. It does so by itself in a
+/// quarter of an hour.
 pub(super) async fn end(service: &Service) {
     let ended = service.clone().telling("?notify=digest").import(Bytes::new(), 0).await;
     if let Err(trouble) = ended {

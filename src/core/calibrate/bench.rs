@@ -190,8 +190,8 @@ impl Problem<'_> {
         ])
     }
 
-    /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their difference in the
-    /// gauge) and a_O. The second value says which.
+    /// Columns: the fitted rates, 1, a_I, a_S and, where they are asked for and seen, the squares (as their
+    /// difference in the gauge) and a_O. The second value says which.
     fn design(&self, scale: &Scale, axes: &Matrix3<f64>) -> (DMatrix<f64>, Form) {
         let dwells = &self.campaign.dwells;
         let forces: Vec<Vector3<f64>> = dwells.iter().map(|d| axes * d.specific_force_g0).collect();

@@ -45,7 +45,8 @@ impl Squares {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Form {
     pub squares: Squares,
-    /// a_O: eq. (5) has no such term, but a gyro clocked about I on its fixture has, and what is left out leaks into E and D_F.
+    /// a_O: eq. (5) has no such term, but a gyro clocked about I on its fixture has, and what is left out leaks into
+    /// E and D_F.
     pub output: bool,
 }
 

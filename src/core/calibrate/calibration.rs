@@ -130,8 +130,8 @@ impl Calibration {
         self.gyros.iter().filter(|_| self.has_sem).filter_map(overstated).collect()
     }
 
-    /// Reduced chi-square of all gyros together: against the standard errors as stated or, where none are, against the noise that is
-    /// found. None where nothing is left over, or nothing gives the noise.
+    /// Reduced chi-square of all gyros together: against the standard errors as stated or, where none are, against
+    /// the noise that is found. None where nothing is left over, or nothing gives the noise.
     pub fn reduced_chi2(&self) -> Option<f64> {
         let over_noise = |g: &GyroCalibration| match &g.sigma {
             _ if self.has_sem => Some(g.chi2),

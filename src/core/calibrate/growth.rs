@@ -1,10 +1,10 @@
 //! How the noise of a dwell's mean goes with rate and duration, where no standard errors say so.
 //!
 //! A torquer's current is noisier the harder it works, so the mean of a fast dwell scatters more than that of a still
-//! one; and a mean over a longer time scatters less, if the noise is white. Without standard errors all dwells weigh the same; their
-//! variances are then taken as s^2 (1 + rho x) duration^-p, x = (w_I/W)^2, with w_I the rate along the gyro's input axis and W the
-//! largest in the campaign. s belongs to the gyro, rho and p (0 or 1) are common. The estimate stays that of equal weights; only its
-//! covariance follows the variances.
+//! one; and a mean over a longer time scatters less, if the noise is white. Without standard errors all dwells weigh
+//! the same; their variances are then taken as s^2 (1 + rho x) duration^-p, x = (w_I/W)^2, with w_I the rate along
+//! the gyro's input axis and W the largest in the campaign. s belongs to the gyro, rho and p (0 or 1) are common. The
+//! estimate stays that of equal weights; only its covariance follows the variances.
 
 use nalgebra::{DVector, Vector3};
 
@@ -40,7 +40,8 @@ pub struct Exposure {
 }
 
 impl Exposure {
-    /// Of dwells with these rates (arcsec/s) and durations, for a gyro with this input axis; the whole rate counts where that is unknown.
+    /// Of dwells with these rates (arcsec/s) and durations, for a gyro with this input axis; the whole rate counts
+    /// where that is unknown.
     pub fn of(rates: &[Vector3<f64>], durations: &[f64], input: Option<&Vector3<f64>>) -> Self {
         let largest = rates.iter().map(|w| w.norm()).fold(0.0, f64::max);
         let share = |w: &Vector3<f64>| (input.map_or(w.norm(), |input| input.dot(w)) / largest).powi(2);
@@ -58,8 +59,8 @@ impl Exposure {
     }
 }
 
-/// Rounds of the fixed-point iteration. Where most dwells are at rest the answer is within 0.5 % then; with rates spread evenly it was 3 %
-/// short (0.389 of 0.4).
+/// Rounds of the fixed-point iteration. Where most dwells are at rest the answer is within 0.5 % then; with rates
+/// spread evenly it was 3 % short (0.389 of 0.4).
 const ROUNDS: usize = 12;
 
 /// Residuals of one gyro's unweighted fit.

@@ -113,7 +113,8 @@ pub(super) fn fit_gyro(
 }
 
 impl GyroFit {
-    /// The gyro as its own columns leave it; without standard errors its residuals say how it weighs against the others.
+    /// The gyro as its own columns leave it; without standard errors its residuals say how it weighs against the
+    /// others.
     pub fn own<'a>(&'a self, has_sem: bool, shared: &'a SharedFactors) -> Own<'a> {
         let scatter = || self.fit.chi2 / self.fit.dof.max(1) as f64;
         let variance = if has_sem { 1.0 } else { scatter().max(f64::MIN_POSITIVE) };

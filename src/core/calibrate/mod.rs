@@ -1,9 +1,9 @@
 //! Campaign to model (6): the parameters of each gyro, their full covariance, and what speaks for and against them.
 //!
-//! Reading order: [`design`] (what is fitted, in which gauge), [`crate::core::numerics::least_squares`] (least squares), `repeats` and
-//! [`noise`] with [`growth`] (how far outputs can be trusted), [`effect_columns`] (effects beyond model (6)) and `common`
-//! (those that all gyros share), [`drift`] (from there to D_I, D_S, D_O), [`mod@bench`] (one gyro on a
-//! fixture). [`outcome`] puts them together: what a campaign comes to.
+//! Reading order: [`design`] (what is fitted, in which gauge), [`crate::core::numerics::least_squares`] (least
+//! squares), `repeats` and [`noise`] with [`growth`] (how far outputs can be trusted), [`effect_columns`] (effects
+//! beyond model (6)) and `common` (those that all gyros share), [`drift`] (from there to D_I, D_S, D_O),
+//! [`mod@bench`] (one gyro on a fixture). [`outcome`] puts them together: what a campaign comes to.
 
 pub mod bench;
 mod bench_form;
@@ -41,8 +41,8 @@ pub fn calibrate(campaign: &Campaign, terms: Terms) -> Calibration {
     calibrate_augmented(campaign, terms, &[])
 }
 
-/// As [`calibrate`], with the effects of an augmented model fitted beside the terms: each gyro for itself, and those of the
-/// station once for all gyros together.
+/// As [`calibrate`], with the effects of an augmented model fitted beside the terms: each gyro for itself, and those
+/// of the station once for all gyros together.
 ///
 /// An effect that model (6) absorbs in this campaign, or that lacks a column, is left out and noted.
 pub fn calibrate_augmented(campaign: &Campaign, terms: Terms, adopted: &[Adopted]) -> Calibration {

@@ -10,9 +10,9 @@
 //!   of the fit scatter no more than that (lack of fit is not significant), they join in, and f is known well.
 //! * **Standard errors alone.** Taken at their word, unless the residuals exceed them beyond chance: then f^2 is
 //!   the reduced chi-square of all gyros (the Birge ratio), which covers what the model leaves out.
-//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it goes with rate and
-//!   duration ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone
-//!   give it.
+//! * **No standard errors.** Weights are equal. The residuals give the scale, and how it goes with rate and duration
+//!   ([`super::growth`]); where repeats say that the model leaves something out (lack of fit), the repeats alone give
+//!   it.
 //!
 //! Standard errors are estimates themselves. Where those of the static dwells scatter by c (relative) about one
 //! another, weights made of them are not the best ones: to the order of c^2 the estimates' variance is 1 + 4 c^2 of
@@ -86,7 +86,8 @@ pub struct Noise {
     /// Degrees of freedom behind the factor, infinite where it is taken at its word.
     pub dof: f64,
     pub pure_error: PureError,
-    /// What residuals are held against where repeats speak: sum of squares and degrees of freedom in which they have no part.
+    /// What residuals are held against where repeats speak: sum of squares and degrees of freedom in which they have
+    /// no part.
     repeated: (f64, f64),
     /// c: relative scatter of the static dwells' standard errors about one another; zero without any, or where it
     /// is too large to be their own uncertainty.
@@ -124,8 +125,8 @@ impl Noise {
 }
 
 impl Noise {
-    /// Chance of residuals as large as these if the model is right: against the standard errors as stated (chi-square), or against
-    /// repeats, with what is stated where there is that (F).
+    /// Chance of residuals as large as these if the model is right: against the standard errors as stated
+    /// (chi-square), or against repeats, with what is stated where there is that (F).
     pub fn p_value(&self, evidence: &Evidence) -> Option<f64> {
         match self.source {
             Source::Sem | Source::SemAndResiduals => chi2_tail(evidence.chi2, evidence.dof),
@@ -228,8 +229,9 @@ fn unweighted(e: &Evidence) -> Noise {
     }
 }
 
-/// How many times the stated standard errors are too large for the scatter of the dwells: sqrt(dof/chi2), where the residuals are smaller
-/// by more than standard errors are usually wrong and chance would have it once in a million campaigns.
+/// How many times the stated standard errors are too large for the scatter of the dwells: sqrt(dof/chi2), where the
+/// residuals are smaller by more than standard errors are usually wrong and chance would have it once in a million
+/// campaigns.
 pub fn overstated(chi2: f64, dof: usize) -> Option<f64> {
     const USUAL: f64 = 0.5;
     const CHANCE: f64 = 1e-6;

@@ -28,7 +28,8 @@ pub fn evaluate(campaign: &Campaign, limits: &Plausibility) -> Result<Outcome, F
     evaluate_with(campaign, &AugmentedModel::default().options(campaign), limits)
 }
 
-/// Fits terms and effects to a campaign, and separates its gyros. Of a bench test the coefficients are those of eq. (5).
+/// Fits terms and effects to a campaign, and separates its gyros. Of a bench test the coefficients are those of eq.
+/// (5).
 ///
 /// # Errors
 /// Faults where the outputs contradict what the campaign says of itself: a fitted E that no gyro in its slot can have

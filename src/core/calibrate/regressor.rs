@@ -18,8 +18,8 @@ pub struct Regressor {
     pub column: DVector<f64>,
 }
 
-/// Which columns leave something over beside `basis` and those before them, each with the power of the regressor that it stands for; and
-/// `basis` with what they leave after it.
+/// Which columns leave something over beside `basis` and those before them, each with the power of the regressor that
+/// it stands for; and `basis` with what they leave after it.
 pub(super) fn adding(mut basis: Basis, columns: impl Iterator<Item = (f64, DVector<f64>)>) -> (Vec<bool>, Basis) {
     let adds =
         |(power, column): (f64, DVector<f64>)| basis.push_beyond(column.data.into(), LEAST_VISIBLE * power).is_some();

@@ -1,14 +1,15 @@
 //! Coefficients that all gyros of an IMU share: a tilt of the table is one tilt to all of them.
 //!
-//! With `B_j` an orthonormal basis of gyro j's own whitened columns (model (6) and its own effects), `X_j` the regressors of
-//! the shared coefficients `k`, `W_j` its weights and `s_j` its noise over them,
+//! With `B_j` an orthonormal basis of gyro j's own whitened columns (model (6) and its own effects), `X_j` the
+//! regressors of the shared coefficients `k`, `W_j` its weights and `s_j` its noise over them,
 //!
 //! ```text
 //! k = (sum_j Z_j'Z_j / s_j^2)^-1 sum_j Z_j' W_j y_j / s_j^2,   Z_j = (1 - B_j B_j') W_j X_j
 //! ```
 //!
-//! is what one fit of all gyros together gives (Frisch and Waugh 1933, Lovell 1963). Each gyro's own parameters are those of
-//! `y_j - X_j k`, and their covariance that of its own fit plus `T_j cov(k) T_j'`, `T_j` what its own columns make of `X_j`.
+//! is what one fit of all gyros together gives (Frisch and Waugh 1933, Lovell 1963). Each gyro's own parameters are
+//! those of `y_j - X_j k`, and their covariance that of its own fit plus `T_j cov(k) T_j'`, `T_j` what its own
+//! columns make of `X_j`.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +18,8 @@ use crate::core::effects::Effect;
 use crate::core::numerics::basis::Basis;
 use crate::core::numerics::least_squares::Factor;
 
-/// One shared coefficient: its regressor in each gyro, pulse/s per unit; none where the gyro is not one of those that have it.
+/// One shared coefficient: its regressor in each gyro, pulse/s per unit; none where the gyro is not one of those that
+/// have it.
 pub(super) type Shared = Vec<Option<Regressor>>;
 
 /// One gyro as its own columns leave it.

@@ -36,10 +36,12 @@ pub(crate) fn temperature_outliers(campaign: &Campaign) -> impl Iterator<Item = 
     temperatures.outliers.into_iter().map(note)
 }
 
-/// By how much the commanded rate of a static dwell may differ from the Earth's, arcsec/s: a heading that is 2 degrees off.
+/// By how much the commanded rate of a static dwell may differ from the Earth's, arcsec/s: a heading that is 2
+/// degrees off.
 const EARTH_RATE_OFF: f64 = 0.5;
 
-/// Static dwells whose rate is not the Earth's at their attitude. It is no fault: the model is fitted to what was commanded.
+/// Static dwells whose rate is not the Earth's at their attitude. It is no fault: the model is fitted to what was
+/// commanded.
 fn rate_not_of_attitude(campaign: &Campaign) -> Option<CampaignNote> {
     let earth = campaign.site?.earth_rate();
     let still = || campaign.dwells.iter().enumerate().filter(|(_, d)| d.phase == Phase::Static);

@@ -14,8 +14,9 @@ pub struct NoEarthRate {
     pub attitudes: Vec<usize>,
 }
 
-/// The campaign with the Earth's rate added to the rates of these dwells: C Omega at rest; along the vertical, of which the specific
-/// force speaks where there is no attitude, where the table turns whole turns about it (the horizontal part averages to zero).
+/// The campaign with the Earth's rate added to the rates of these dwells: C Omega at rest; along the vertical, of
+/// which the specific force speaks where there is no attitude, where the table turns whole turns about it (the
+/// horizontal part averages to zero).
 ///
 /// # Errors
 /// What is missing for it.

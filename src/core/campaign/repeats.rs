@@ -1,10 +1,10 @@
-//! Dwells that repeat one another: the same phase and the same commanded specific force, rate and attitude. What differs between them is
-//! noise, whatever the model: an unmodelled effect of the heading is none.
+//! Dwells that repeat one another: the same phase and the same commanded specific force, rate and attitude. What
+//! differs between them is noise, whatever the model: an unmodelled effect of the heading is none.
 
 use crate::core::campaign::Dwell;
 
-/// Commanded values closer than this are the same position: the rounding of files, far below any table step. Rates are the same to this
-/// or to this share of them.
+/// Commanded values closer than this are the same position: the rounding of files, far below any table step. Rates
+/// are the same to this or to this share of them.
 const SAME_FORCE_G0: f64 = 1e-6;
 const SAME_RATE_ARCSEC_S: f64 = 1e-3;
 const SAME_RATE_SHARE: f64 = 1e-6;
@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn positions_are_told_apart_by_every_command_and_by_the_phase() {
-        // Sixteen positions, far apart in the coordinate that is sorted or not at all; each four times, off by rounding or by more.
+        // Sixteen positions, far apart in the coordinate that is sorted or not at all; each four times, off by
+        // rounding or by more.
         let mut dwells = Vec::new();
         for turn in 0..4 {
             for at in 0..16 {

@@ -1,8 +1,8 @@
 //! Temperatures of the dwells that can be relied on.
 //!
-//! A thermometer that fails states a value far from its neighbours: 999, -273.15, 0, the 85 of a sensor after power-up. A thermal mass does
-//! not jump and come back between two dwells, so a dwell outside the range of the medians of those before and of those after it is left
-//! out; a ramp, a step and a cycle stay within.
+//! A thermometer that fails states a value far from its neighbours: 999, -273.15, 0, the 85 of a sensor after
+//! power-up. A thermal mass does not jump and come back between two dwells, so a dwell outside the range of the
+//! medians of those before and of those after it is left out; a ramp, a step and a cycle stay within.
 
 use super::Campaign;
 use super::commanded::median;

@@ -1,4 +1,5 @@
-//! Why a coefficient changed over months: the question of the diagnosis, asked of a gyro's history instead of a campaign.
+//! Why a coefficient changed over months: the question of the diagnosis, asked of a gyro's history instead of a
+//! campaign.
 //!
 //! A history y_k (deg/(h g0)) of one coefficient is a constant, plus causes, plus the scatter of calibration. The
 //! causes that a history can name:

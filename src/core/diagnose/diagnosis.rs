@@ -166,8 +166,9 @@ pub struct Candidate {
     /// 95 % interval of that.
     pub interval: Option<[f64; 2]>,
     pub p_value_adjusted: f64,
-    /// Whether it stands out from noise no more than a first name must. Its closure is then that of a gap which is not there: the share
-    /// of a chance pattern that an entry takes when its gyros and shape are chosen to take most, and no finding.
+    /// Whether it stands out from noise no more than a first name must. Its closure is then that of a gap which is
+    /// not there: the share of a chance pattern that an entry takes when its gyros and shape are chosen to take most,
+    /// and no finding.
     pub within_noise: bool,
     pub gyros: Vec<Slot>,
     pub why_not: Message,
@@ -200,8 +201,8 @@ pub struct Impact {
 const MATERIAL: f64 = 4.0;
 
 impl Impact {
-    /// Whether the effect moves the coefficient beyond its noise. Where it does not, plain and augmented values differ by less
-    /// than either is known to, and which of them is nearer to the truth is chance.
+    /// Whether the effect moves the coefficient beyond its noise. Where it does not, plain and augmented values
+    /// differ by less than either is known to, and which of them is nearer to the truth is chance.
     pub fn is_material(&self) -> bool {
         self.shift.abs() > MATERIAL * self.augmented_sd
     }

@@ -1,7 +1,7 @@
 //! Where a campaign and the error model part, which unmodelled effect parts them, and how far the gap shrinks.
 //!
-//! [`diagnose`] is to be read from top to bottom: each stage is a function below it, and its parts lie in the room of its name
-//! (`residuals`, `search`, `report`); [`diagnosis`] is what comes out.
+//! [`diagnose`] is to be read from top to bottom: each stage is a function below it, and its parts lie in the room of
+//! its name (`residuals`, `search`, `report`); [`diagnosis`] is what comes out.
 
 mod adopt;
 mod diagnosis;
@@ -34,11 +34,12 @@ use super::campaign::Campaign;
 use super::effects::{CATALOGUE, COMPETITORS, Effect, Refusal};
 use super::note::Note;
 
-/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the catalogue raises it by itself:
-/// there were 48 when it was 8.
+/// Raised by whoever changes what a diagnosis finds: one that was kept is then made again. A new entry of the
+/// catalogue raises it by itself: there were 48 when it was 8.
 pub const METHOD: u32 = 8 + 100 * (CATALOGUE.len() + COMPETITORS.len() - 48) as u32;
 
-/// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one before returned.
+/// Diagnoses one campaign against the terms and effects in use, in four stages, each of which takes what the one
+/// before returned.
 ///
 /// Errors: [`Refusal`] where no residual can be formed at all. What merely cannot be tested (no temperature, no
 /// attitude, no repeats) is said in `notes` and `not_identifiable`.
@@ -98,7 +99,8 @@ struct Closed<'a> {
     remaining: Remaining,
 }
 
-/// Stage 3: what remains beside the names says what the noise is; that, how much of the gap they close on dwells that were not fitted.
+/// Stage 3: what remains beside the names says what the noise is; that, how much of the gap they close on dwells that
+/// were not fitted.
 fn closed(names: Names<'_>) -> Closed<'_> {
     let Names { settled, search, named, parts, fit, calibrated, .. } = &names;
     let frame = &settled.frame;
@@ -129,7 +131,8 @@ fn closed(names: Names<'_>) -> Closed<'_> {
     Closed { verdict, variances, noise_floor, gap, effects, closure, remaining, names }
 }
 
-/// Stage 4: the answer, with what was not named and why, what the names do to the coefficients, and what to measure next.
+/// Stage 4: the answer, with what was not named and why, what the names do to the coefficients, and what to measure
+/// next.
 fn answer(campaign: &Campaign, closed: Closed) -> Diagnosis {
     let Closed { names, verdict, variances, noise_floor, gap, effects, closure, remaining } = closed;
     let Names { settled, search, named, parts, fit, calibrated, .. } = names;

@@ -1,9 +1,10 @@
 //! What a calibration record shows by itself: the closure D_O, which two coefficients cannot explain.
 //!
-//! With D_I and D_S alone, G/|E| lies in the plane of I and S. What stands out of it, D_O = (G/|E|).O, is either drift in
-//! proportion to specific force along O (`output_axis_g`), or part of a D_S whose axis is turned about I by
-//! phi = atan(D_O/D_S) in the seat (`mount_clocking`): one number, two causes, and nothing left over to hold one of them
-//! against. They part only where D_S changes: a true D_O stays, a clocked one moves by tan(phi) times the change.
+//! With D_I and D_S alone, G/|E| lies in the plane of I and S. What stands out of it, D_O = (G/|E|).O, is either
+//! drift in proportion to specific force along O (`output_axis_g`), or part of a D_S whose axis is turned about I by
+//! phi = atan(D_O/D_S) in the seat (`mount_clocking`): one number, two causes, and nothing left over to hold one of
+//! them against. They part only where D_S changes: a true D_O stays, a clocked one moves by tan(phi) times the
+//! change.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -54,8 +55,8 @@ pub struct ClosureDiagnosis {
 
 /// Diagnoses the closures of a record's gyros.
 ///
-/// The verdict is `no_gap`, or `partly_explained`: the class is named, since nothing else of the catalogue acts inside G;
-/// which of the two it is, and whether it is either, one record cannot say.
+/// The verdict is `no_gap`, or `partly_explained`: the class is named, since nothing else of the catalogue acts
+/// inside G; which of the two it is, and whether it is either, one record cannot say.
 pub fn closures<'a>(gyros: impl Iterator<Item = (Slot, &'a Separation)>) -> ClosureDiagnosis {
     let separated: Vec<(Slot, &Separation)> = gyros.collect();
     let tried = separated.len();

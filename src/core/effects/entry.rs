@@ -163,8 +163,8 @@ pub struct Entry {
     /// Of the coefficients.
     pub unit: &'static str,
     pub typical: Typical,
-    /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it something else that the
-    /// campaign hardly shows has been blown up.
+    /// Largest size that a gyro of any kind may have, poor MEMS included, in the unit of the coefficients: beyond it
+    /// something else that the campaign hardly shows has been blown up.
     pub plausible: f64,
     pub confused_with: &'static [Effect],
     pub scope: Scope,

@@ -4,8 +4,8 @@
 //! station commanded and read: specific force, rate, temperature, time, attitude, order of dwells. Some regressors
 //! hold one unknown [`Shape`] parameter (a time constant, an instant, a period) that is profiled over a grid.
 //!
-//! Two standings. *Contract* entries may be named as a cause. *Competing hypotheses* are what physics or table work also
-//! produces and what nobody asked to have named: they compete in the search, so that a contract entry which
+//! Two standings. *Contract* entries may be named as a cause. *Competing hypotheses* are what physics or table work
+//! also produces and what nobody asked to have named: they compete in the search, so that a contract entry which
 //! merely resembles one of them does not get its name, but they are reported as signs, never adopted.
 //!
 //! One file a family. All that the rest of the program asks of an effect is a field of its [`Entry`].

@@ -1,11 +1,16 @@
 //! Records of one week taken as one: what the control rules look at, so that a gyro calibrated daily is judged like one
 //! calibrated every other week.
 
-use super::history::{Mark, Sample};
-use super::{Rule, Series};
+use super::rule::Rule;
+use super::sample::{Mark, Sample};
 use crate::core::time::UtcMicros;
 
-/// Length of a cell. Cells are fixed weeks (counted from 1970-01-01T00:00Z); an event that restarts the control rules ends one early.
+mod window;
+
+pub(super) use window::{Points, Window};
+
+/// Length of a cell. Cells are fixed weeks (counted from 1970-01-01T00:00Z); an event that restarts the control rules
+/// ends one early.
 const CELL: i64 = 7 * UtcMicros::DAY;
 /// Cells that the rules look back over, the judged record's among them.
 pub(super) const CELLS: usize = 40;
@@ -105,92 +110,13 @@ pub(super) fn reach(changed: UtcMicros, later: &[Sample]) -> usize {
     near.max(beyond.unwrap_or(later.len()))
 }
 
-/// The cells that the control rules see at one record, oldest first: years before it (so t <= 0), mean figures, and the standard
-/// deviations of these means that the stations' own give.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Window {
-    pub len: usize,
-    pub first: [UtcMicros; CELLS],
-    pub t: [f64; CELLS],
-    x: [[f64; CELLS]; COLUMNS],
-    sd: [[Option<f64>; CELLS]; COLUMNS],
-}
-
-/// One column of a [`Window`], or its newest cells.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Points<'a> {
-    pub first: &'a [UtcMicros],
-    /// Years before the judged record.
-    pub t: &'a [f64],
-    /// deg/(h g0).
-    pub x: &'a [f64],
-    pub sd: &'a [Option<f64>],
-}
-
-impl<'a> Points<'a> {
-    pub fn len(&self) -> usize {
-        self.x.len()
-    }
-
-    pub fn newest(self, n: usize) -> Self {
-        let start = self.len() - n.min(self.len());
-        Self { first: &self.first[start..], t: &self.t[start..], x: &self.x[start..], sd: &self.sd[start..] }
-    }
-}
-
-impl Window {
-    /// At record `k`. Records after it have no part.
-    pub fn at(samples: &Series, k: usize) -> Self {
-        let now = &samples[k];
-        let reset = [Rule::Shift, Rule::Trend].map(|rule| super::history::reset_before(samples.marks(), now.at, rule));
-        let reset = reset.into_iter().flatten().max();
-        let all = samples.cells();
-        let end = all.partition_point(|cell| cell.first <= now.at);
-        let own = samples[..=k].partition_point(|sample| sample.at < all[end - 1].first);
-        let mut cells = [Cell::of(now); CELLS];
-        let since = all[..end].partition_point(|cell| reset.is_some_and(|reset| cell.first < reset));
-        let len = looked_at(&all[since..end], now.at);
-        cells[..len].copy_from_slice(&all[end - len..end]);
-        // The newest cell may hold records after the judged one.
-        let mut newest = Cell::of(&samples[own]);
-        samples[own + 1..=k].iter().for_each(|sample| newest.add(sample));
-        cells[len - 1] = newest;
-        Self::of(&cells[..len], now.at)
-    }
-
-    fn of(cells: &[Cell], now: UtcMicros) -> Self {
-        let mut window = Self {
-            len: cells.len(),
-            first: [now; CELLS],
-            t: [0.0; CELLS],
-            x: [[0.0; CELLS]; COLUMNS],
-            sd: [[None; CELLS]; COLUMNS],
-        };
-        for (i, cell) in cells.iter().enumerate() {
-            let records = f64::from(cell.records);
-            window.first[i] = cell.first;
-            window.t[i] = (cell.first.days_since(now) + cell.days / records) / DAYS_A_YEAR;
-            for column in 0..COLUMNS {
-                window.x[column][i] = cell.values[column] / records;
-                window.sd[column][i] = cell.variances[column].map(|variance| variance.sqrt() / records);
-            }
-        }
-        window
-    }
-
-    pub fn column(&self, column: usize) -> Points<'_> {
-        let n = self.len;
-        Points { first: &self.first[..n], t: &self.t[..n], x: &self.x[column][..n], sd: &self.sd[column][..n] }
-    }
-}
-
 pub(super) const DAYS_A_YEAR: f64 = 365.25;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::core::judge::Event;
-    use crate::core::judge::history::{Measured, Seat};
+    use crate::core::judge::sample::{Measured, Seat};
 
     const DAY: i64 = UtcMicros::DAY;
 

@@ -2,9 +2,9 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::State;
 use super::extremes::Extremes;
-use super::history::Measured;
+use super::sample::Measured;
+use super::verdict::State;
 use crate::core::numerics::normal::{normal_cdf, range_cdf};
 
 /// A state, and the probability that the true value lies beyond the limit, where uncertainty is known.
@@ -19,9 +19,10 @@ pub(crate) fn beyond(difference: Measured, limit: f64, confidence: f64) -> Outco
     outside(difference, -limit, limit, confidence)
 }
 
-/// Judges whether a figure lies outside [low, high]. With a standard deviation the probability is that of a true value ~
-/// N(value, sd^2), and a verdict is reached where it passes `confidence` or falls below 1 - confidence. Without one,
-/// the figure is compared as it stands. A figure that lies inside never exceeds, however uncertain it is.
+/// Judges whether a figure lies outside [low, high]. With a standard deviation the probability is that of a true
+/// value ~ N(value, sd^2), and a verdict is reached where it passes `confidence` or falls below 1 - confidence.
+/// Without one, the figure is compared as it stands. A figure that lies inside never exceeds, however uncertain it
+/// is.
 pub(crate) fn outside(figure: Measured, low: f64, high: f64, confidence: f64) -> Outcome {
     let Measured { value, sd } = figure;
     let Some(sd) = sd.filter(|&sd| sd > 0.0) else {
@@ -50,8 +51,8 @@ impl<T> Pair<T> {
         range_beyond(self.difference(), n, limit, confidence)
     }
 
-    /// Excess over the limit in standard deviations, squared and with its sign: in the order of the probability to exceed. Then the
-    /// difference itself.
+    /// Excess over the limit in standard deviations, squared and with its sign: in the order of the probability to
+    /// exceed. Then the difference itself.
     fn rank(&self, limit: f64) -> (f64, f64) {
         let Measured { value, sd } = self.difference();
         let excess = value - limit;
@@ -64,8 +65,8 @@ impl<T> Pair<T> {
     }
 }
 
-/// The pair that exceeds the limit with the largest probability, and the smaller of the two ranges that are left without the lowest or the
-/// highest figure. None of fewer than two figures.
+/// The pair that exceeds the limit with the largest probability, and the smaller of the two ranges that are left
+/// without the lowest or the highest figure. None of fewer than two figures.
 pub(crate) fn widest<T: Copy>(figures: &[(T, Measured)], limit: f64) -> Option<(Pair<T>, f64)> {
     let pairs = figures.iter().enumerate().flat_map(|(i, a)| figures[..i].iter().map(move |b| (*b, *a)));
     let ordered =
@@ -100,8 +101,8 @@ pub(crate) fn plain(value: f64, limit: f64) -> State {
     if value > limit { State::Exceeded } else { State::Within }
 }
 
-/// The state of a figure that lies beyond its limit or not, from the probability that the true value does: uncertainty alone exceeds
-/// nothing.
+/// The state of a figure that lies beyond its limit or not, from the probability that the true value does:
+/// uncertainty alone exceeds nothing.
 pub(crate) fn by_probability(is_beyond: bool, probability: f64, confidence: f64) -> State {
     if is_beyond && probability >= confidence {
         State::Exceeded

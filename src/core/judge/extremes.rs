@@ -52,7 +52,8 @@ impl<P: Copy> Extremes<P> {
         Extremes { lowest: lowest.map(&place), highest: highest.map(&place), min, second_min, max, second_max }
     }
 
-    /// The smaller of the two ranges that remain when the lowest or the highest figure is left out. Of two figures or more.
+    /// The smaller of the two ranges that remain when the lowest or the highest figure is left out. Of two figures or
+    /// more.
     pub fn range_without_one(&self) -> f64 {
         (self.max - self.second_min).min(self.second_max - self.min)
     }

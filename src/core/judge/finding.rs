@@ -1,10 +1,8 @@
-//! What each rule saw, and what is to be said of it.
+//! What each rule saw.
 
-use super::history::Measured;
-use super::reason::{digits, turn_arcmin};
-use super::rules::{MOST_FIGURES, Source};
-use super::{Rule, State, Verdict};
-use crate::core::message::{Message, Parameter, figure, list, signed, text};
+use super::sample::Measured;
+use crate::core::bench::BenchMethod;
+use crate::core::message::Message;
 use crate::core::time::UtcMicros;
 use crate::message;
 
@@ -70,8 +68,8 @@ pub enum Finding {
         /// From the baseline, at `until`.
         deviation: f64,
         horizon_days: f64,
-        /// When the budget is reached: by the early edge of the 95 % band, by the line, by the late edge; `until` where it has been passed
-        /// already, none where it never is.
+        /// When the budget is reached: by the early edge of the 95 % band, by the line, by the late edge; `until`
+        /// where it has been passed already, none where it never is.
         reach: [Option<UtcMicros>; 3],
         /// The course is younger than the longest window: the dates may be off by more than they say.
         provisional: bool,
@@ -122,176 +120,29 @@ pub enum Finding {
     },
 }
 
-/// The side of a level on which a figure is.
-fn side(difference: f64) -> &'static str {
-    if difference < 0.0 { "below" } else { "above" }
+/// Where a figure comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Source {
+    /// Separated from a calibration of the IMU.
+    Separation,
+    Bench(BenchMethod),
 }
 
-/// What makes a baseline.
-fn origin(since: Option<UtcMicros>) -> Message {
-    match since {
-        Some(at) => message!("level_from", since = text(at.date())),
-        None => message!("level_fixed"),
-    }
-}
-
-impl Verdict {
-    /// What the rule saw, by code: a first sentence, and what there is to add.
-    pub(super) fn finding_messages(&self) -> Vec<Message> {
-        let name = self.coefficient.name();
-        let shown = |value: f64| figure(value, digits(self.limit));
-        let day = |at: UtcMicros| text(at.date());
-        let value = || self.measured();
-        match self.finding {
-            Finding::TooFew { have, need } => {
-                let of = match self.rule {
-                    Rule::Agreement => "results",
-                    Rule::Shift | Rule::Trend => "weeks",
-                    _ => "records",
-                };
-                vec![message!("too_few", name = name, rule = self.rule.word(), need = need, have = have, of = of)]
-            }
-            Finding::FewWithin { have, need, days } => vec![message!(
-                "too_few_within",
-                name = name,
-                rule = self.rule.word(),
-                need = need,
-                have = have,
-                days = text(days),
-            )],
-            Finding::Moved { since, have, need } => {
-                vec![message!("too_few_since_moved", name = name, since = day(since), need = need, have = have)]
-            }
-            Finding::Step { level, now } => {
-                let side = side(now - level);
-                vec![message!("step", name = name, value = value(), side = side, level = shown(level))]
-            }
-            Finding::Range { records, since, lowest, highest } => vec![message!(
-                "range",
-                name = name,
-                value = value(),
-                records = records,
-                since = day(since),
-                lowest = shown(lowest.1),
-                lowest_at = day(lowest.0),
-                highest = shown(highest.1),
-                highest_at = day(highest.0),
-            )],
-            Finding::Baseline { level, since, now } => vec![message!(
-                "baseline",
-                name = name,
-                value = value(),
-                side = side(now - level),
-                level = shown(level),
-                origin = origin(since),
-            )],
-            Finding::Closure { level, since, moved, now, d_s } => {
-                let mut said = vec![message!(
-                    "closure",
-                    name = name,
-                    value = value(),
-                    side = side(now - level),
-                    level = shown(level),
-                    origin = origin(since),
-                )];
-                said.extend(moved.then(|| message!("closure_moved")));
-                let turn = turn_arcmin(now - level, d_s);
-                said.extend(turn.map(|turn| message!("closure_turn", turn = signed(turn, 1))));
-                // What is not beyond its limit is not said to have a cause.
-                said.extend((self.state == State::Exceeded).then(|| message!("closure_cause")));
-                said
-            }
-            Finding::NoTrend { step: None, .. } => vec![message!("no_trend")],
-            Finding::NoTrend { step: Some(_), .. } => vec![message!("no_trend_but_step")],
-            Finding::Trend { .. } => self.trend_messages(),
-            Finding::Shift { level, before, since, now, .. } => vec![message!(
-                "shift",
-                name = name,
-                since = day(since),
-                value = value(),
-                side = side(now - level),
-                level = shown(level),
-                before = before,
-            )],
-            Finding::RmsSuccessive { since, explained } => {
-                let mut said = vec![message!("rms_successive", name = name, since = day(since), value = value())];
-                said.extend(explained.map(|explained| message!("rms_explained", explained = shown(explained))));
-                said
-            }
-            Finding::BeforeAfter { before, from, until, now } => vec![message!(
-                "before_after",
-                name = name,
-                value = value(),
-                side = side(now - before.1),
-                level = shown(before.1),
-                at = day(before.0),
-                from = day(from),
-                until = day(until),
-            )],
-            Finding::Agreement { results, lowest, highest } => {
-                let of = |(source, at, result): (Source, UtcMicros, f64)| {
-                    message!("result_of_method", value = shown(result), method = source.word(), at = day(at))
-                };
-                vec![message!(
-                    "agreement",
-                    name = name,
-                    value = value(),
-                    results = results,
-                    lowest = of(lowest),
-                    highest = of(highest),
-                )]
-            }
-            Finding::Requirement { figure, low, high, others } => {
-                let inside = self.value.is_some_and(|value| (low..=high).contains(&value));
-                let place = if inside { "inside" } else { "outside" };
-                let (low, high) = (shown(low), shown(high));
-                let mut said = vec![message!(
-                    "requirement",
-                    figure = figure,
-                    value = value(),
-                    place = place,
-                    low = low,
-                    high = high
-                )];
-                let others: Vec<&str> = others.into_iter().flatten().collect();
-                said.extend((!others.is_empty()).then(|| message!("requirement_others", figures = list(others))));
-                said
-            }
-            Finding::Overdue { last } => {
-                vec![message!("overdue", last = day(last), days = figure(self.value.unwrap_or(0.0), 1))]
-            }
+impl Source {
+    pub fn name(self) -> &'static str {
+        match self {
+            Source::Separation => "separation",
+            Source::Bench(method) => method.name(),
         }
     }
 
-    fn trend_messages(&self) -> Vec<Message> {
-        let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } =
-            self.finding
-        else {
-            return Vec::new();
-        };
-        let (p, day) = (digits(self.limit), |at: UtcMicros| text(at.date()));
-        let rate = message!(
-            "measured_with_sd",
-            value = signed(per_year.value, p),
-            sd = figure(per_year.sd.unwrap_or(0.0), p),
-            unit = self.unit().word(),
-        );
-        let name = self.coefficient.name();
-        let (from, to) = (day(since), day(until));
-        let mut said = vec![message!("trend", name = name, rate = rate, cells = cells, since = from, until = to)];
-        // This is read long after too: no date is said to be still to come.
-        match reach {
-            [_, Some(middle), _] if middle <= until => said.push(message!("trend_passed")),
-            [Some(first), Some(middle), last] => {
-                let last = last.map_or_else(|| Parameter::from(message!("never")), day);
-                said.push(message!("trend_reaches", at = day(middle), first = day(first), last = last));
-            }
-            _ => {}
+    pub fn word(self) -> Message {
+        match self {
+            Source::Separation => message!("method_separation"),
+            Source::Bench(method) => method.word(),
         }
-        let (deviation, days) = (signed(deviation, p), figure(horizon_days, 0));
-        said.push(message!("trend_ahead", deviation = deviation, value = self.measured(), days = days));
-        said.extend(provisional.then(|| message!("trend_provisional")));
-        said.extend((!of_fleet).then(|| message!("trend_default_noise")));
-        said
     }
 }
+
+/// Most figures of one verdict: |E| and its components.
+pub const MOST_FIGURES: usize = 4;

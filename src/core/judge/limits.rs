@@ -2,15 +2,16 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::history::Measured;
+use super::coefficient::Coefficient;
 use super::noise::Noise;
-use super::rules::{BEFORE_AFTER_RECORDS, RMS_RECORDS};
-use super::{Coefficient, Rule};
+use super::rule::Rule;
+use super::sample::Measured;
 
 /// The paper's short-term stability of D_I and D_S, deg/(h g0): a typical value there, a limit here.
 pub const DEFAULT_BUDGET: f64 = 1e-2;
 
-/// What in the configuration sets a limit. Displays as the whole key: `judging.budget`, `judging.overrides[2].rules.step`.
+/// What in the configuration sets a limit. Displays as the whole key: `judging.budget`,
+/// `judging.overrides[2].rules.step`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LimitKey {
     /// Place in the list of overrides; none where the fleet's own section says so.
@@ -106,8 +107,8 @@ impl DriftLimits {
         self.single[rule as usize] = limit;
     }
 
-    /// Every rule measured by the same budget, deg/(h g0): each by its [share](Rule::share_of_budget); as it stands for the level that a
-    /// `trend` must not reach; a quarter of it for a `shift`, which nothing has violated yet.
+    /// Every rule measured by the same budget, deg/(h g0): each by its [share](Rule::share_of_budget); as it stands
+    /// for the level that a `trend` must not reach; a quarter of it for a `shift`, which nothing has violated yet.
     pub fn from_budget(budget: Limit) -> Self {
         let part = |share: f64| Limit { value: share * budget.value, ..budget };
         Self {
@@ -174,8 +175,8 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// The requirement columns of Tables 3 and 4, for G1, G2, G3 of the skewed geometry. Table 4's "< 13.23" is read as a
-    /// magnitude: its own G_z3 = -9.98 is called conforming for its size, not for its sign.
+    /// The requirement columns of Tables 3 and 4, for G1, G2, G3 of the skewed geometry. Table 4's "< 13.23" is read
+    /// as a magnitude: its own G_z3 = -9.98 is called conforming for its size, not for its sign.
     pub fn tables_3_and_4() -> [Self; 3] {
         let e = [
             [(0.8425, 0.8529), (-0.6052, -0.5935), (1.0336, 1.0427)],
@@ -187,3 +188,13 @@ impl Requirement {
         e.map(|row| Self { e_norm: bounds((1.0, 3.0)), e: row.map(bounds), g: [bounds((-13.23, 13.23)); 3] })
     }
 }
+
+/// Records up to the judged one that `before_after` looks at: those, and the last one before the test.
+pub const BEFORE_AFTER_RECORDS: usize = AFTER + 2;
+
+/// Records that `rms_successive` looks at.
+pub const RMS_RECORDS: usize = 11;
+
+/// Records after a test that may be judged by it: the first always, the others only while none has come back to where
+/// the gyro was.
+pub(super) const AFTER: usize = 10;

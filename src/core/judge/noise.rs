@@ -1,9 +1,9 @@
-//! One model of how figures of an unmoved gyro scatter, for every rule: a level, scatter s that is correlated from one figure to the
-//! next (AR(1) with phi), and a random walk of the level by q a root year.
+//! One model of how figures of an unmoved gyro scatter, for every rule: a level, scatter s that is correlated from
+//! one figure to the next (AR(1) with phi), and a random walk of the level by q a root year.
 //!
-//! Every figure that a control rule compares is a weighted sum of cells, so its variance follows from s, phi and q in one pass. s is
-//! the gyro's own, learned from its records; phi and q are the fleet's, as one gyro's records do not tell them for years (the standard
-//! deviation of phi is 0.20 after 26 records).
+//! Every figure that a control rule compares is a weighted sum of cells, so its variance follows from s, phi and q in
+//! one pass. s is the gyro's own, learned from its records; phi and q are the fleet's, as one gyro's records do not
+//! tell them for years (the standard deviation of phi is 0.20 after 26 records).
 
 mod fleet;
 
@@ -16,7 +16,8 @@ pub struct Noise {
     pub phi: f64,
     /// Random walk of the level, deg/(h g0) a root year.
     pub walk: f64,
-    /// Whether they were fitted to the fleet; if not, a standard deviation of the trend may be half or twice what it should be.
+    /// Whether they were fitted to the fleet; if not, a standard deviation of the trend may be half or twice what it
+    /// should be.
     pub of_fleet: bool,
 }
 
@@ -56,7 +57,8 @@ impl Noise {
         1.0 + 2.0 * rest / n as f64
     }
 
-    /// By how much the variance of the median of three is larger than that of their mean: 0.449 - 0.333 where they are independent.
+    /// By how much the variance of the median of three is larger than that of their mean: 0.449 - 0.333 where they
+    /// are independent.
     pub(super) fn median_excess(&self) -> f64 {
         0.115 * (1.0 - self.phi)
     }
@@ -77,8 +79,8 @@ const WEIGHT: f64 = 5.0;
 impl Prior {
     /// For a budget, and cells with these stated standard deviations.
     ///
-    /// No smaller than a twentieth of the budget: less does not matter. No smaller than what the stations state of their
-    /// own, the median over all cells or over the newest three.
+    /// No smaller than a twentieth of the budget: less does not matter. No smaller than what the stations state of
+    /// their own, the median over all cells or over the newest three.
     pub fn of(budget: f64, stated: &[Option<f64>]) -> Self {
         let middle = |of: &[Option<f64>]| {
             let mut known = [0.0; super::cells::CELLS];

@@ -1,13 +1,14 @@
 //! Records that a rule looks back to and that are not there one by one any more.
 
 use super::extremes::Extremes;
-use super::history::{COLUMNS, Measured, Sample};
+use super::sample::{COLUMNS, Measured, Sample};
 use crate::core::time::UtcMicros;
 
 /// A figure and when it was measured.
 pub(crate) type Figure = (UtcMicros, Measured);
 
-/// How many records there are in a stretch, and the extremes of each column of [`Sample::d`]: all that `range` asks of them.
+/// How many records there are in a stretch, and the extremes of each column of [`Sample::d`]: all that `range` asks
+/// of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Older {
     pub(crate) records: usize,

@@ -2,8 +2,11 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::{Finding, Rule, State, Status, Verdict};
-use crate::core::message::{Message, figure, text};
+use super::finding::{Finding, Source};
+use super::rule::Rule;
+use super::verdict::{State, Status, Verdict};
+use crate::core::message::{Message, Parameter, figure, list, signed, text};
+use crate::core::time::UtcMicros;
 use crate::core::units::degrees;
 use crate::message;
 
@@ -21,8 +24,8 @@ pub fn sd_digits(sd: f64, limit: f64) -> usize {
 impl Verdict {
     /// What there is to say, sentence by sentence, the finding first.
     ///
-    /// Of what is within its limit one phrase without figures: a record has some forty of them, and value, limit and probability stand beside
-    /// it. A slope is told all the same, for its figures stand nowhere else.
+    /// Of what is within its limit one phrase without figures: a record has some forty of them, and value, limit and
+    /// probability stand beside it. A slope is told all the same, for its figures stand nowhere else.
     pub fn messages(&self) -> Vec<Message> {
         if let Some(phrase) = self.phrase() {
             return vec![phrase];
@@ -107,8 +110,8 @@ impl Display for Verdict {
 /// Five degrees: far beyond any seat.
 const LARGEST_TURN_ARCMIN: f64 = 300.0;
 
-/// The turn of the spin axis about the input axis that moves D_O by as much, arc minutes: D_O moves by D_S psi when it turns by psi.
-/// None where it would not show, and where no mount turns as far: then it is no turn.
+/// The turn of the spin axis about the input axis that moves D_O by as much, arc minutes: D_O moves by D_S psi when
+/// it turns by psi. None where it would not show, and where no mount turns as far: then it is no turn.
 pub fn turn_arcmin(moved: f64, d_s: Option<f64>) -> Option<f64> {
     d_s.map(|d_s| degrees((moved / d_s).atan()) * 60.0)
         .filter(|turn| (0.05..=LARGEST_TURN_ARCMIN).contains(&turn.abs()))
@@ -119,6 +122,180 @@ fn percent(probability: f64) -> String {
         p if p > 0.999 => "> 99.9".to_owned(),
         p if p < 0.001 => "< 0.1".to_owned(),
         p => format!("= {:.1}", 100.0 * p),
+    }
+}
+
+/// The side of a level on which a figure is.
+fn side(difference: f64) -> &'static str {
+    if difference < 0.0 { "below" } else { "above" }
+}
+
+/// What makes a baseline.
+fn origin(since: Option<UtcMicros>) -> Message {
+    match since {
+        Some(at) => message!("level_from", since = text(at.date())),
+        None => message!("level_fixed"),
+    }
+}
+
+impl Verdict {
+    /// What the rule saw, by code: a first sentence, and what there is to add.
+    fn finding_messages(&self) -> Vec<Message> {
+        let name = self.coefficient.name();
+        let shown = |value: f64| figure(value, digits(self.limit));
+        let day = |at: UtcMicros| text(at.date());
+        let value = || self.measured();
+        match self.finding {
+            Finding::TooFew { have, need } => {
+                let of = match self.rule {
+                    Rule::Agreement => "results",
+                    Rule::Shift | Rule::Trend => "weeks",
+                    _ => "records",
+                };
+                vec![message!("too_few", name = name, rule = self.rule.word(), need = need, have = have, of = of)]
+            }
+            Finding::FewWithin { have, need, days } => vec![message!(
+                "too_few_within",
+                name = name,
+                rule = self.rule.word(),
+                need = need,
+                have = have,
+                days = text(days),
+            )],
+            Finding::Moved { since, have, need } => {
+                vec![message!("too_few_since_moved", name = name, since = day(since), need = need, have = have)]
+            }
+            Finding::Step { level, now } => {
+                let side = side(now - level);
+                vec![message!("step", name = name, value = value(), side = side, level = shown(level))]
+            }
+            Finding::Range { records, since, lowest, highest } => vec![message!(
+                "range",
+                name = name,
+                value = value(),
+                records = records,
+                since = day(since),
+                lowest = shown(lowest.1),
+                lowest_at = day(lowest.0),
+                highest = shown(highest.1),
+                highest_at = day(highest.0),
+            )],
+            Finding::Baseline { level, since, now } => vec![message!(
+                "baseline",
+                name = name,
+                value = value(),
+                side = side(now - level),
+                level = shown(level),
+                origin = origin(since),
+            )],
+            Finding::Closure { level, since, moved, now, d_s } => {
+                let mut said = vec![message!(
+                    "closure",
+                    name = name,
+                    value = value(),
+                    side = side(now - level),
+                    level = shown(level),
+                    origin = origin(since),
+                )];
+                said.extend(moved.then(|| message!("closure_moved")));
+                let turn = turn_arcmin(now - level, d_s);
+                said.extend(turn.map(|turn| message!("closure_turn", turn = signed(turn, 1))));
+                // What is not beyond its limit is not said to have a cause.
+                said.extend((self.state == State::Exceeded).then(|| message!("closure_cause")));
+                said
+            }
+            Finding::NoTrend { step: None, .. } => vec![message!("no_trend")],
+            Finding::NoTrend { step: Some(_), .. } => vec![message!("no_trend_but_step")],
+            Finding::Trend { .. } => self.trend_messages(),
+            Finding::Shift { level, before, since, now, .. } => vec![message!(
+                "shift",
+                name = name,
+                since = day(since),
+                value = value(),
+                side = side(now - level),
+                level = shown(level),
+                before = before,
+            )],
+            Finding::RmsSuccessive { since, explained } => {
+                let mut said = vec![message!("rms_successive", name = name, since = day(since), value = value())];
+                said.extend(explained.map(|explained| message!("rms_explained", explained = shown(explained))));
+                said
+            }
+            Finding::BeforeAfter { before, from, until, now } => vec![message!(
+                "before_after",
+                name = name,
+                value = value(),
+                side = side(now - before.1),
+                level = shown(before.1),
+                at = day(before.0),
+                from = day(from),
+                until = day(until),
+            )],
+            Finding::Agreement { results, lowest, highest } => {
+                let of = |(source, at, result): (Source, UtcMicros, f64)| {
+                    message!("result_of_method", value = shown(result), method = source.word(), at = day(at))
+                };
+                vec![message!(
+                    "agreement",
+                    name = name,
+                    value = value(),
+                    results = results,
+                    lowest = of(lowest),
+                    highest = of(highest),
+                )]
+            }
+            Finding::Requirement { figure, low, high, others } => {
+                let inside = self.value.is_some_and(|value| (low..=high).contains(&value));
+                let place = if inside { "inside" } else { "outside" };
+                let (low, high) = (shown(low), shown(high));
+                let mut said = vec![message!(
+                    "requirement",
+                    figure = figure,
+                    value = value(),
+                    place = place,
+                    low = low,
+                    high = high
+                )];
+                let others: Vec<&str> = others.into_iter().flatten().collect();
+                said.extend((!others.is_empty()).then(|| message!("requirement_others", figures = list(others))));
+                said
+            }
+            Finding::Overdue { last } => {
+                vec![message!("overdue", last = day(last), days = figure(self.value.unwrap_or(0.0), 1))]
+            }
+        }
+    }
+
+    fn trend_messages(&self) -> Vec<Message> {
+        let Finding::Trend { cells, since, until, per_year, deviation, horizon_days, reach, provisional, of_fleet } =
+            self.finding
+        else {
+            return Vec::new();
+        };
+        let (p, day) = (digits(self.limit), |at: UtcMicros| text(at.date()));
+        let rate = message!(
+            "measured_with_sd",
+            value = signed(per_year.value, p),
+            sd = figure(per_year.sd.unwrap_or(0.0), p),
+            unit = self.unit().word(),
+        );
+        let name = self.coefficient.name();
+        let (from, to) = (day(since), day(until));
+        let mut said = vec![message!("trend", name = name, rate = rate, cells = cells, since = from, until = to)];
+        // This is read long after too: no date is said to be still to come.
+        match reach {
+            [_, Some(middle), _] if middle <= until => said.push(message!("trend_passed")),
+            [Some(first), Some(middle), last] => {
+                let last = last.map_or_else(|| Parameter::from(message!("never")), day);
+                said.push(message!("trend_reaches", at = day(middle), first = day(first), last = last));
+            }
+            _ => {}
+        }
+        let (deviation, days) = (signed(deviation, p), figure(horizon_days, 0));
+        said.push(message!("trend_ahead", deviation = deviation, value = self.measured(), days = days));
+        said.extend(provisional.then(|| message!("trend_provisional")));
+        said.extend((!of_fleet).then(|| message!("trend_default_noise")));
+        said
     }
 }
 

@@ -4,14 +4,14 @@ use std::ops::{Deref, Range};
 
 use super::cells::{self, Cell};
 use super::extremes::Extremes;
-use super::history::{COLUMNS, Mark, Sample};
+use super::sample::{COLUMNS, Mark, Sample};
 use crate::core::time::UtcMicros;
 
 /// Records of one gyro, oldest first, no two at the same instant, and its events.
 ///
-/// Rules that look back over days may have thousands of records before them, so the extremes of runs of 16, 256, 4096 ... records
-/// are kept: those of any stretch take some thirty steps for each power of sixteen in its length. Cells outlast the records
-/// that were [forgotten](Series::forget).
+/// Rules that look back over days may have thousands of records before them, so the extremes of runs of 16, 256, 4096
+/// ... records are kept: those of any stretch take some thirty steps for each power of sixteen in its length. Cells
+/// outlast the records that were [forgotten](Series::forget).
 #[derive(Debug, Clone, Default)]
 pub struct Series {
     samples: Vec<Sample>,
@@ -56,7 +56,8 @@ impl Series {
         self.cells.chunk_by(move |a, b| !restarted(a, b))
     }
 
-    /// Whether the control rules find every cell that they look back to, if the first records of the oldest cell may be missing.
+    /// Whether the control rules find every cell that they look back to, if the first records of the oldest cell may
+    /// be missing.
     pub fn reaches_all_cells(&self) -> bool {
         let (Some(newest), [_, complete @ ..]) = (self.samples.last(), &self.cells[..]) else { return false };
         complete.len() > cells::looked_at(complete, newest.at) + cells::SPARE
@@ -105,7 +106,8 @@ impl Series {
         found
     }
 
-    /// Makes the cells anew that hold a record at `first` or after it. The records of the first of them must not have been forgotten.
+    /// Makes the cells anew that hold a record at `first` or after it. The records of the first of them must not have
+    /// been forgotten.
     fn rebuild_cells(&mut self, first: UtcMicros) {
         let cell = self.cells.partition_point(|cell| cell.ends_before(first, &self.marks));
         let begin = self.cells.get(cell).map_or(first, |cell| cell.first.min(first));

@@ -1,4 +1,5 @@
-//! Each rule and how they act together. Longer than 400 lines: it is mostly tables of expected verdicts, which read best in one place.
+//! Each rule and how they act together. Longer than 400 lines: it is mostly tables of expected verdicts, which read
+//! best in one place.
 
 use super::*;
 use crate::core::time::UtcMicros;
@@ -97,7 +98,8 @@ fn an_uncertainty_that_straddles_the_budget_is_indeterminate_with_its_probabilit
 
 #[test]
 fn uncertainty_alone_exceeds_no_limit() {
-    // Five records with the same figures, the last with a standard deviation of twenty budgets, and every other number of records.
+    // Five records with the same figures, the last with a standard deviation of twenty budgets, and every other
+    // number of records.
     for n in 2..45 {
         let mut points = samples(Some(4e-4), &series(n, |_| 3.0));
         points[n - 1].d.iter_mut().for_each(|d| d.sd = Some(0.2));
@@ -379,7 +381,8 @@ fn a_move_begins_a_new_level_of_the_closure_by_itself() {
     );
 }
 
-/// Deterministic scatter, about normal with unit sd: sums of four uniform numbers of a generator by Steele, Lea and Flood (SplitMix64).
+/// Deterministic scatter, about normal with unit sd: sums of four uniform numbers of a generator by Steele, Lea and
+/// Flood (SplitMix64).
 fn scatter(i: usize) -> f64 {
     let uniform = |k: u64| {
         let mut z = (4 * i as u64 + k + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -396,8 +399,8 @@ fn series(n: usize, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
 
 #[test]
 fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() {
-    // 0.0002 a fortnight: 0.0052178 a year. Record 40 lies 0.0078 from the baseline (median of records 0 to 2, that is record 1); the
-    // remaining 0.0022 take 11 fortnights, 154 days, from day 560.
+    // 0.0002 a fortnight: 0.0052178 a year. Record 40 lies 0.0078 from the baseline (median of records 0 to 2, that
+    // is record 1); the remaining 0.0022 take 11 fortnights, 154 days, from day 560.
     let limits = Limits { noise: Noise { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
     let ramp = |n: usize| {
         let points = samples(None, &series(n, |i| 3.0 + 2e-4 * i as f64 + 1e-8 * scatter(i)));
@@ -431,8 +434,8 @@ fn a_ramp_is_told_with_its_slope_and_the_dates_at_which_the_budget_is_reached() 
 
 #[test]
 fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
-    // Independent scatter, no walk, and a stated level: var(x0 + b t) = s^2 (1/n + (t - mean t)^2/Sxx), and s^2 is the budget's tenth drawn to
-    // the residuals, here (5 s0^2 + 0)/(5 + 22).
+    // Independent scatter, no walk, and a stated level: var(x0 + b t) = s^2 (1/n + (t - mean t)^2/Sxx), and s^2 is
+    // the budget's tenth drawn to the residuals, here (5 s0^2 + 0)/(5 + 22).
     let mut limits = Limits { noise: Noise { phi: 0.0, walk: 0.0, of_fleet: true }, ..Limits::default() };
     limits.d_i.fixed_baseline = Some(Measured { value: 3.0, sd: Some(3e-4) });
     let points = samples(None, &series(30, |i| 3.0 + 2e-4 * i as f64));
@@ -444,7 +447,8 @@ fn the_standard_deviation_of_a_line_counts_level_slope_scatter_and_walk() {
         let tau = 90.0 / 365.25;
         let weight = |ti: f64| 1.0 / 24.0 + (tau - mean) * (ti - mean) / sxx;
         let scatter = s2 * t.iter().map(|ti| weight(*ti).powi(2)).sum::<f64>();
-        // By the matrix: what the line sees of a walk that begins at the first cell, less the level at the newest, and the walk to come.
+        // By the matrix: what the line sees of a walk that begins at the first cell, less the level at the newest,
+        // and the walk to come.
         let mut w: Vec<f64> = t.iter().map(|ti| weight(*ti)).collect();
         w[23] -= 1.0;
         let shared = |i: usize, j: usize| (t[i].min(t[j]) - t[0]) * walk * walk;
@@ -565,7 +569,8 @@ fn a_shift_that_does_not_matter_raises_nothing_and_noise_widens_the_limit() {
 
 #[test]
 fn the_standard_deviation_of_a_shift_follows_the_noise_model() {
-    // k equal cells before: s^2 = 5 s0^2/(5 + k - F), and no less than s0^2/4, with F = k var(mean of k) of AR(1), here by the matrix.
+    // k equal cells before: s^2 = 5 s0^2/(5 + k - F), and no less than s0^2/4, with F = k var(mean of k) of AR(1),
+    // here by the matrix.
     let noise = Noise { phi: 0.5, walk: 8e-4, of_fleet: true };
     let limits = Limits { noise, ..Limits::default() };
     for n in [10, 14, 40] {
@@ -597,8 +602,8 @@ fn the_standard_deviation_of_a_shift_follows_the_noise_model() {
 
 #[test]
 fn the_rms_of_successive_differences_leaves_one_record_out_and_knows_what_noise_explains() {
-    // +-0.003 by turns: every difference is 0.006, but for the one that bridges a record that is left out inside, which is 0. Without
-    // an end, nine of 0.006; inside, eight of 0.006 and one of 0: 1.2 * 0.006 * sqrt(8/9).
+    // +-0.003 by turns: every difference is 0.006, but for the one that bridges a record that is left out inside,
+    // which is 0. Without an end, nine of 0.006; inside, eight of 0.006 and one of 0: 1.2 * 0.006 * sqrt(8/9).
     let restless = series(11, |i| 3.0 + if i % 2 == 0 { 3e-3 } else { -3e-3 });
     let v = latest(&restless, Rule::RmsSuccessive);
     assert_eq!((v.state, v.status()), (State::Exceeded, Status::OutOfTolerance));
@@ -618,8 +623,9 @@ fn the_rms_of_successive_differences_leaves_one_record_out_and_knows_what_noise_
 
 #[test]
 fn successive_differences_share_the_noise_of_the_record_between_them() {
-    // Ten records left of sd s, all alike, so that the mean square is noise alone: its variance is 2 tr V^2/n^2 with V = s^2 tridiag(-1, 2, -1),
-    // tr V^2 = s^4 (4 n + 2 (n - 1)), n = 9. With rms 0, sd = 1.2 sqrt(explained), explained = 2 s^2; P = Phi(-(2 s^2 + (L/1.2)^2)/sqrt(var)).
+    // Ten records left of sd s, all alike, so that the mean square is noise alone: its variance is 2 tr V^2/n^2 with
+    // V = s^2 tridiag(-1, 2, -1), tr V^2 = s^4 (4 n + 2 (n - 1)), n = 9. With rms 0, sd = 1.2 sqrt(explained),
+    // explained = 2 s^2; P = Phi(-(2 s^2 + (L/1.2)^2)/sqrt(var)).
     let s: f64 = 4e-3;
     let v = verdict(&samples(Some(s), &series(11, |_| 3.0)), &[], 10, Rule::RmsSuccessive, &Limits::default());
     let variance = 2.0 * s.powi(4) * (36.0 + 16.0) / 81.0;
@@ -627,8 +633,9 @@ fn successive_differences_share_the_noise_of_the_record_between_them() {
     assert!((v.probability.unwrap() - crate::core::numerics::normal::normal_cdf(z)).abs() < 1e-12, "{v}");
     assert!((v.sd.unwrap() - 1.2 * 2.0_f64.sqrt() * s).abs() < 1e-12);
 
-    // Records that do move, each with a standard deviation of its own, by the full matrix V = D S D^T (D takes differences, S is diagonal):
-    // m = d.d/n is off by tr V/n, with variance (2 tr V^2 + 4 (d.V d - tr V^2))/n^2. The last record is the one that is left out.
+    // Records that do move, each with a standard deviation of its own, by the full matrix V = D S D^T (D takes
+    // differences, S is diagonal): m = d.d/n is off by tr V/n, with variance (2 tr V^2 + 4 (d.V d - tr V^2))/n^2. The
+    // last record is the one that is left out.
     let x = [0.0, 4e-3, 1e-3, 6e-3, 2e-3, 7e-3, 1e-3, 5e-3, 0.0, 4e-3, 0.5];
     let mut points = samples(None, &series(11, |i| 3.0 + x[i]));
     let sd = |i: usize| 1e-3 * (1.0 + 0.1 * i as f64);

@@ -1,10 +1,10 @@
 //! Weighted least squares that returns its own evidence.
 //!
 //! The design is whitened (each row divided by its standard deviation), its columns are scaled to unit length, and
-//! the result is taken apart as Q R by Householder reflections. Normal equations are never formed: they square the condition
-//! number. Where R is far from singular, its inverse gives the estimate; otherwise R = U S V^T, and the singular values say what
-//! the design determines: what it does not comes back as null directions, and the estimate is then the shortest of the equally
-//! good ones.
+//! the result is taken apart as Q R by Householder reflections. Normal equations are never formed: they square the
+//! condition number. Where R is far from singular, its inverse gives the estimate; otherwise R = U S V^T, and the
+//! singular values say what the design determines: what it does not comes back as null directions, and the estimate
+//! is then the shortest of the equally good ones.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -61,7 +61,8 @@ impl Factor {
     /// Takes the design (n x p) apart for rows with standard deviations `sd` (n, positive).
     ///
     /// # Panics
-    /// Where `sd` has another length than the design has rows, the design has no rows or no columns, or a number is not finite.
+    /// Where `sd` has another length than the design has rows, the design has no rows or no columns, or a number is
+    /// not finite.
     pub fn new(design: DMatrix<f64>, sd: &[f64]) -> Self {
         let (n, p) = design.shape();
         assert!(n > 0 && p > 0, "a design has rows and columns");
@@ -184,9 +185,9 @@ struct Solved {
     scaled_null: DMatrix<f64>,
 }
 
-/// The inverse of R, where its condition is certainly better than the tolerance: the product of the Frobenius norms of a
-/// matrix and its inverse is never less than the largest singular value over the smallest. No loss of rank can hide in it, and
-/// of its digits no more than four are lost.
+/// The inverse of R, where its condition is certainly better than the tolerance: the product of the Frobenius norms
+/// of a matrix and its inverse is never less than the largest singular value over the smallest. No loss of rank can
+/// hide in it, and of its digits no more than four are lost.
 fn by_inverse(r: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let inverse = r.solve_upper_triangular(&DMatrix::identity(r.nrows(), r.ncols()))?;
     (r.norm() * inverse.norm() * RANK_TOLERANCE < 1.0).then_some(inverse)

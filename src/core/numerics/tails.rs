@@ -12,8 +12,9 @@ pub fn chi2_tail(chi2: f64, dof: usize) -> Option<f64> {
     })
 }
 
-/// P(F of `numerator` and `denominator` degrees of freedom > `f`) = I_x(d2/2, d1/2), x = d2/(d2 + d1 f) (Abramowitz and Stegun 26.6.2). That
-/// form loses nothing where the probability is small, and holds up to an `f` beyond all numbers.
+/// P(F of `numerator` and `denominator` degrees of freedom > `f`) = I_x(d2/2, d1/2), x = d2/(d2 + d1 f) (Abramowitz
+/// and Stegun 26.6.2). That form loses nothing where the probability is small, and holds up to an `f` beyond all
+/// numbers.
 pub fn f_tail(f: f64, numerator: f64, denominator: f64) -> f64 {
     let x = denominator / (denominator + numerator * f.max(0.0));
     checked_beta_reg(0.5 * denominator, 0.5 * numerator, x).unwrap_or(1.0)

@@ -98,9 +98,9 @@ pub fn diagonal_covariance(e_sd: Option<&Vector3<f64>>, g_sd: Option<&Vector3<f6
 
 /// Covariance of (E, G) from what the station states of a gyro; none unless both standard deviations are known.
 ///
-/// Where the station states the ratio r = G/|E| with its standard deviation, G = r |E| has the share r I^'dE in common with E
-/// (I^ = E/|E|): cov(E, G) = C_E I^ r', cov(G) = |E|^2 C_r + r r' (I^' C_E I^). D_I and D_S, which are made of the ratio, then do not
-/// depend on |E|.
+/// Where the station states the ratio r = G/|E| with its standard deviation, G = r |E| has the share r I^'dE in
+/// common with E (I^ = E/|E|): cov(E, G) = C_E I^ r', cov(G) = |E|^2 C_r + r r' (I^' C_E I^). D_I and D_S, which are
+/// made of the ratio, then do not depend on |E|.
 pub fn stated_covariance(gyro: &GyroParameters) -> Option<CovarianceEg> {
     let mut covariance = diagonal_covariance(gyro.e_sd.as_ref(), gyro.g_sd.as_ref())?;
     let scale = gyro.e.norm();

@@ -7,8 +7,9 @@
 //! * S^ = s - sigma (n+u), sigma = (u.s)/(1+c), D_S = y.S^;
 //! * O^ = o - tau (n+u), tau = (u.o)/(1+c), D_O = y.O^, the closure.
 //!
-//! The rotation of the gyro about I itself cannot be seen in E. With D_O = 0 in truth it is atan2(D_O, D_S) up to a half turn:
-//! that leaves D_S with one sign or the other, and nothing in E and G tells which. Of the two the one nearer to nominal is meant.
+//! The rotation of the gyro about I itself cannot be seen in E. With D_O = 0 in truth it is atan2(D_O, D_S) up to a
+//! half turn: that leaves D_S with one sign or the other, and nothing in E and G tells which. Of the two the one
+//! nearer to nominal is meant.
 
 use nalgebra::{Matrix3, Matrix3x6, Vector3};
 
@@ -49,7 +50,8 @@ impl Rigid {
         self.covariance.map(|c| [0, 1, 2].map(|i| c[(i, i)].max(0.0).sqrt()))
     }
 
-    /// atan(D_O/D_S), radians, from -pi/2 to pi/2: how far S is turned about I if D_O is zero in truth and S points the way it should.
+    /// atan(D_O/D_S), radians, from -pi/2 to pi/2: how far S is turned about I if D_O is zero in truth and S points
+    /// the way it should.
     pub fn clocking(&self) -> f64 {
         (self.d_o * self.d_s.signum()).atan2(self.d_s.abs())
     }

@@ -1,4 +1,5 @@
-//! On which way a request came: the client's address, scheme and host by the word of proxies that are trusted, and of no others.
+//! On which way a request came: the client's address, scheme and host by the word of proxies that are trusted, and of
+//! no others.
 
 use std::net::{IpAddr, SocketAddr};
 
@@ -56,8 +57,8 @@ fn only_proxies_add(name: &HeaderName) -> bool {
     *name == FORWARDED || *name == VIA || name.as_str().starts_with("x-forwarded-") || name.as_str() == "x-real-ip"
 }
 
-/// Every hop, that of the nearest proxy last. Where there are headers of both kinds, `X-Forwarded-…` are believed: proxies that write
-/// these pass on what a client sends as `Forwarded`.
+/// Every hop, that of the nearest proxy last. Where there are headers of both kinds, `X-Forwarded-…` are believed:
+/// proxies that write these pass on what a client sends as `Forwarded`.
 fn hops(headers: &HeaderMap) -> Vec<Hop> {
     let all = |name: &str| -> Vec<String> {
         let values = headers.get_all(name).iter().filter_map(|value| value.to_str().ok());

@@ -1,4 +1,5 @@
-//! Identifiers of a request: `X-Request-Id`, and `traceparent` of the W3C's Trace Context. Kept where they are sent and sound.
+//! Identifiers of a request: `X-Request-Id`, and `traceparent` of the W3C's Trace Context. Kept where they are sent
+//! and sound.
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 

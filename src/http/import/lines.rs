@@ -11,8 +11,8 @@ use crate::http::problem;
 use crate::message;
 use crate::wire::problem::Problem;
 
-/// Text that may be under way at a time, from reading a line to its answer, KiB begun a line. What is made of a record takes dozens of times
-/// the memory of its text until it is stored.
+/// Text that may be under way at a time, from reading a line to its answer, KiB begun a line. What is made of a
+/// record takes dozens of times the memory of its text until it is stored.
 pub const UNDER_WAY_KIB: u32 = 2048;
 
 /// A line of the body.
@@ -32,8 +32,8 @@ pub struct Longest {
     pub body: usize,
 }
 
-/// Splits a body into its lines, each when there is room for it. Empty ones are left out but counted. Reading ends with a problem when the
-/// body is too long or breaks off.
+/// Splits a body into its lines, each when there is room for it. Empty ones are left out but counted. Reading ends
+/// with a problem when the body is too long or breaks off.
 pub fn lines<B>(body: B, longest: Longest) -> impl Stream<Item = Line>
 where
     B: Stream<Item = Result<Bytes, axum::Error>> + Unpin,
@@ -44,7 +44,8 @@ where
         let (number, text) = splitter.next_line().await?;
         let bytes = text.as_ref().map_or(0, Bytes::len);
         let kib = u32::try_from(bytes.div_ceil(1024)).unwrap_or(u32::MAX).clamp(1, UNDER_WAY_KIB);
-        // Waiting, even for what is there, ends a task's turn now and then, and with it the chunk that the lines come in.
+        // Waiting, even for what is there, ends a task's turn now and then, and with it the chunk that the lines come
+        // in.
         let taken = match Arc::clone(&room).try_acquire_many_owned(kib) {
             Ok(taken) => taken,
             Err(_) => Arc::clone(&room).acquire_many_owned(kib).await.expect("nobody closes it"),

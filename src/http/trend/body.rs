@@ -41,8 +41,8 @@ pub(super) struct Point<'a> {
     pub record: Id,
     /// `within`, `exceeded` or `indeterminate`, as it was judged; null for what is not judged.
     pub state: Option<&'static str>,
-    /// What the verdicts on it come to: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `borderline`, `too_uncertain`,
-    /// `not_enough_data` or `in_tolerance`; null for what is not judged.
+    /// What the verdicts on it come to: `confirmed`, `out_of_tolerance`, `unconfirmed`, `drifting`, `borderline`,
+    /// `too_uncertain`, `not_enough_data` or `in_tolerance`; null for what is not judged.
     pub status: Option<&'static str>,
     /// True where it does not count any more; shown where voided points are asked for.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -18,7 +18,8 @@ const COLUMNS: [&str; 12] = [
     "state",
 ];
 
-/// RFC 4180: one header line, times in UTC, every point at full precision; a column more where voided points are asked for, `status` always last.
+/// RFC 4180: one header line, times in UTC, every point at full precision; a column more where voided points are
+/// asked for, `status` always last.
 pub(super) fn written(trend: &Trend<'_>, with_voided: bool) -> Option<Vec<u8>> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS.into_iter().chain(with_voided.then_some("voided")).chain(["status"])).ok()?;

@@ -1,5 +1,5 @@
-//! A trend as JSON: what serde writes, byte for byte, in a fraction of the time. There may be a hundred thousand points, and serde
-//! looks through every word of each for what has to be escaped.
+//! A trend as JSON: what serde writes, byte for byte, in a fraction of the time. There may be a hundred thousand
+//! points, and serde looks through every word of each for what has to be escaped.
 
 use std::io::Write;
 

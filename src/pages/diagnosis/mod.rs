@@ -1,5 +1,5 @@
-//! `/campaigns/{id}/diagnosis`: where campaign and model part, what parts them, how far the gap shrinks, what cannot be told,
-//! and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
+//! `/campaigns/{id}/diagnosis`: where campaign and model part, what parts them, how far the gap shrinks, what cannot
+//! be told, and what to measure next. The same answer as `/v1/campaigns/{id}/diagnosis`, to look at.
 
 mod report;
 mod sections;

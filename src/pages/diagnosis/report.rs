@@ -1,5 +1,5 @@
-//! A diagnosis as one HTML file that needs nothing else: no script, no font, no network. It can be mailed, printed and filed with the
-//! campaign.
+//! A diagnosis as one HTML file that needs nothing else: no script, no font, no network. It can be mailed, printed
+//! and filed with the campaign.
 
 use maud::{DOCTYPE, PreEscaped, html};
 

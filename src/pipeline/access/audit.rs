@@ -1,7 +1,8 @@
 //! Who is at work, and the line that their doings leave in the audit trail.
 //!
-//! Who asks accompanies a request as its task does ([`Caller::during`]), so that whatever changes something down the line can
-//! say who it was without every function on the way handing them on. Without anybody it was the service itself.
+//! Who asks accompanies a request as its task does ([`Caller::during`]), so that whatever changes something down the
+//! line can say who it was without every function on the way handing them on. Without anybody it was the service
+//! itself.
 
 use std::net::IpAddr;
 

@@ -1,9 +1,9 @@
 //! Who may use the service: tokens, browsers that signed in with one, and the trail of what everybody did.
 //!
-//! The cache of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be read
-//! anew, so that what the command line wrote into the database counts at once; what it revoked counts within
-//! a second. As long as no token was ever made, a caller from this machine may do what an engineer may, unless a proxy was seen: behind
-//! one everybody comes from this machine. Administrators then show the setup secret of the start.
+//! The cache of tokens is in memory; a request costs one look and one comparison. Whoever is not in it makes it be
+//! read anew, so that what the command line wrote into the database counts at once; what it revoked counts within a
+//! second. As long as no token was ever made, a caller from this machine may do what an engineer may, unless a proxy
+//! was seen: behind one everybody comes from this machine. Administrators then show the setup secret of the start.
 
 mod audit;
 mod error;
@@ -94,7 +94,8 @@ impl Access {
     /// Has the writer carry out an order about access.
     ///
     /// # Errors
-    /// [`AccessError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    /// [`AccessError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
+    /// not known.
     pub async fn order(&self, order: AccessOrder) -> Result<Option<Secret>, AccessError> {
         self.order_by(order, Actor::by_caller()).await
     }

@@ -50,7 +50,8 @@ impl Secret {
         system::sha256(&self.bits)
     }
 
-    /// Whether it is the one whose hash was kept; takes as long whether it is or not. `None` compares with nothing and is never it.
+    /// Whether it is the one whose hash was kept; takes as long whether it is or not. `None` compares with nothing
+    /// and is never it.
     pub fn is(&self, kept: Option<&[u8; 32]>) -> bool {
         let mine = self.sha256();
         let theirs = kept.copied().unwrap_or_default();

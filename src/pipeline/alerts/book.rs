@@ -165,7 +165,8 @@ impl AlertCache {
         self.enter((gyro, place), decision, began, (None, None), pen);
     }
 
-    /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut off.
+    /// Ends what fires where `ends` says so: a rule that does not judge any more, or whose history an event has cut
+    /// off.
     pub fn reset(&mut self, gyro: u32, ends: impl Fn(&AlertRow) -> bool, pen: &mut Pen<'_>) {
         for place in 0..self.alerts.get(&gyro).map_or(0, Vec::len) {
             let row = &self.alerts[&gyro][place];
@@ -299,7 +300,8 @@ impl AlertCache {
         (author, reason): Said,
         pen: &mut Pen<'_>,
     ) -> (Id, String) {
-        // The finding was written by this program, in this run or an earlier one; the next look at the alert names the damage.
+        // The finding was written by this program, in this run or an earlier one; the next look at the alert names
+        // the damage.
         let body = pen.naming.alert(row, pen.now).map(|body| body.kept()).unwrap_or_default();
         let id = pen.writer.next_id(pen.now);
         self.steps.push(StepRow {

@@ -11,8 +11,8 @@ use tokio::time::Instant;
 pub(crate) enum Awaited {
     /// A person: it is done like any request.
     BySomebody,
-    /// Nobody yet: the operating system gives it a tenth of a processor that others want too. Not less, because somebody
-    /// may come to wait for it.
+    /// Nobody yet: the operating system gives it a tenth of a processor that others want too. Not less, because
+    /// somebody may come to wait for it.
     ByNobody,
 }
 

@@ -33,7 +33,8 @@ pub(crate) struct DiagnosisHandler<'a> {
 }
 
 impl DiagnosisHandler<'_> {
-    /// Carries out one order; on disk when this returns. One that is already being worked off is not begun a second time.
+    /// Carries out one order; on disk when this returns. One that is already being worked off is not begun a second
+    /// time.
     pub async fn carry_out(&mut self, order: &DiagnosisOrder, by: &Actor) -> Result<Accepted, DiagnosisError> {
         match order {
             DiagnosisOrder::Start(wanted) => self.start(wanted, by).await,

@@ -64,8 +64,8 @@ pub(super) fn text(body: &impl serde::Serialize) -> String {
 }
 
 impl Made {
-    /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that wait for
-    /// the campaign are told in the same.
+    /// What the writer does with it: one transaction, unless another model has come into force meanwhile. Orders that
+    /// wait for the campaign are told in the same.
     pub async fn keep(&self, writer: &mut Writer, models: &ModelCache) -> Result<(), WriteError> {
         let Self { campaign, begun_at, ended_at, outcome } = self;
         let mut changes = Changes::default();

@@ -1,11 +1,11 @@
-//! Diagnoses of stored campaigns: made in the background once a campaign is stored, kept, made again when the model in force
-//! for its IMU or the program has changed.
+//! Diagnoses of stored campaigns: made in the background once a campaign is stored, kept, made again when the model
+//! in force for its IMU or the program has changed.
 //!
 //! A campaign is due from the transaction that stores it, its IMU's from the one that adopts a model: what was due when
 //! the service stopped is made after its start. Whoever asks for one that is due comes first, and waits or asks again.
 //!
-//! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says what many
-//! diagnoses say together, from the [`digest`] that is kept of each.
+//! [`jobs`] takes orders to diagnose many campaigns, [`queue`] works them off behind what is due, [`summary`] says
+//! what many diagnoses say together, from the [`digest`] that is kept of each.
 
 pub(super) mod background;
 mod diagnoser;
@@ -85,8 +85,8 @@ pub struct Diagnoses {
 }
 
 impl Diagnoses {
-    /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where it is not made
-    /// within `patience`.
+    /// The diagnosis of a stored campaign against the model in force for its IMU; [`DiagnosisAnswer::Waiting`] where
+    /// it is not made within `patience`.
     ///
     /// # Errors
     /// [`StorageError`], where the campaign cannot be read.
@@ -94,7 +94,8 @@ impl Diagnoses {
         Ok(self.diagnoser.diagnosis(id, Awaited::BySomebody, patience).await?)
     }
 
-    /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few milliseconds.
+    /// The gap of a diagnosed campaign against another stored campaign or record of its IMU. Computing, a few
+    /// milliseconds.
     ///
     /// # Errors
     /// [`NotSplit`], where that is no reference for it.
@@ -114,10 +115,12 @@ impl Diagnoses {
         Ok(SplitBody::from(&split))
     }
 
-    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those before it.
+    /// Puts a model in force for an IMU; returns once it is on disk. One without terms and effects undoes those
+    /// before it.
     ///
     /// # Errors
-    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
+    /// is not known.
     pub async fn adopt(&self, adoption: Adoption) -> Result<Accepted, DiagnosisError> {
         let (adoption, by) = (Box::new(adoption), Actor::by_caller());
         self.queue.ask(|reply| Job::Model { adoption, by, reply }).await
@@ -190,7 +193,8 @@ impl Diagnoses {
     /// Has the writer carry out an order about many diagnoses; returns once it is on disk.
     ///
     /// # Errors
-    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    /// [`DiagnosisError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that
+    /// is not known.
     pub async fn order(&self, order: DiagnosisOrder) -> Result<Accepted, DiagnosisError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Diagnoses { order, by, reply }).await

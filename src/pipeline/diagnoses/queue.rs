@@ -1,8 +1,8 @@
 //! What waits to be diagnosed, worked off: newly stored campaigns first, then what orders wait for.
 //!
-//! The queue is the database. What a crash or a stop interrupts is still waiting there, and is taken up again; what was done
-//! has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what comes in. Servers that
-//! share a database claim what they make, a few at a time.
+//! The queue is the database. What a crash or a stop interrupts is still waiting there, and is taken up again; what
+//! was done has been kept. Only a page of it is in memory at a time. Nobody waits for it, so it gives way to what
+//! comes in. Servers that share a database claim what they make, a few at a time.
 
 use std::collections::HashSet;
 use std::future::ready;
@@ -25,7 +25,8 @@ const PAGE: u32 = 64;
 const TASKS: u32 = 256;
 /// How many are claimed at once, for each that is computed at the same time: few, for others to have their share.
 const CLAIMED_EACH: usize = 4;
-/// How long to wait where the database takes no diagnoses or cannot be read, or where other servers are at all that is left.
+/// How long to wait where the database takes no diagnoses or cannot be read, or where other servers are at all that
+/// is left.
 const PAUSE: Duration = Duration::from_secs(5);
 /// A diagnosis begins when nothing has come in for this long,
 const QUIET: Duration = Duration::from_millis(100);
@@ -122,8 +123,8 @@ impl Diagnoser {
         CLAIMED_EACH * self.at_once
     }
 
-    /// Makes a diagnosis that orders wait for, whether or not there is one. Where the database cannot be read now it goes on
-    /// waiting; what can never be read has failed.
+    /// Makes a diagnosis that orders wait for, whether or not there is one. Where the database cannot be read now it
+    /// goes on waiting; what can never be read has failed.
     async fn settle(&self, id: Id) {
         self.idle.wait_for_idle(QUIET, GIVES_WAY).await;
         let begun_at = self.clock.now();

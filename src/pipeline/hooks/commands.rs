@@ -213,8 +213,8 @@ impl HookHandler<'_> {
         Ok(())
     }
 
-    /// A hook that was disabled has missed what was not told it. What still waited is old by now: it hears how things stand
-    /// instead, by what it has taken before.
+    /// A hook that was disabled has missed what was not told it. What still waited is old by now: it hears how things
+    /// stand instead, by what it has taken before.
     async fn take_up(&mut self, row: &HookRow, outbox: &mut OutboxChanges) -> Result<(), StoreError> {
         outbox.dropped.push((row.id, self.now));
         outbox.forgotten.push(row.id);

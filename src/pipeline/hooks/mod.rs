@@ -1,6 +1,7 @@
 //! Hooks: read and checked, kept, and shown with their deliveries.
 //!
-//! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`commands`]), so that changes never overlap.
+//! Whatever changes a hook or its queue is an [`Order`] to the one writer ([`commands`]), so that changes never
+//! overlap.
 
 mod commands;
 mod delivery;
@@ -89,7 +90,8 @@ impl Hooks {
     /// it is about.
     ///
     /// # Errors
-    /// [`HookError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    /// [`HookError`]; then nothing has changed, but after [`StorageFault::Unanswered`](super::StorageFault) that is
+    /// not known.
     pub async fn order(&self, order: Order) -> Result<Id, HookError> {
         let by = Actor::by_caller();
         self.queue.ask(|reply| Job::Hook { order, by, reply }).await

@@ -166,8 +166,8 @@ impl HookCache {
     }
 }
 
-/// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and the end of what
-/// it has heard fire. `heard`: what it has heard.
+/// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and
+/// the end of what it has heard fire. `heard`: what it has heard.
 pub(crate) fn introduce(
     subscription: &Subscription,
     heard: &HashMap<Id, Severity>,

@@ -52,14 +52,16 @@ impl Ingest {
     /// Stores and judges one item; returns once it is on disk.
     ///
     /// # Errors
-    /// [`Refused`]; then nothing of it is stored, but after [`StorageFault::Unanswered`](super::StorageFault) that is not known.
+    /// [`Refused`]; then nothing of it is stored, but after [`StorageFault::Unanswered`](super::StorageFault) that is
+    /// not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
         let (accepted, ()) = self.submit_worded(item, |_| ()).await?;
         Ok(accepted)
     }
 
-    /// As [`Ingest::submit`], with what `put_into_words` makes of what becomes of the item. It is called while the disk works, so what it
-    /// makes may be told to nobody before this returns; it is called again where something else came true.
+    /// As [`Ingest::submit`], with what `put_into_words` makes of what becomes of the item. It is called while the
+    /// disk works, so what it makes may be told to nobody before this returns; it is called again where something
+    /// else came true.
     ///
     /// # Errors
     /// As [`Ingest::submit`].
@@ -90,8 +92,8 @@ impl Ingest {
         Ok((accepted, words.expect("the one reply was accepted, so it was put into words")))
     }
 
-    /// As [`Ingest::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in the queue; what it then returns waits
-    /// for the disk, so that the next items can be made ready meanwhile.
+    /// As [`Ingest::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in
+    /// the queue; what it then returns waits for the disk, so that the next items can be made ready meanwhile.
     pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
         self.activity.note_activity();
         let count = items.len();

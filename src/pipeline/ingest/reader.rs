@@ -104,8 +104,8 @@ impl Reader {
         Ok(BenchTest { result, body, body_sha256, idempotency_key: None })
     }
 
-    /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock would stay the newest
-    /// for as long, what lies long before all else would become the baseline.
+    /// Refuses a time that cannot be: the sender's clock is wrong, or its year. What lies too far ahead of the clock
+    /// would stay the newest for as long, what lies long before all else would become the baseline.
     pub fn check_time(&self, pointer: &str, at: UtcMicros) -> Result<(), Faults> {
         let PlausibilityKeys { max_future_hours: hours, earliest, clock_epochs, .. } = &self.config.plausibility;
         let message = if at > self.clock.now().plus_days(hours / 24.0) {

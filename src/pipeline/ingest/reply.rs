@@ -1,5 +1,5 @@
-//! How the writer answers: first with what will hold once it is on disk, so that the words can be made while the disk works, and then
-//! with whether it does.
+//! How the writer answers: first with what will hold once it is on disk, so that the words can be made while the disk
+//! works, and then with whether it does.
 
 use tokio::sync::mpsc;
 
@@ -50,8 +50,8 @@ impl ReplySender {
 }
 
 impl ReplyReceiver {
-    /// The replies when they hold, and what `put_into_words` makes of them: it is called as soon as they are foretold, and again
-    /// where something else came true. None where the writer has gone without a final word.
+    /// The replies when they hold, and what `put_into_words` makes of them: it is called as soon as they are
+    /// foretold, and again where something else came true. None where the writer has gone without a final word.
     ///
     /// # Panics
     /// Where what was never foretold is said to hold.

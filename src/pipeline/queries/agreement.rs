@@ -6,8 +6,8 @@ use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::history::{Mark, Measured};
 use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status, Verdict, agreement};
+use crate::core::judge::{Mark, Measured};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -41,8 +41,8 @@ pub struct Compared {
     pub counts: bool,
 }
 
-/// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a second record has
-/// confirmed that a requirement is not met.
+/// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a
+/// second record has confirmed that a requirement is not met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AlertFinding {
     pub coefficient: Coefficient,
@@ -52,7 +52,8 @@ pub(crate) struct AlertFinding {
     pub load: f64,
 }
 
-/// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take several for each.
+/// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take
+/// several for each.
 pub(crate) async fn told(store: &Store, gyro: Option<u32>) -> Result<HashMap<u32, Vec<AlertFinding>>, StoreError> {
     let mut found: HashMap<u32, Vec<AlertFinding>> = HashMap::new();
     for rule in [Rule::Agreement, Rule::Requirement] {
@@ -66,10 +67,10 @@ pub(crate) async fn told(store: &Store, gyro: Option<u32>) -> Result<HashMap<u32
     Ok(found)
 }
 
-/// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to the
-/// newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
-/// Nothing from before the last repair; and of them those count that are not too old beside the newest. Within `span` all do: whoever names
-/// it has said what is to be compared.
+/// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to
+/// the newest bench result, and the bench results around it, as in the paper's Table 5 (before mounting and after).
+/// Nothing from before the last repair; and of them those count that are not too old beside the newest. Within `span`
+/// all do: whoever names it has said what is to be compared.
 pub(super) async fn compare_methods(
     store: &Store,
     judging: &Judging,

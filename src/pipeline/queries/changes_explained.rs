@@ -17,8 +17,8 @@ use crate::words;
 /// stations' offsets take one column a peer.
 const OWN_RECORDS: usize = 300;
 const PEER_RECORDS: usize = 100;
-/// Most peers that count, and most gyros that are asked whether they are one: those with the nearest numbers, which came to
-/// the service at the same time.
+/// Most peers that count, and most gyros that are asked whether they are one: those with the nearest numbers, which
+/// came to the service at the same time.
 const PEERS: usize = 40;
 const ASKED: usize = 200;
 

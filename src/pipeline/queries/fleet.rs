@@ -10,7 +10,7 @@ use super::stations::{StationEffect, station_effects};
 use super::status;
 use crate::config::Config;
 use crate::core::figures::Figures;
-use crate::core::judge::history::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
+use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
@@ -29,8 +29,9 @@ pub struct Standing {
     pub serial: Arc<str>,
     /// Its newest calibration; none for a gyro that only a bench has seen.
     pub newest: Option<Figures>,
-    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included; indeterminate while
-    /// none could judge its drift, none before the first calibration. While an alert of `agreement` fires, exceeded whatever they say.
+    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included;
+    /// indeterminate while none could judge its drift, none before the first calibration. While an alert of
+    /// `agreement` fires, exceeded whatever they say.
     pub state: Option<State>,
     /// What all of that comes to, and whether its calibration is overdue: the worst of it.
     pub status: Option<Status>,
@@ -38,7 +39,8 @@ pub struct Standing {
     pub drift: [Status; 3],
     /// What it violates.
     pub violations: Vec<Violation>,
-    /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it fires.
+    /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it
+    /// fires.
     pub load: f64,
     /// Days since its last calibration, where that is longer than its interval.
     pub overdue_days: Option<f64>,
@@ -98,7 +100,8 @@ impl Fleet {
         self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
     }
 
-    /// Gyros with numbers above `after`, and the last number looked at where there are more than `most`: one more is looked at.
+    /// Gyros with numbers above `after`, and the last number looked at where there are more than `most`: one more is
+    /// looked at.
     pub async fn page(&self, after: u32, most: u32) -> Result<(Vec<Standing>, Option<u32>), StorageError> {
         let rows = store::gyro::newest_of_gyros(&self.store, after, most + 1).await?;
         let last = rows.last().filter(|_| rows.len() > most as usize).map(|(number, _)| *number);
@@ -125,8 +128,9 @@ impl Fleet {
         Ok(Seats { now, before, used: !last.is_empty() })
     }
 
-    /// When each of these slots of an IMU was last calibrated: a gyro that has gone on to another IMU since has left its slot all the same.
-    /// A record need not hold every slot, so earlier ones are looked at until each was seen; without slots, until any was.
+    /// When each of these slots of an IMU was last calibrated: a gyro that has gone on to another IMU since has left
+    /// its slot all the same. A record need not hold every slot, so earlier ones are looked at until each was seen;
+    /// without slots, until any was.
     async fn last_uses(&self, imu: u32, slots: BTreeSet<Slot>) -> Result<BTreeMap<Slot, UtcMicros>, StoreError> {
         let (mut last, mut seen, mut many) = (BTreeMap::new(), 0, 4);
         loop {
@@ -314,7 +318,8 @@ impl Violation {
     }
 }
 
-/// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no measure.
+/// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no
+/// measure.
 fn load(verdict: &StoredVerdict) -> Option<f64> {
     let of_history = verdict.rule != Rule::Requirement && verdict.limit > 0.0;
     verdict.value.filter(|_| of_history).map(|value| value / verdict.limit)

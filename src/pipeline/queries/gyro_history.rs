@@ -10,8 +10,9 @@ use super::status::Statuses;
 use crate::config::{Config, JudgedMethod};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::history::{Mark, Sample, baseline_of, seat_baseline_of, stated_level};
+use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{Coefficient, Event, Limits, Rule};
+use crate::core::judge::{Mark, Sample, stated_level};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
@@ -54,8 +55,8 @@ pub struct Tested {
     /// The last record before it, and the first after.
     pub before: Option<Figures>,
     pub after: Option<Figures>,
-    /// What `before_after` says of D_I and D_S of the first record after it; none where another test or a reset lies between, and where
-    /// the rule is off.
+    /// What `before_after` says of D_I and D_S of the first record after it; none where another test or a reset lies
+    /// between, and where the rule is off.
     pub verdicts: [Option<StoredVerdict>; 2],
 }
 
@@ -225,7 +226,8 @@ fn tested(events: &[EventItem], figures: &[Figures]) -> Vec<Tested> {
     with_records.collect()
 }
 
-/// One baseline for each stretch between the events that reset it, and between the moves from one IMU or slot to another.
+/// One baseline for each stretch between the events that reset it, and between the moves from one IMU or slot to
+/// another.
 fn baselines(samples: &[Sample], marks: &[Mark], limits: &Limits) -> Vec<Baseline> {
     let Some((first, last)) = samples.first().zip(samples.last()) else { return Vec::new() };
     let resets = marks.iter().filter(|mark| mark.event.resets_baseline() && mark.at > first.at && mark.at <= last.at);

@@ -181,8 +181,8 @@ impl Records {
     }
 
     /// The stored verdicts; the words come from judging again. Where that finds other figures than were decided on
-    /// (the limits have changed since), the figures stand and say so. What does not count any more is judged as it was when it
-    /// counted.
+    /// (the limits have changed since), the figures stand and say so. What does not count any more is judged as it
+    /// was when it counted.
     pub(crate) async fn verdicts_in_words(
         &self,
         row: &RecordRow,

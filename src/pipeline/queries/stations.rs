@@ -108,8 +108,8 @@ impl Seen {
     }
 }
 
-/// The standard deviation of one of two values with such differences. From their median, because a gyro that stepped differs
-/// once by any amount: that is the gyro's doing and not the station's, and squares would let it decide alone.
+/// The standard deviation of one of two values with such differences. From their median, because a gyro that stepped
+/// differs once by any amount: that is the gyro's doing and not the station's, and squares would let it decide alone.
 fn scatter(differences: &[[f64; 2]], column: usize) -> Option<f64> {
     let mut sizes: Vec<f64> = differences.iter().map(|difference| difference[column].abs()).collect();
     sizes.sort_by(f64::total_cmp);

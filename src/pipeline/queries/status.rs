@@ -11,7 +11,8 @@ use crate::store::{Store, StoreError, StoredVerdict};
 /// Of D_I, D_S and the closure.
 const COLUMNS: [Coefficient; 3] = [Coefficient::DI, Coefficient::DS, Coefficient::DO];
 
-/// The worst of the rules that could judge. None may have judged the drift, however well E and G keep to their requirements.
+/// The worst of the rules that could judge. None may have judged the drift, however well E and G keep to their
+/// requirements.
 pub(crate) fn of_gyro(verdicts: &[StoredVerdict]) -> Status {
     let of_drift = COLUMNS.into_iter().filter_map(|coefficient| worst(verdicts, coefficient)).max();
     let judged = verdicts.iter().filter(|verdict| verdict.value.is_some()).map(StoredVerdict::status);
@@ -28,8 +29,8 @@ fn worst(verdicts: &[StoredVerdict], coefficient: Coefficient) -> Option<Status>
     judged.map(StoredVerdict::status).max()
 }
 
-/// What the rules say of a gyro's records. Its history keeps a state for each coefficient; where that may mean several things, the verdicts
-/// themselves tell.
+/// What the rules say of a gyro's records. Its history keeps a state for each coefficient; where that may mean
+/// several things, the verdicts themselves tell.
 #[derive(Debug, Clone, Default)]
 pub struct Statuses(HashMap<Id, [Option<Status>; 3]>);
 

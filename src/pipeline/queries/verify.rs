@@ -1,8 +1,8 @@
 //! Computes again, from what stations sent, everything that was stored about it, and compares.
 //!
-//! The checksums tell whether a figure is the one that was written; this tells whether it is the right one. Verdicts are
-//! decided again with the limits of the configuration in force: of a record that was judged with other limits, the verdicts
-//! cannot be compared, and are counted; so are those on records that count no more.
+//! The checksums tell whether a figure is the one that was written; this tells whether it is the right one. Verdicts
+//! are decided again with the limits of the configuration in force: of a record that was judged with other limits,
+//! the verdicts cannot be compared, and are counted; so are those on records that count no more.
 
 use crate::core::figures::Figures;
 use crate::core::judge::history::Need;
@@ -30,8 +30,8 @@ pub struct Verified {
     pub faults: Vec<String>,
 }
 
-/// Versions up to 0.1 left the turn of a fitted input axis out of the standard deviations of a bench test's dwells: what they stored
-/// is smaller, by no more than this.
+/// Versions up to 0.1 left the turn of a fitted input axis out of the standard deviations of a bench test's dwells:
+/// what they stored is smaller, by no more than this.
 const LEAST_OF_SD: f64 = 0.5;
 /// The last digits may differ between builds of this program; no bit that matters may.
 const TOLERANCE: f64 = 1e-9;
@@ -194,7 +194,8 @@ fn same_rule(a: &StoredVerdict, b: &StoredVerdict) -> bool {
 
 /// Whether both were decided with the same limits, as far as verdicts hold them.
 fn same_limits(decided: &[StoredVerdict], expected: &[StoredVerdict]) -> bool {
-    // The limit of a shift is three of its standard deviations where those are more: that is a figure, and compared as one.
+    // The limit of a shift is three of its standard deviations where those are more: that is a figure, and compared
+    // as one.
     let same = |a: &StoredVerdict, b: &StoredVerdict| a.rule == Rule::Shift || near(a.limit, b.limit);
     let found = |verdict: &StoredVerdict, among: &[StoredVerdict]| {
         among.iter().any(|other| same_rule(verdict, other) && same(verdict, other))

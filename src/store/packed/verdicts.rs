@@ -1,10 +1,10 @@
 //! The verdicts of one record, packed with a checksum: what was decided, figure by figure, without the words.
 //!
-//! Words are made again from the history when somebody reads (they are ten times as long). Layout: version 2; then for
-//! each gyro its number (4 bytes), how many verdicts (1), and each verdict as rule, coefficient, flags (1 byte each),
-//! limit, and those of value, standard deviation and probability (8 each) that the flags announce; at the
-//! end the CRC-32 of record number (8 bytes) and all before. Most limits of a sheet are alike: a limit is the place (1 byte) of the
-//! same one among those written out before, or 255 and itself (8). Version 1 wrote out each.
+//! Words are made again from the history when somebody reads (they are ten times as long). Layout: version 2; then
+//! for each gyro its number (4 bytes), how many verdicts (1), and each verdict as rule, coefficient, flags (1 byte
+//! each), limit, and those of value, standard deviation and probability (8 each) that the flags announce; at the end
+//! the CRC-32 of record number (8 bytes) and all before. Most limits of a sheet are alike: a limit is the place (1
+//! byte) of the same one among those written out before, or 255 and itself (8). Version 1 wrote out each.
 
 use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Finding, LimitKey, Rule, State, Status, Verdict};
@@ -42,7 +42,8 @@ impl StoredVerdict {
         Status::of(self.rule, self.state, self.value, self.limit, self.sd, self.confirmed)
     }
 
-    /// The verdict without what its rule saw and where its limit came from, which are not kept: for alerts to follow it, never for its reason.
+    /// The verdict without what its rule saw and where its limit came from, which are not kept: for alerts to follow
+    /// it, never for its reason.
     pub fn without_words(&self) -> Verdict {
         let Self { coefficient, rule, state, value, limit, sd, probability, confirmed } = *self;
         let finding = Finding::TooFew { have: 0, need: 0 };

@@ -1,5 +1,5 @@
-//! Questions to the database that come to an end: a host that falls silent neither closes a connection nor answers on it, and TCP by
-//! itself waits for a quarter of an hour.
+//! Questions to the database that come to an end: a host that falls silent neither closes a connection nor answers on
+//! it, and TCP by itself waits for a quarter of an hour.
 
 use std::io::{Error as IoError, ErrorKind};
 use std::time::Duration;

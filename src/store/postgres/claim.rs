@@ -1,4 +1,5 @@
-//! Which server makes which diagnosis: each claims a few campaigns at a time, so that all take part and no two do the same.
+//! Which server makes which diagnosis: each claims a few campaigns at a time, so that all take part and no two do the
+//! same.
 
 use std::pin::pin;
 use std::time::Duration;
@@ -11,8 +12,8 @@ use crate::store::open::{Place, Store};
 /// A claim is renewed this often in the time for which it holds.
 const RENEWALS: u32 = 3;
 
-/// The first of `wanted`, at most `most`, that no other server is at; for the time of a lease they are this one's. Alone on a
-/// file, everything is.
+/// The first of `wanted`, at most `most`, that no other server is at; for the time of a lease they are this one's.
+/// Alone on a file, everything is.
 ///
 /// # Errors
 /// [`StoreError`] where the database does not answer.

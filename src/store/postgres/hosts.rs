@@ -1,5 +1,5 @@
-//! Where the database may be: `postgres://user@one,two:5433/database?target_session_attrs=read-write` names several hosts, as libpq does.
-//! They are tried in turn; the driver knows of one.
+//! Where the database may be: `postgres://user@one,two:5433/database?target_session_attrs=read-write` names several
+//! hosts, as libpq does. They are tried in turn; the driver knows of one.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -50,7 +50,8 @@ impl Hosts {
         let one = |host: &str| {
             let query = others.join("&");
             let options = PgConnectOptions::from_str(&format!("{scheme}://{user}{host}{path}?{query}"))?;
-            // A pooler refuses what it does not know at the start of a session; figures travel as they are, not as digits.
+            // A pooler refuses what it does not know at the start of a session; figures travel as they are, not as
+            // digits.
             let options = options.application_name("gyrowatch").extra_float_digits(None);
             Ok(options.statement_cache_capacity(256).disable_statement_logging())
         };

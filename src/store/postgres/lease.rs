@@ -1,8 +1,8 @@
 //! Work in the background that one server does for all the others.
 //!
-//! Whoever holds a lease renews it long before it ends; whoever dies loses it when it ends, and another takes the work over. The
-//! database's clock decides who may take a lease; whether its holder still may work, it tells by its own, counted from before it
-//! asked.
+//! Whoever holds a lease renews it long before it ends; whoever dies loses it when it ends, and another takes the
+//! work over. The database's clock decides who may take a lease; whether its holder still may work, it tells by its
+//! own, counted from before it asked.
 
 use std::time::{Duration, Instant};
 

@@ -1,8 +1,8 @@
 //! PostgreSQL, and what speaks as it does: any number of servers on one database.
 //!
-//! Reading is the same as everywhere. Who writes takes its turn first ([`turn`]); what others have written shows in the turn's
-//! row, which every server looks at a few times a second ([`other_servers`]); work in the background belongs to whoever holds its
-//! lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
+//! Reading is the same as everywhere. Who writes takes its turn first ([`turn`]); what others have written shows in
+//! the turn's row, which every server looks at a few times a second ([`other_servers`]); work in the background
+//! belongs to whoever holds its lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
 
 mod bounded;
 pub mod claim;

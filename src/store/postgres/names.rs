@@ -6,7 +6,8 @@ use crate::store::open::Store;
 use crate::store::tables::names::{Commit, Names, Tables};
 use crate::store::tables::record::RecordRow;
 
-/// Names that were committed after `$1`, or all where `$2`; as kind 3 the newest commit; as kind 4 that of `$1`, where it is known.
+/// Names that were committed after `$1`, or all where `$2`; as kind 3 the newest commit; as kind 4 that of `$1`,
+/// where it is known.
 const NEW: &str = "SELECT 0 AS kind, id, name, CAST(0 AS BIGINT) AS stamp FROM imu WHERE since > $1 OR $2
     UNION ALL SELECT 1, id, name, 0 FROM station WHERE since > $1 OR $2
     UNION ALL SELECT 2, id, serial, 0 FROM gyro WHERE since > $1 OR $2
@@ -52,7 +53,8 @@ impl New {
     }
 }
 
-/// Learns the names that came after those that are known; all of them where the database has lost commits that brought known ones.
+/// Learns the names that came after those that are known; all of them where the database has lost commits that
+/// brought known ones.
 ///
 /// # Errors
 /// [`StoreError`]; then what was known before is known.

@@ -102,7 +102,8 @@ pub struct Moves {
 }
 
 impl Moves {
-    /// Waits until something was written or a duty began or ended; says what is new. None where nobody watches any more.
+    /// Waits until something was written or a duty began or ended; says what is new. None where nobody watches any
+    /// more.
     pub async fn next(&mut self) -> Option<Missed> {
         tokio::select! {
             changed = self.neighbours.seen.changed() => changed.ok()?,

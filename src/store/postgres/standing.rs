@@ -118,7 +118,8 @@ pub struct Missed {
     pub everything: bool,
     /// Records with greater identifiers than this.
     pub records_after: Option<Id>,
-    /// Something counts no more, was done to a gyro, or was measured on a bench, or an alert has changed: in commits after this.
+    /// Something counts no more, was done to a gyro, or was measured on a bench, or an alert has changed: in commits
+    /// after this.
     pub touched_after: Option<i64>,
     pub outbox: bool,
     pub models: bool,

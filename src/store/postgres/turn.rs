@@ -1,9 +1,10 @@
 //! The writer's turn: one server writes at a time.
 //!
-//! A group is admitted, judged and answered by what is stored, so that nothing may come between reading and writing: numbers of
-//! names, idempotency, the order of identifiers, what an alert was before. The turn is the lock of one row, held for one
-//! transaction. Row locks or serialisable transactions would let two groups through that touch different gyros, and take a new
-//! kind of care for each of these; a turn takes none, and costs a group one question more.
+//! A group is admitted, judged and answered by what is stored, so that nothing may come between reading and writing:
+//! numbers of names, idempotency, the order of identifiers, what an alert was before. The turn is the lock of one
+//! row, held for one transaction. Row locks or serialisable transactions would let two groups through that touch
+//! different gyros, and take a new kind of care for each of these; a turn takes none, and costs a group one question
+//! more.
 
 use std::time::{Duration, Instant};
 
@@ -203,8 +204,8 @@ impl ServerWriter {
     }
 }
 
-/// Begins a transaction and waits for the turn. A server that vanishes within its own loses it after its lease: nobody has to wait for
-/// longer, and a server that has not heard by then never will.
+/// Begins a transaction and waits for the turn. A server that vanishes within its own loses it after its lease:
+/// nobody has to wait for longer, and a server that has not heard by then never will.
 async fn lock(connection: &mut PgConnection, seen: Commit, lease: Duration) -> Result<Found, StoreError> {
     let ms = lease.as_millis();
     let take = format!(

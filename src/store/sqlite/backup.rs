@@ -105,8 +105,8 @@ async fn placed(
     finished
 }
 
-/// Reads everything: SQLite's structure and references, each IMU's calendar, every record's and bench result's hash, every stored figure's and verdict's
-/// checksum, the checksum of every table.
+/// Reads everything: SQLite's structure and references, each IMU's calendar, every record's and bench result's hash,
+/// every stored figure's and verdict's checksum, the checksum of every table.
 ///
 /// # Errors
 /// [`StoreError::Damaged`] naming the first thing that is not as it was written; [`StoreError::File`] where it is no

@@ -31,8 +31,8 @@ pub(crate) struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends when `self` is gone, which
-    /// only [`Checkpoints::stop`] waits for.
+    /// Copies on `connection`, on a thread, each time about `every` pages have been written. The thread ends when
+    /// `self` is gone, which only [`Checkpoints::stop`] waits for.
     ///
     /// # Errors
     /// [`StoreError`] where no thread can be had.
@@ -46,8 +46,8 @@ impl Checkpoints {
         Ok(Self { wanted, thread, nearly_done, begun: false, written: 0, every })
     }
 
-    /// Copies what an earlier run has left in the log, before anything is added to it: where that run ended with a failed flush,
-    /// the log may stand in memory only, and what is appended to it would be lost with it.
+    /// Copies what an earlier run has left in the log, before anything is added to it: where that run ended with a
+    /// failed flush, the log may stand in memory only, and what is appended to it would be lost with it.
     pub fn begin(&mut self, connection: &Connection) -> Result<(), StoreError> {
         if !self.begun {
             copy_all(connection)?;

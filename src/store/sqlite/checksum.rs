@@ -1,9 +1,10 @@
 //! A checksum of every table of a database in a file, kept with each change: what is read later is what was written.
 //!
-//! SQLite's own check finds a broken tree and not a changed letter. Of each row the CRC-32 of its values is taken (as SQL sees them,
-//! whatever way they are stored), and of each table their sum: it does not depend on the order of rows, and a change takes the row's old
-//! CRC away and adds its new one. Triggers that only the writing connection has (`TEMP`) tell of each change, so that no statement can
-//! forget to. A later version that stores something otherwise comes with a migration, after which all are computed anew ([`settle`]).
+//! SQLite's own check finds a broken tree and not a changed letter. Of each row the CRC-32 of its values is taken (as
+//! SQL sees them, whatever way they are stored), and of each table their sum: it does not depend on the order of
+//! rows, and a change takes the row's old CRC away and adds its new one. Triggers that only the writing connection
+//! has (`TEMP`) tell of each change, so that no statement can forget to. A later version that stores something
+//! otherwise comes with a migration, after which all are computed anew ([`settle`]).
 
 use std::ops::Deref;
 use std::path::Path;
@@ -17,7 +18,8 @@ use crate::store::error::StoreError;
 
 /// Sums stay below this: so do not overflow where SQLite adds two.
 const MODULUS: i64 = 1 << 62;
-/// Tables that have a checksum: all but itself, SQLite's own, and those of other programs, which write without it (`_litestream_seq`).
+/// Tables that have a checksum: all but itself, SQLite's own, and those of other programs, which write without it
+/// (`_litestream_seq`).
 const TABLES: &str = "SELECT name FROM sqlite_schema WHERE type = 'table' AND name <> 'checksum'
     AND name NOT GLOB 'sqlite_*' AND (name NOT GLOB '_*' OR name = '_sqlx_migrations')";
 /// The migration that made the table of checksums.
@@ -39,8 +41,8 @@ impl Sum {
     }
 }
 
-/// CRC-32 of a row's values, each with its kind and length. A whole number is the same in a column of reals, where SQLite stores it as
-/// one.
+/// CRC-32 of a row's values, each with its kind and length. A whole number is the same in a column of reals, where
+/// SQLite stores it as one.
 fn row_sum<'v>(values: impl Iterator<Item = ValueRef<'v>>) -> i64 {
     let mut hasher = crc32fast::Hasher::new();
     for value in values {
@@ -110,8 +112,8 @@ pub(crate) fn settle(connection: &Connection) -> Result<(), StoreError> {
     Ok(computed?)
 }
 
-/// Reads every table of the database in `file` and says which are not as they were written. Nothing where there are no checksums yet: a
-/// file of an earlier version.
+/// Reads every table of the database in `file` and says which are not as they were written. Nothing where there are
+/// no checksums yet: a file of an earlier version.
 ///
 /// # Errors
 /// [`StoreError`] where something cannot be read at all.

@@ -1,8 +1,9 @@
 //! After a flush that failed nothing is written any more.
 //!
-//! The system may have marked the pages that it could not write as clean: another flush would succeed and mean nothing. So none is
-//! tried, neither by the connection that commits nor by the one that copies the log, and both are left open to the end, for closing
-//! the last one would copy and flush once more. The next start copies the log anew before it adds to it.
+//! The system may have marked the pages that it could not write as clean: another flush would succeed and mean
+//! nothing. So none is tried, neither by the connection that commits nor by the one that copies the log, and both are
+//! left open to the end, for closing the last one would copy and flush once more. The next start copies the log anew
+//! before it adds to it.
 
 use std::sync::{Arc, OnceLock};
 

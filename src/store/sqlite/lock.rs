@@ -1,7 +1,7 @@
 //! One service a database: two would each number gyros and identifiers by themselves.
 //!
-//! SQLite's own locks cannot tell: they are held for a transaction only. The operating system gives this one up when the
-//! process ends, however it ends. Programs that only read, or write a row by themselves, do not take it.
+//! SQLite's own locks cannot tell: they are held for a transaction only. The operating system gives this one up when
+//! the process ends, however it ends. Programs that only read, or write a row by themselves, do not take it.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};

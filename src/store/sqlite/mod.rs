@@ -1,4 +1,5 @@
-//! What only SQLite has: the one writer of its file, the lock, checkpoints, backups, checksums and the log written behind.
+//! What only SQLite has: the one writer of its file, the lock, checkpoints, backups, checksums and the log written
+//! behind.
 
 pub(super) mod backup;
 pub(super) mod checkpoint;

@@ -1,4 +1,5 @@
-//! Files that their owner alone may read, whatever the umask says: the database, what SQLite puts beside it, and copies.
+//! Files that their owner alone may read, whatever the umask says: the database, what SQLite puts beside it, and
+//! copies.
 
 use std::fs::{self, File, OpenOptions};
 use std::io;
@@ -23,8 +24,8 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
     options().create(true).truncate(false).open(path)
 }
 
-/// Makes an empty file for SQLite, which makes its log and what else belongs to it with the same permissions. One that is there stays
-/// as it is; where others may read it, the log says so.
+/// Makes an empty file for SQLite, which makes its log and what else belongs to it with the same permissions. One
+/// that is there stays as it is; where others may read it, the log says so.
 pub(crate) fn make(database: &Path) {
     if is_in_memory(database) {
         return;

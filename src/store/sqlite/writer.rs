@@ -1,7 +1,7 @@
 //! Writing a database in a file: one connection that commits, and checkpoints from a second one.
 //!
-//! Whoever calls waits for the disk. The connection is SQLite's own and not a driver's with a thread of its own: handing a group over to
-//! that thread and back would take as long as a commit's flush.
+//! Whoever calls waits for the disk. The connection is SQLite's own and not a driver's with a thread of its own:
+//! handing a group over to that thread and back would take as long as a commit's flush.
 
 use super::checkpoint::{self, Checkpoints};
 use super::checksum::Summing;

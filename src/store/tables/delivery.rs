@@ -1,7 +1,7 @@
 //! The outbox: what hooks are still to be told, and what became of what they were told.
 //!
-//! Deliveries of one hook and alert form a line: the first that is not done is `waiting`, those after it are `behind`. One that tells
-//! of many alerts stands in the line of each, and waits when it is the first in all of them.
+//! Deliveries of one hook and alert form a line: the first that is not done is `waiting`, those after it are
+//! `behind`. One that tells of many alerts stands in the line of each, and waits when it is the first in all of them.
 //! Whatever ends one moves the next up, in the same transaction.
 
 use std::collections::BTreeMap;

@@ -1,4 +1,5 @@
-//! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands in the line of each.
+//! The lines of the outbox: deliveries of one hook and alert, the oldest first. One that tells of many alerts stands
+//! in the line of each.
 
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
@@ -51,8 +52,8 @@ macro_rules! stands_behind {
     };
 }
 
-/// For each delivery, the first of each of its lines that is not done waits, due at the instant, where it is the first of all its own
-/// lines; where that waits already, nothing.
+/// For each delivery, the first of each of its lines that is not done waits, due at the instant, where it is the
+/// first of all its own lines; where that waits already, nothing.
 pub(crate) fn move_up(lines: impl Iterator<Item = (Id, UtcMicros)>, batch: &mut Batch) {
     let lines: Vec<_> = lines.collect();
     instants(

@@ -36,7 +36,8 @@ pub(crate) fn expect(records: &[RecordRow], batch: &mut Batch) {
     batch.add(insert!("diagnosis (record)", [int 0]), Rows::of(campaigns.map(|record| record.id.0)));
 }
 
-/// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into the calendar before.
+/// A newly adopted model makes the diagnoses of its IMU due again. In a file its records have all been entered into
+/// the calendar before.
 pub(crate) fn make_due(models: &[ModelRow], batch: &mut Batch) {
     let imus = || Rows::of(models.iter().map(|model| i64::from(model.imu)));
     batch.add(among!("DELETE FROM diagnosis_gist WHERE imu"), imus());

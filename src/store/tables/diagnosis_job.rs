@@ -1,7 +1,8 @@
 //! Orders to diagnose many campaigns at once, and how far each has come.
 //!
-//! The tasks of an order are its queue: one is waiting until it is done, has failed or is canceled, so that nothing is lost with
-//! whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the transaction that keeps it.
+//! The tasks of an order are its queue: one is waiting until it is done, has failed or is canceled, so that nothing
+//! is lost with whoever was at work on it. A diagnosis settles every task that waits for its campaign, in the
+//! transaction that keeps it.
 
 use crate::core::id::Id;
 use crate::core::time::Span;

@@ -10,8 +10,9 @@ use crate::store::error::StoreError;
 use crate::store::open::Store;
 use crate::store::packed::history_row::PACKED_LEN;
 
-/// The newest row that counts of each gyro whose serial comes after that of gyro number `after` (0: all), by serial, at most `limit`; none for
-/// a gyro that only a bench has seen. By number would be in no order at all: a database server's numbers are random.
+/// The newest row that counts of each gyro whose serial comes after that of gyro number `after` (0: all), by serial,
+/// at most `limit`; none for a gyro that only a bench has seen. By number would be in no order at all: a database
+/// server's numbers are random.
 pub async fn newest_of_gyros(store: &Store, after: u32, limit: u32) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
     // Before the database is asked: see `SharedTail::read`.
     let waiting: HashMap<u32, Figures> = store.unplaced.tail.read().newest().map(|(gyro, row)| (gyro, *row)).collect();

@@ -40,8 +40,8 @@ pub(crate) fn rows<'a>(history: impl Iterator<Item = &'a HistoryRow>) -> Rows {
     rows
 }
 
-/// Folded rows of `gyro` within `span`, whether they count or not: the oldest `limit` of them, oldest first; or the newest,
-/// newest first.
+/// Folded rows of `gyro` within `span`, whether they count or not: the oldest `limit` of them, oldest first; or the
+/// newest, newest first.
 async fn read_folded(
     readers: &Readers,
     gyro: u32,

@@ -85,8 +85,8 @@ pub struct Tables {
     pub(crate) seen: Commit,
 }
 
-/// A commit to a database that several servers write: its number, and a stamp that no other has. A failover or a restore may lose commits
-/// whose numbers are then given out again, with other stamps.
+/// A commit to a database that several servers write: its number, and a stamp that no other has. A failover or a
+/// restore may lose commits whose numbers are then given out again, with other stamps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Commit {
     pub version: i64,
@@ -130,8 +130,9 @@ impl Names {
     }
 }
 
-/// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at random. A commit
-/// that a failover has lost may have been answered, so that its numbers are in use somewhere and must not become another name's.
+/// A number for a new name, beside `new` others of the same group: of a file the next, of a database server one at
+/// random. A commit that a failover has lost may have been answered, so that its numbers are in use somewhere and
+/// must not become another name's.
 pub fn new_number(store: &Store, known: &Table, new: usize, is_new: impl Fn(u32) -> bool) -> u32 {
     match &store.place {
         Place::File(_) => known.last_number() + new as u32 + 1,

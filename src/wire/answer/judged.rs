@@ -1,5 +1,6 @@
-//! An answer with the verdicts that were just decided: what serde writes of [`VerdictBody`](super::VerdictBody), byte for byte, in a fraction
-//! of the time. A record has 45 of them, and serde looks through every word of each for what has to be escaped.
+//! An answer with the verdicts that were just decided: what serde writes of [`VerdictBody`](super::VerdictBody), byte
+//! for byte, in a fraction of the time. A record has 45 of them, and serde looks through every word of each for what
+//! has to be escaped.
 
 use std::fmt::{self, Write as _};
 use std::io;

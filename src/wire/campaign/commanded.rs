@@ -1,4 +1,5 @@
-//! What is said of what was commanded as the Earth does not allow it, and the faults of a campaign that must not be believed for it.
+//! What is said of what was commanded as the Earth does not allow it, and the faults of a campaign that must not be
+//! believed for it.
 
 use serde_json::{Value, json};
 
@@ -11,7 +12,8 @@ use crate::message;
 /// Fields of a dwell that a station commands.
 const COMMANDED: [&str; 3] = ["attitude", "specific_force_g0", "rate_arcsec_s"];
 
-/// Refuses a campaign whose commanded vectors have moved D_I and D_S. Every way in calls it; what is stored is not asked again.
+/// Refuses a campaign whose commanded vectors have moved D_I and D_S. Every way in calls it; what is stored is not
+/// asked again.
 ///
 /// # Errors
 /// What it most likely is, and how to send it right.

@@ -4,8 +4,8 @@ use crate::core::fault::Faults;
 use crate::core::message::{Message, Parameter};
 use crate::message;
 
-/// The faults of a document on a line of its own name the column alone: whoever reads them is told the line beside them, and counted in
-/// itself the document has another one.
+/// The faults of a document on a line of its own name the column alone: whoever reads them is told the line beside
+/// them, and counted in itself the document has another one.
 pub fn on_a_line(faults: Faults) -> Faults {
     replaced(faults, &|_, column| message!("in_column", column = column))
 }

@@ -7,8 +7,8 @@ use super::words;
 use crate::core::fault::Fault;
 use crate::message;
 
-/// Reading it as what it should be has stopped at `found`, on this line and column. What a document says before the place where it
-/// ceases to be JSON is not what is wrong with it, and is not told.
+/// Reading it as what it should be has stopped at `found`, on this line and column. What a document says before the
+/// place where it ceases to be JSON is not what is wrong with it, and is not told.
 pub(super) fn why(bytes: &[u8], found: Fault, place: (usize, usize)) -> Fault {
     if let Err(error) = std::str::from_utf8(bytes) {
         // serde passes over the letters of members that it does not know.

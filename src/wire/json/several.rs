@@ -1,7 +1,7 @@
 //! Every fault of form of a short document, where reading stops at the first.
 //!
-//! What stands at a fault is taken out, or something of the right form is put in its place, and the document is read again:
-//! the next fault is another one. What is below a place that has been named is mended in silence.
+//! What stands at a fault is taken out, or something of the right form is put in its place, and the document is read
+//! again: the next fault is another one. What is below a place that has been named is mended in silence.
 
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};

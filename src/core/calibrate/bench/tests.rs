@@ -125,7 +125,8 @@ fn a_torque_feedback_test_gives_back_scale_and_coefficients() {
 
 #[test]
 fn the_axes_follow_the_input_axis_that_the_earths_rate_shows() {
-    // The gyro sits 10 arcmin off about the fixture's z: I and S turn together, and outputs are made on the turned axes.
+    // The gyro sits 10 arcmin off about the fixture's z: I and S turn together, and outputs are made on the turned
+    // axes.
     let turn = (10.0_f64 / 60.0).to_radians();
     let (s, c) = turn.sin_cos();
     let positions = all_over();
@@ -153,7 +154,8 @@ fn a_tumble_about_the_output_axis_is_one_rank_short_and_says_its_gauge() {
         assert!((of - value).abs() < 1e-9, "{name}: {of}");
     }
     assert!(found.coefficient("D_O").is_none(), "nothing shows it");
-    // Four columns of unit harmonics over 24 positions with sd s: var = s^2/24 for D_F, 2 s^2/24 for the harmonics, over K.
+    // Four columns of unit harmonics over 24 positions with sd s: var = s^2/24 for D_F, 2 s^2/24 for the harmonics,
+    // over K.
     for (name, share) in [("D_F", 1.0), ("D_I", 2.0), ("D_S", 2.0), ("D_II", 2.0), ("D_SS", 2.0)] {
         let sd = found.coefficient(name).unwrap().sd.unwrap();
         assert!((sd / (1e-3 / 1.47 * (share / 24.0_f64).sqrt()) - 1.0).abs() < 1e-9, "{name}: {sd}");
@@ -301,7 +303,8 @@ fn a_servo_tests_scale_passes_for_one_within_its_noise_or_two_per_cent() {
 
 #[test]
 fn repeats_say_how_far_a_bench_tests_errors_can_be_trusted() {
-    // Each of the tumble's positions twice, 0.3 apart where 0.1 is stated: chi2 24 (0.3/0.1)^2/2 = 108 on 24, f^2 = 112/28 or better.
+    // Each of the tumble's positions twice, 0.3 apart where 0.1 is stated: chi2 24 (0.3/0.1)^2/2 = 108 on 24, f^2 =
+    // 112/28 or better.
     let mut positions = tumble();
     positions.extend(tumble());
     let drift = [0.4, 2.5, -3.5, 0.04, -0.04, 0.0];

@@ -68,7 +68,8 @@ fn dwell(k: usize, force: Vector3<f64>, rate: Vector3<f64>, outputs: Vec<f64>, s
 const N: usize = 36;
 const HELD: [f64; 3] = [0.02, -0.01, 1.6];
 
-/// Eighteen positions at 1 g under the Earth's rate, each taken twice. G1 and G3 have the same standard errors; G3's E is held.
+/// Eighteen positions at 1 g under the Earth's rate, each taken twice. G1 and G3 have the same standard errors; G3's
+/// E is held.
 fn three_gyros(has_sem: bool) -> Campaign {
     let dwells = (0..N)
         .map(|k| {
@@ -215,7 +216,8 @@ fn gyros_with_effects_of_their_own_and_shared_ones_are_those_of_one_fit() {
                 close(sigma[k], f * deviation, "sigma");
                 close(standardised[k], residual / (f * deviation * (1.0 - h).sqrt()), "standardised");
             }
-            // Repeats differ by noise and by what the effects add; a pair about its weighted mean holds (y - y')^2/(s^2 + s'^2).
+            // Repeats differ by noise and by what the effects add; a pair about its weighted mean holds (y -
+            // y')^2/(s^2 + s'^2).
             let pairs: f64 = (0..18)
                 .map(|k| {
                     let bare = |k: usize| {
@@ -252,7 +254,8 @@ fn one_factorisation_serves_gyros_of_the_same_terms_and_errors() {
     assert_eq!((alone.fit.estimate.len(), factors.0.len()), (3, 4));
 }
 
-/// D0 and E along x, without standard errors, with rates up to 400 arcsec/s whose noise grows with the rate along E; one position twice.
+/// D0 and E along x, without standard errors, with rates up to 400 arcsec/s whose noise grows with the rate along E;
+/// one position twice.
 fn turned(fastest: f64, held: Option<[f64; 3]>) -> (Campaign, Vec<f64>) {
     let n = 40;
     let along: Vec<f64> = (0..n).map(|k| if k < 2 { 0.0 } else { fastest * (k as f64 / (n - 1) as f64) }).collect();

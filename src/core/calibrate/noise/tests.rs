@@ -27,7 +27,8 @@ fn repeats_of_all_gyros_are_pooled_unless_one_is_odd() {
         close(scale.expect("44 dof"), 68.0 / 42.0);
         close(noise.factor_sd.expect("44 dof"), (68.0 / 44.0_f64).sqrt() / 88.0_f64.sqrt());
     }
-    // F of 20 and 20 exceeds 6.02 with a chance of 1e-4: ten times the others' spread is odd, both ways, and each keeps its own.
+    // F of 20 and 20 exceeds 6.02 with a chance of 1e-4: ten times the others' spread is odd, both ways, and each
+    // keeps its own.
     let odd = [evidence(9e3, 60, (200.0, 20)), evidence(9e3, 60, (20.0, 20))];
     let noises = noise(&odd, true);
     close(figures(&noises[0]).0, 204.0 / 24.0);
@@ -113,7 +114,8 @@ fn without_stated_errors_each_gyro_speaks_for_itself() {
 
 #[test]
 fn the_scatter_of_stated_errors_counts_up_to_a_quarter() {
-    // sem sqrt(duration) is exp(-0.2 .. 0.2) over any durations: the standard deviation of -0.2, -0.1, 0, 0.1, 0.2 is sqrt(0.1/4).
+    // sem sqrt(duration) is exp(-0.2 .. 0.2) over any durations: the standard deviation of -0.2, -0.1, 0, 0.1, 0.2 is
+    // sqrt(0.1/4).
     let sems = |n: usize| {
         (0..n).map(|k| {
             let duration = 60.0 * (k + 1) as f64;
@@ -133,7 +135,8 @@ fn the_scatter_of_stated_errors_counts_up_to_a_quarter() {
 
 #[test]
 fn errors_are_overstated_where_the_dwells_scatter_far_less() {
-    // chi2 of 100 and mean 100 has a standard deviation of sqrt(200): below 50, of a normal's 1e-6 at 4.75 deviations, 41.
+    // chi2 of 100 and mean 100 has a standard deviation of sqrt(200): below 50, of a normal's 1e-6 at 4.75
+    // deviations, 41.
     assert_eq!(overstated(25.0, 100), Some(2.0));
     assert_eq!(overstated(60.0, 100), None, "chance has it seldom, but errors are usually wrong by so much");
     assert_eq!(overstated(3.0, 10), None, "chance alone");

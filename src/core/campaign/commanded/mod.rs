@@ -1,10 +1,12 @@
 //! Whether what was commanded is what the Earth allows: checks that need no attitude.
 //!
-//! In a static dwell |w| is the Earth's rate, w.f/|f| its vertical part Omega sin L, and |f| local gravity. In a rate dwell the table
-//! turns about the vertical, so w lies along f. What breaks one of these has moved D_I and D_S, whatever the fit looks like.
+//! In a static dwell |w| is the Earth's rate, w.f/|f| its vertical part Omega sin L, and |f| local gravity. In a rate
+//! dwell the table turns about the vertical, so w lies along f. What breaks one of these has moved D_I and D_S,
+//! whatever the fit looks like.
 //!
-//! Reading order: [`measure`] (what each dwell says), [`transform`] (the mistakes that stations make, undone), [`search`] (which of them
-//! explains all dwells), [`worth`] (whether it matters). A campaign whose dwells are all as they should be costs no fit.
+//! Reading order: [`measure`] (what each dwell says), [`transform`] (the mistakes that stations make, undone),
+//! [`search`] (which of them explains all dwells), [`worth`] (whether it matters). A campaign whose dwells are all as
+//! they should be costs no fit.
 
 mod measure;
 mod search;

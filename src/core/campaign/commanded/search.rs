@@ -18,8 +18,8 @@ const MOST_CAUSES: usize = 3;
 /// A static dwell whose rate is below this has none, arcsec/s: the Earth's was left out.
 const NO_RATE: f64 = 0.5;
 
-/// Common deviations of |w| and w.f/|f| that are looked into, arcsec/s: above what two printed decimals and a tenth of a degree of
-/// latitude come to.
+/// Common deviations of |w| and w.f/|f| that are looked into, arcsec/s: above what two printed decimals and a tenth
+/// of a degree of latitude come to.
 const COMMON_RATE: f64 = 0.03;
 
 /// Largest share by which specific force may be off in most dwells without its unit being wrong.
@@ -88,8 +88,8 @@ fn rates(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     })
 }
 
-/// The mistakes that, undone in the dwells that `concerned` picks, leave dwells as they should be. Of several, those whose fit is not much worse
-/// than the best.
+/// The mistakes that, undone in the dwells that `concerned` picks, leave dwells as they should be. Of several, those
+/// whose fit is not much worse than the best.
 fn explained(
     campaign: &Campaign,
     measures: &Measures,
@@ -183,7 +183,8 @@ fn common_offset(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     })
 }
 
-/// Rates that are the Earth's, but not at the attitude: only the outputs tell which of the two is wrong, and the fit rests on the rates.
+/// Rates that are the Earth's, but not at the attitude: only the outputs tell which of the two is wrong, and the fit
+/// rests on the rates.
 fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let (n, of) = (measures.dwells.len(), measures.still().count());
     let off = |k: &usize| measures.dwells[*k].off.is_some_and(|off| off > HEADING_ROOM);
@@ -207,8 +208,8 @@ fn headings(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     })
 }
 
-/// A mirrored body leaves specific force and rate at peace with the Earth and with one another. Where E is fitted its direction tells; where it is
-/// held, and no attitude speaks, the outputs do.
+/// A mirrored body leaves specific force and rate at peace with the Earth and with one another. Where E is fitted its
+/// direction tells; where it is held, and no attitude speaks, the outputs do.
 fn outputs(campaign: &Campaign, measures: &Measures) -> Option<Finding> {
     let held = campaign.gyros.iter().all(|gyro| gyro.known_e.is_some());
     if !held || measures.dwells.iter().any(|m| m.tilt.is_some()) {

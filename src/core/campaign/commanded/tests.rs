@@ -10,7 +10,8 @@ use crate::core::time::UtcMicros;
 
 const OMEGA: f64 = 15.041_067;
 
-/// Six faces in two headings at latitude 30 (sin 1/2) without attitudes, orthogonal gyros of 2 pulse/arcsec that drift with 3 deg/(h g0) along I.
+/// Six faces in two headings at latitude 30 (sin 1/2) without attitudes, orthogonal gyros of 2 pulse/arcsec that
+/// drift with 3 deg/(h g0) along I.
 fn faces() -> Campaign {
     let (up, north) = (0.5 * OMEGA, 0.866_025_404 * OMEGA);
     let name = |text: &str| Name::parse(text).expect("a name");

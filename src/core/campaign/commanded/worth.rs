@@ -20,7 +20,8 @@ const WORSE: f64 = 4.0;
 
 /// A campaign as it stands, or as a mistake undone leaves it, fitted.
 pub(super) struct Tried {
-    /// Noise of a dwell of each gyro as its standard errors or repeats say, and what the fit leaves, arcsec/s; none where E is not known.
+    /// Noise of a dwell of each gyro as its standard errors or repeats say, and what the fit leaves, arcsec/s; none
+    /// where E is not known.
     gyros: Vec<Option<(f64, f64)>>,
     squares: f64,
     plausible: bool,
@@ -84,8 +85,8 @@ impl<'a> Worth<'a> {
         self.as_sent.get_or_insert_with(|| Tried::of(self.campaign))
     }
 
-    /// The causes whose fit is about as good as the best, each once; with an impossible E only where there is no other. All must leave
-    /// `times` fewer squares than what was sent, where that is more than one.
+    /// The causes whose fit is about as good as the best, each once; with an impossible E only where there is no
+    /// other. All must leave `times` fewer squares than what was sent, where that is more than one.
     pub fn best(&mut self, mut tried: Vec<(Cause, Tried)>, times: f64) -> Vec<Cause> {
         if times > 1.0 {
             let most = self.as_sent().squares / times;
@@ -123,8 +124,8 @@ impl<'a> Worth<'a> {
         self.undone.as_ref().is_some_and(Tried::earth_is_above_noise) || self.as_sent().earth_is_above_noise()
     }
 
-    /// Whether a rate along the vertical of this many arcsec/s in every dwell moves D_I by more than it may: with E along I, by as many
-    /// deg/(h g0).
+    /// Whether a rate along the vertical of this many arcsec/s in every dwell moves D_I by more than it may: with E
+    /// along I, by as many deg/(h g0).
     pub fn moved_by_rate(&self, arcsec_s: f64) -> bool {
         self.drift().iter().any(|(_, sd)| arcsec_s > MAY_MOVE.max(*sd))
     }

@@ -1,14 +1,15 @@
 //! The gap against a reference: what parameters that have moved since make of it, what the model cannot say, and noise.
 //!
-//! With `X` the whitened columns of the model in use, `theta` the reference's parameters, `F` those columns that the reference
-//! says nothing of (they are fitted), and `M` what the rest spans beside them,
+//! With `X` the whitened columns of the model in use, `theta` the reference's parameters, `F` those columns that the
+//! reference says nothing of (they are fitted), and `M` what the rest spans beside them,
 //!
 //! ```text
 //! e = (1 - FF')(y - X theta) = MM'e + r,     |e|^2 = |MM'e|^2 + |r|^2
 //! ```
 //!
-//! exactly: `MM'e` is what a new fit of the same model closes, `r` what it leaves. Noise alone makes `tr C` of the first and
-//! the degrees of freedom of the second, `C = 1 + M'X cov(theta) X'M`; what is above that is parameters and structure.
+//! exactly: `MM'e` is what a new fit of the same model closes, `r` what it leaves. Noise alone makes `tr C` of the
+//! first and the degrees of freedom of the second, `C = 1 + M'X cov(theta) X'M`; what is above that is parameters and
+//! structure.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -122,8 +123,8 @@ struct Known {
     e: Vector3<f64>,
 }
 
-/// Splits the gap of a campaign. `residuals` are those of its diagnosis with the same options: their standard deviations
-/// are the noise.
+/// Splits the gap of a campaign. `residuals` are those of its diagnosis with the same options: their standard
+/// deviations are the noise.
 ///
 /// # Errors
 /// [`NoReference`], naming what does not fit.

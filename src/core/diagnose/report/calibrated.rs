@@ -1,5 +1,5 @@
-//! The campaign as it is calibrated, with the model in use and with the named effects in it: what a diagnosis says of coefficients,
-//! chi-square and stated standard errors is what the fit says.
+//! The campaign as it is calibrated, with the model in use and with the named effects in it: what a diagnosis says of
+//! coefficients, chi-square and stated standard errors is what the fit says.
 
 use crate::core::augmented::Adopted;
 use crate::core::calibrate::{Calibration, calibrate_augmented};
@@ -15,7 +15,8 @@ pub(crate) struct Calibrated {
 }
 
 impl Calibrated {
-    /// A term of model (6) among the named effects joins the terms of all gyros, as it does once the diagnosis is adopted.
+    /// A term of model (6) among the named effects joins the terms of all gyros, as it does once the diagnosis is
+    /// adopted.
     pub fn of(campaign: &Campaign, frame: &Frame, parts: &[Part]) -> Self {
         let plain = calibrate_augmented(campaign, frame.terms, &frame.adopted);
         let terms: Vec<Term> = frame.terms.iter().chain(parts.iter().filter_map(|part| part.effect.term())).collect();

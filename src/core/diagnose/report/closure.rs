@@ -16,14 +16,15 @@ use crate::core::diagnose::search::stepwise::Search;
 use crate::core::effects::{Estimate, Shape};
 use crate::core::numerics::basis::{Basis, dot};
 
-/// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests that know no
-/// catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never contradict one another.
+/// Probability below which there is a gap. The search has as much of it as its first name is refused at, the tests
+/// that know no catalogue the rest (Bonferroni's inequality, weighted), so that names, signs and verdict never
+/// contradict one another.
 pub(crate) const GAP: f64 = 0.02;
 const SHARE_OF_SEARCH: f64 = FALSE_ALARM / GAP;
 const REMAINS: f64 = GAP - FALSE_ALARM;
 
-/// Probability below which what remains beside a name is significant. A name speaks for a cause of nearly its form as well: there
-/// what it leaves has to be looked at more closely.
+/// Probability below which what remains beside a name is significant. A name speaks for a cause of nearly its form as
+/// well: there what it leaves has to be looked at more closely.
 const REMAINS_BESIDE_A_NAME: f64 = 0.05;
 
 /// Power, in noise variances, of structure that the tests of what remains would miss half of the time.
@@ -53,7 +54,8 @@ pub(crate) struct Signs {
     pub p_value: f64,
 }
 
-/// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no catalogue.
+/// What is left beside the named effects: competitors that the search adopted, rivals, and tests that know no
+/// catalogue.
 pub(crate) fn signs(settled: &Settled, search: &Search, named: &[Named], fit: &Fit, crowded: &[Sign]) -> Signs {
     let frame = &settled.frame;
     let mut list: Vec<Sign> = crowded.to_vec();
@@ -145,7 +147,8 @@ pub(crate) fn effects(
     let rss = |fit: &Fit| fit.residuals.iter().zip(variances).map(|(r, v)| dot(r, r) / v).sum::<f64>();
     (0..named.len())
         .map(|p| {
-            // How far each shrinks the gap in the order of adoption, so that the closures lead from the gap to what remains.
+            // How far each shrinks the gap in the order of adoption, so that the closures lead from the gap to what
+            // remains.
             let earlier: Vec<&Part> = parts[..p].iter().collect();
             let others: Vec<Part> =
                 parts.iter().enumerate().filter(|(q, _)| *q != p).map(|(_, part)| part.clone()).collect();

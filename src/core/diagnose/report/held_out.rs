@@ -1,10 +1,10 @@
 //! Errors of prediction on dwells that were not fitted, and the fraction of the gap that an effect closes on them.
 //!
 //! With `Q` an orthonormal basis of the fitted columns and `r` the residuals, the errors on a fold that was left out
-//! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Of a fold with more dwells than the basis has columns
-//! this is `r_f + Q_f (1 - Q_f'Q_f)^-1 Q_f'r_f` (Woodbury), and the trace of that inverse the trace of this one and the
-//! difference of the two sizes. Folds keep repeats of one orientation together; for effects that follow time they are
-//! blocks of time.
+//! are exactly `(1 - Q_f Q_f')^-1 r_f`: no fold is ever fitted again. Of a fold with more dwells than the basis has
+//! columns this is `r_f + Q_f (1 - Q_f'Q_f)^-1 Q_f'r_f` (Woodbury), and the trace of that inverse the trace of this
+//! one and the difference of the two sizes. Folds keep repeats of one orientation together; for effects that follow
+//! time they are blocks of time.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -71,7 +71,8 @@ impl Errors {
     pub fn held_out(&self, floor_deg_per_h: f64, coefficients: f64, unseen: f64) -> HeldOut {
         let n = (self.count as f64).max(1.0);
         let gain = (self.without - self.with).max(0.0);
-        // Of n squares of noise alone, and of as many with a structure of power `over` in them (non-central chi-square).
+        // Of n squares of noise alone, and of as many with a structure of power `over` in them (non-central
+        // chi-square).
         let scatter = (2.0 * n).sqrt();
         let over = self.with - self.floor;
         let significant = over > 2.5 * scatter;

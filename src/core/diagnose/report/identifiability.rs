@@ -28,8 +28,8 @@ pub(crate) fn not_identifiable(frame: &Frame, bank: &Bank, mimics: &[Mimic]) -> 
     list
 }
 
-/// An entry whose regressor nearly lies in the span of g_linear, in every shape and gyro: what is too small to be seen of it
-/// still moves G, hence D_I and D_S. Bias is taken out of both first: every campaign has it.
+/// An entry whose regressor nearly lies in the span of g_linear, in every shape and gyro: what is too small to be
+/// seen of it still moves G, hence D_I and D_S. Bias is taken out of both first: every campaign has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Mimic {
     pub effect: Effect,

@@ -8,8 +8,8 @@ use crate::core::mounting::Geometry;
 use crate::core::record::Plausibility;
 use crate::core::separate::Rigid;
 
-/// Shift of D_I and D_S of every gyro that both models separate, where anything is named; before G was in the model, they are counted as
-/// zero.
+/// Shift of D_I and D_S of every gyro that both models separate, where anything is named; before G was in the model,
+/// they are counted as zero.
 pub(crate) fn impact(fits: &Calibrated, geometry: &Geometry) -> Vec<Impact> {
     let Some(named) = &fits.named else { return Vec::new() };
     let g_in_model = fits.plain.terms.contains(Term::GLinear);

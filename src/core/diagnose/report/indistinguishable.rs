@@ -48,8 +48,8 @@ pub(crate) fn class(search: &Search, choices: &[Choice], i: usize) -> Vec<Effect
     class
 }
 
-/// The same for single gyros: what stands in for choice `i` in member `j` as far as that gyro alone can say, where that is more
-/// than `class`.
+/// The same for single gyros: what stands in for choice `i` in member `j` as far as that gyro alone can say, where
+/// that is more than `class`.
 pub(crate) fn wider_in_gyros(
     search: &Search,
     choices: &[Choice],

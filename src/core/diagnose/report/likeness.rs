@@ -1,8 +1,8 @@
 //! How alike residuals are that ought to be strangers: a quadratic form of them, and its distribution under noise.
 //!
-//! Residuals `r = P e` of white noise `e` with the projector `P = 1 - Q Q'` of the model (`Q` an orthonormal basis of its
-//! whitened design, `d` degrees of freedom) give `T = r'Wr / (r'r/d)`. With `A = PWP`, `m = tr(A)/d` and the traces
-//! `a2 = tr(A^2)`, `a3 = tr(A^3)`:
+//! Residuals `r = P e` of white noise `e` with the projector `P = 1 - Q Q'` of the model (`Q` an orthonormal basis of
+//! its whitened design, `d` degrees of freedom) give `T = r'Wr / (r'r/d)`. With `A = PWP`, `m = tr(A)/d` and the
+//! traces `a2 = tr(A^2)`, `a3 = tr(A^3)`:
 //!
 //! ```text
 //! mean      tr(A)
@@ -10,9 +10,10 @@
 //! third     8 (a3 - 3 m a2 + 2 m^3 d)       d^2/((d + 2)(d + 4))      third central moment
 //! ```
 //!
-//! exactly: the scale is estimated from the same residuals, so that T depends on their direction alone, which is uniform on the
-//! sphere in d dimensions. A form with a few large eigenvalues is far from normal: beyond 0.1 % of the normal distribution lie
-//! 0.7 % of it. The tail is that of the gamma distribution with the same three moments (Pearson type III).
+//! exactly: the scale is estimated from the same residuals, so that T depends on their direction alone, which is
+//! uniform on the sphere in d dimensions. A form with a few large eigenvalues is far from normal: beyond 0.1 % of the
+//! normal distribution lie 0.7 % of it. The tail is that of the gamma distribution with the same three moments
+//! (Pearson type III).
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
@@ -26,8 +27,8 @@ const STRAIGHT: f64 = 1e-3;
 /// More dwells than this have the trace of their cubed weights estimated: it takes a product of matrices otherwise.
 const MOST_EXACT: usize = 300;
 
-/// Vectors of random signs for that: where a single eigenvalue rules, the trace has a relative standard deviation of 18 %, and less
-/// where many share it.
+/// Vectors of random signs for that: where a single eigenvalue rules, the trace has a relative standard deviation of
+/// 18 %, and less where many share it.
 const PROBES: usize = 64;
 
 /// Which dwells ought to be strangers: symmetric, n x n, nothing on the diagonal.
@@ -50,8 +51,8 @@ impl Weights {
         Self { matrix, cubed }
     }
 
-    /// The form and its moments for residuals with `dof` degrees of freedom of a model with the orthonormal `basis` (n x p); none
-    /// where too little is left to say.
+    /// The form and its moments for residuals with `dof` degrees of freedom of a model with the orthonormal `basis`
+    /// (n x p); none where too little is left to say.
     pub fn likeness(&self, basis: &DMatrix<f64>, dof: f64) -> Option<Likeness<'_>> {
         if dof < 4.0 {
             return None;
@@ -198,8 +199,9 @@ mod tests {
                 assert!((moment(3) - likeness.skewness).abs() < 0.25, "form {i} of {dof}: third moment {}", moment(3));
                 let mut p_values: Vec<f64> = scores.iter().map(|score| score.p_value()).collect();
                 p_values.sort_by(f64::total_cmp);
-                // Binomial scatter is 2 %, 7 % and 22 % of these; the approximation takes the rest. With few degrees of freedom the form has an
-                // end that the gamma distribution does not know: there it says too much, never too little.
+                // Binomial scatter is 2 %, 7 % and 22 % of these; the approximation takes the rest. With few degrees
+                // of freedom the form has an end that the gamma distribution does not know: there it says too much,
+                // never too little.
                 let least = if dof < 20.0 { 0.0 } else { 0.3 };
                 for (level, low, high) in [(0.1, 0.85, 1.15), (0.01, 0.75, 1.3), (0.001, least, 1.9)] {
                     let share = p_values.partition_point(|p| *p < level) as f64 / DRAWS as f64 / level;

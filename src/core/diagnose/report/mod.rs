@@ -1,4 +1,5 @@
-//! Stages 3 and 4: how far the named effects close the gap, what remains, what it does to the coefficients and what to measure next.
+//! Stages 3 and 4: how far the named effects close the gap, what remains, what it does to the coefficients and what
+//! to measure next.
 
 pub(super) mod against_reference;
 pub(super) mod calibrated;

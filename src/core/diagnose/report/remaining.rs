@@ -73,8 +73,8 @@ impl Left<'_> {
         tests
     }
 
-    /// A named cause must have its form: `columns`, whitened, hold what it would leave if it had another, and are tested
-    /// against the rest of the residual (F).
+    /// A named cause must have its form: `columns`, whitened, hold what it would leave if it had another, and are
+    /// tested against the rest of the residual (F).
     pub fn of_form(&self, kind: &'static str, j: usize, columns: Vec<Vec<f64>>) -> Option<Tested> {
         let mut basis = self.frame.gyros[j].basis.clone();
         for vector in self.extras[j].vectors() {
@@ -153,8 +153,8 @@ impl Left<'_> {
 const SPREAD: &str = "spread";
 
 /// Standard errors of a whole campaign are taken to be wrong by no more than this (standard deviation of the
-/// logarithm). Single ones scatter more, but that averages out; a campaign whose scatter lies a fifth above what its station
-/// states has a gap, in its dwells or in its standard errors.
+/// logarithm). Single ones scatter more, but that averages out; a campaign whose scatter lies a fifth above what its
+/// station states has a gap, in its dwells or in its standard errors.
 const STATED_FACTOR: f64 = 0.07;
 
 /// Weight of all tests of spread together: the one test that asks for no likeness between dwells.

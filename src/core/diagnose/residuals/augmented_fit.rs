@@ -191,7 +191,8 @@ fn solve(frame: &Frame, design: &DMatrix<f64>, variances: &[f64]) -> (DVector<f6
 }
 
 impl Frame {
-    /// The same less effects whose coefficients all gyros share: as columns of each gyro they would be fitted once a gyro.
+    /// The same less effects whose coefficients all gyros share: as columns of each gyro they would be fitted once a
+    /// gyro.
     pub(super) fn without(mut self, shared: &[&Adopted]) -> Result<Self, Refusal> {
         let seen = shared.iter().filter(|adopted| (adopted.effect.entry().missing)(&self.setting).is_none());
         let part = |adopted: &&Adopted| Part {

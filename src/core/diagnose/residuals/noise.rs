@@ -24,7 +24,8 @@ pub(crate) struct Noise {
     pub law: Option<Law>,
     /// Standard deviation of the logarithm of what is still unsure in each `sd`.
     pub log_scatter: f64,
-    /// Per gyro: smallest variance that is believed over that of `sd`, mean over dwells; 1 where rounding is all there is.
+    /// Per gyro: smallest variance that is believed over that of `sd`, mean over dwells; 1 where rounding is all
+    /// there is.
     pub rounding: Vec<f64>,
     /// Groups of two or more dwells with the same commanded phase, attitude, specific force and rate.
     pub repeats: Vec<Vec<usize>>,

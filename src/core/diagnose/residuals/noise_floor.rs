@@ -38,8 +38,8 @@ pub(crate) fn report(frame: &Frame, variances: &[f64], from_residual: bool, fit:
     NoiseFloor { deg_per_h: mean_square.sqrt(), source, sem_factor: fit.sem_factor().unwrap_or(1.0), gyros }
 }
 
-/// Root mean square that noise alone leaves in the residuals of the model in use, deg/h: with `Q` an orthonormal basis of the
-/// whitened design, the residual of dwell k has the variance `v sd_k^2 (1 - (Q Q')_kk)`.
+/// Root mean square that noise alone leaves in the residuals of the model in use, deg/h: with `Q` an orthonormal
+/// basis of the whitened design, the residual of dwell k has the variance `v sd_k^2 (1 - (Q Q')_kk)`.
 pub(crate) fn expected_rms(frame: &Frame, variances: &[f64]) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (gyro, variance) in frame.gyros.iter().zip(variances) {

@@ -1,7 +1,7 @@
 //! How noise grows with rate where no standard errors are stated, while effects of rate are still being looked for.
 //!
-//! The law is that of [`crate::core::calibrate::growth`]. A large growth and an effect of rate can pass for one another, so evidence is
-//! averaged over the growth before an effect is believed.
+//! The law is that of [`crate::core::calibrate::growth`]. A large growth and an effect of rate can pass for one
+//! another, so evidence is averaged over the growth before an effect is believed.
 
 use crate::core::calibrate::growth::{Exposure, Law};
 use crate::core::effects::Setting;

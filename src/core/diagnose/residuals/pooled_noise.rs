@@ -1,8 +1,8 @@
 //! How well the noise of a gyro is known: from its own scatter, and from the other gyros' where they are alike.
 //!
-//! One station states the standard errors of all gyros by one procedure, so a factor by which they are wrong is wrong for all of
-//! them. Known from one gyro alone, with some seventy degrees of freedom, that factor costs an effect at the limit of detection
-//! a seventh of its evidence; known from three, a twentieth.
+//! One station states the standard errors of all gyros by one procedure, so a factor by which they are wrong is wrong
+//! for all of them. Known from one gyro alone, with some seventy degrees of freedom, that factor costs an effect at
+//! the limit of detection a seventh of its evidence; known from three, a twentieth.
 
 /// Sum of squares over the stated variances, and its degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,8 +14,9 @@ pub(crate) struct Scatter {
 /// Standard deviations by which a gyro's scatter may differ from that of all.
 const ALIKE: f64 = 3.0;
 
-/// Gives every gyro the scatter of all, where no gyro differs from it beyond chance: a gyro whose standard errors are wrong in a
-/// way of their own, or that has an effect which stands out, is judged by itself, and so are the others then. Answers which.
+/// Gives every gyro the scatter of all, where no gyro differs from it beyond chance: a gyro whose standard errors are
+/// wrong in a way of their own, or that has an effect which stands out, is judged by itself, and so are the others
+/// then. Answers which.
 pub(crate) fn pool(gyros: &mut [Scatter]) -> bool {
     let all = gyros
         .iter()

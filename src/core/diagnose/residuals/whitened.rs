@@ -28,7 +28,8 @@ pub(crate) struct Frame {
     pub adopted: Vec<Adopted>,
     pub gyros: Vec<GyroFrame>,
     pub noise: Noise,
-    /// Output of each gyro, deg/h, less what the model in use says of all gyros together; and the raw columns of the rest of it.
+    /// Output of each gyro, deg/h, less what the model in use says of all gyros together; and the raw columns of the
+    /// rest of it.
     pub outputs: Vec<Vec<f64>>,
     pub designs: Vec<Vec<Vec<f64>>>,
     /// Whether E of each gyro is among the fitted columns.

@@ -1,7 +1,8 @@
 //! How strongly the residuals speak for each hypothesis: Bayes factors against the model in use.
 //!
 //! For one gyro with `nu` degrees of freedom, residual sum of squares `R`, projected columns `U` (m of them) and a
-//! prior of power `g` per coefficient and noise variance (Zellner's g-prior; scale of the noise unknown), averaged over two or three values of `g`,
+//! prior of power `g` per coefficient and noise variance (Zellner's g-prior; scale of the noise unknown), averaged
+//! over two or three values of `g`,
 //!
 //! ```text
 //! ln B = -1/2 ln det(1 + g U'U) - nu/2 ln(1 - b'(U'U + 1/g)^-1 b / R),   b = U'r
@@ -41,8 +42,8 @@ pub(crate) fn scores(bank: &Bank, state: &State) -> Vec<Score> {
 /// ln of as many entries as may share their evidence.
 const SHARED: f64 = 1.1;
 
-/// Evidence that speaks for the strongest of several entries or for one like it: of alternatives that exclude one another
-/// the Bayes factors add. A campaign may tell that one of them is there before it tells which.
+/// Evidence that speaks for the strongest of several entries or for one like it: of alternatives that exclude one
+/// another the Bayes factors add. A campaign may tell that one of them is there before it tells which.
 pub(crate) fn together(logs: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut top) = (LogSum::default(), f64::NEG_INFINITY);
     for log in logs {

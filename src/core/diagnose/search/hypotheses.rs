@@ -1,7 +1,7 @@
 //! Every hypothesis of the search with its regressors, whitened and with the model in use projected out.
 //!
-//! A hypothesis is a catalogue entry, or a competitor, at one value of its non-linear parameter. Its columns sit side by
-//! side with all others in one matrix a gyro, so that one product with a residual scores the whole catalogue.
+//! A hypothesis is a catalogue entry, or a competitor, at one value of its non-linear parameter. Its columns sit side
+//! by side with all others in one matrix a gyro, so that one product with a residual scores the whole catalogue.
 
 use std::ops::Range;
 
@@ -16,8 +16,9 @@ use crate::core::numerics::basis::{Basis, dot, scale};
 pub(crate) const INVISIBLE: f64 = 1e-6;
 
 /// Prior power, in squared standard deviations, of each coefficient of a flat hypothesis along a unit column, by the
-/// number of coefficients: effects at the limit of detection, well above it and of any size, whatever the number. Without the last, a
-/// prior that knows no strong effects would rather have a strong one explained by a competitor with many columns.
+/// number of coefficients: effects at the limit of detection, well above it and of any size, whatever the number.
+/// Without the last, a prior that knows no strong effects would rather have a strong one explained by a competitor
+/// with many columns.
 const FLAT_POWER: [[f64; 3]; 4] = [[16.0, 100.0, 1e5], [8.0, 50.0, 5e4], [5.0, 33.0, 3.3e4], [3.0, 20.0, 2e4]];
 /// Most columns of a block whose systems are solved on the stack: the search has millions of them.
 pub(crate) const SMALL: usize = 3;
@@ -85,7 +86,8 @@ struct Raw {
 }
 
 impl Bank {
-    /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`, and all competitors.
+    /// Contract entries that could be a cause for this model, each with the shapes of its grid and those of `more`,
+    /// and all competitors.
     pub fn of(frame: &Frame, more: &[(Effect, Shape)]) -> Self {
         let mut raws: Vec<Raw> = Vec::new();
         for entry in CATALOGUE.iter().filter(|entry| could_be_a_cause(frame, entry)) {

@@ -92,8 +92,9 @@ impl Null {
         Self { tail }
     }
 
-    /// Probability that noise alone reaches an evidence of `log_evidence` somewhere in the search: the largest `alpha` of which
-    /// [`Self::threshold`] is not reached, so that what a level refuses never has a smaller probability than that level.
+    /// Probability that noise alone reaches an evidence of `log_evidence` somewhere in the search: the largest
+    /// `alpha` of which [`Self::threshold`] is not reached, so that what a level refuses never has a smaller
+    /// probability than that level.
     pub fn p_value(&self, log_evidence: f64) -> f64 {
         let (mut below, mut largest) = (0.0, 0.0_f64);
         for (i, &(top, p)) in self.reliable().iter().enumerate() {

@@ -1,8 +1,9 @@
-//! Bayes factors of the contract's hypotheses from tables, for the many draws of [`crate::core::diagnose::search::null_distribution`].
+//! Bayes factors of the contract's hypotheses from tables, for the many draws of
+//! [`crate::core::diagnose::search::null_distribution`].
 //!
-//! With nothing adopted a flat block's Bayes factor is a function of one number, the share `u = |U'r|^2/R` of the residual that it
-//! explains: a table of it for each number of columns and of degrees of freedom replaces logarithms and exponentials by a look-up. Linear
-//! interpolation errs by less than a thousandth where the threshold lies.
+//! With nothing adopted a flat block's Bayes factor is a function of one number, the share `u = |U'r|^2/R` of the
+//! residual that it explains: a table of it for each number of columns and of degrees of freedom replaces logarithms
+//! and exponentials by a look-up. Linear interpolation errs by less than a thousandth where the threshold lies.
 
 use std::ops::Range;
 
@@ -15,7 +16,8 @@ use crate::core::effects::Effect;
 /// Cells of a table over u from 0 to 1.
 const CELLS: usize = 1024;
 
-/// Logarithms of Bayes factors are cut off here: the product of three gyros still is a number, and so rare is noise alone.
+/// Logarithms of Bayes factors are cut off here: the product of three gyros still is a number, and so rare is noise
+/// alone.
 const MOST: f64 = 200.0;
 
 /// One block's Bayes factor over u.

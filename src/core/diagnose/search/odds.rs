@@ -1,5 +1,5 @@
-//! What is known of causes before the outputs speak: how large each may be, and that temperature is suspected first where it moved; and what is
-//! asked of a name once they have spoken.
+//! What is known of causes before the outputs speak: how large each may be, and that temperature is suspected first
+//! where it moved; and what is asked of a name once they have spoken.
 
 use crate::core::diagnose::report::held_out;
 use crate::core::diagnose::residuals::augmented_fit;
@@ -12,7 +12,8 @@ use crate::core::effects::Effect;
 /// ln of evidence from which on an effect is asked whether its size is plausible.
 const LEAST_ASKED: f64 = 1.0;
 
-/// Change of temperature within a campaign that is usual, K; what each further kelvin adds to the ln of prior odds; and the most of it.
+/// Change of temperature within a campaign that is usual, K; what each further kelvin adds to the ln of prior odds;
+/// and the most of it.
 const USUAL_K: f64 = 10.0;
 const ODDS_PER_K: f64 = 0.5;
 const MOST_ODDS: f64 = 25.0;
@@ -46,7 +47,8 @@ impl Search<'_> {
         if evidence > self.threshold.alone + odds { evidence - odds } else { evidence }
     }
 
-    /// ln of prior odds of temperature against other causes: where it changed by more than usual, it is suspected first.
+    /// ln of prior odds of temperature against other causes: where it changed by more than usual, it is suspected
+    /// first.
     fn odds_of_temperature(&self) -> f64 {
         let Some(temperature) = &self.frame.setting.temperature else { return 0.0 };
         let extremes = temperature.iter().fold((0.0_f64, 0.0_f64), |(low, high), t| (low.min(*t), high.max(*t)));
@@ -65,7 +67,8 @@ impl Search<'_> {
     }
 }
 
-/// Which parts, in their order, shrink the gap on dwells that were held out. One dwell set aside is not asked: it says nothing of others.
+/// Which parts, in their order, shrink the gap on dwells that were held out. One dwell set aside is not asked: it
+/// says nothing of others.
 pub(crate) fn closing(frame: &Frame, parts: &[Part]) -> Vec<bool> {
     let variances = augmented_fit::fit(frame, parts).variances;
     let closes = |p: usize| {

@@ -15,8 +15,8 @@ pub(crate) struct GyroState {
     /// Adopted columns, orthonormal and orthogonal to the model's.
     pub extra: Basis,
     pub residual: Vec<f64>,
-    /// Sum of squares and degrees of freedom that say how large the noise is: stated errors counted in, and the other gyros'
-    /// where they are alike.
+    /// Sum of squares and degrees of freedom that say how large the noise is: stated errors counted in, and the other
+    /// gyros' where they are alike.
     pub rss: f64,
     pub nu: f64,
 }

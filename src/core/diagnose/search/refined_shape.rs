@@ -1,7 +1,8 @@
 //! Shapes between those of the grid, for effects so strong that what the grid misses of them would show.
 //!
-//! Time constants, periods and directions of a field are tried on a grid. What the nearest of them leaves of an effect is some
-//! hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for an effect of its own.
+//! Time constants, periods and directions of a field are tried on a grid. What the nearest of them leaves of an
+//! effect is some hundredths of it: nothing at the limit of detection, but at a hundred times the noise it passes for
+//! an effect of its own.
 
 use crate::core::diagnose::residuals::augmented_fit;
 use crate::core::diagnose::residuals::augmented_fit::Part;
@@ -16,7 +17,8 @@ const STRONG: f64 = 60.0;
 /// Steps of the golden section: the bracket shrinks to a ten-thousandth.
 const STEPS: usize = 20;
 
-/// The shapes at which strong entries explain most, each by itself and beside what was found, where they lie off the grid.
+/// The shapes at which strong entries explain most, each by itself and beside what was found, where they lie off the
+/// grid.
 pub(crate) fn sharpened(search: &Search, found: &[Choice]) -> Vec<(Effect, Shape)> {
     let mut shapes = Vec::new();
     for score in search.scores(&[]).iter().filter(|score| score.log_evidence > STRONG) {
@@ -40,8 +42,9 @@ fn best(search: &Search, parts: &[Part], i: usize) -> Option<(Effect, Shape)> {
     (left(x) < left(at)).then(|| (effect, with_value(shape, x)))
 }
 
-/// Standard deviation of the value that the shape of part `i` hangs on, from the curvature of the sum of squares about it: `chi^2(x + h) +
-/// chi^2(x - h) - 2 chi^2(x) = 2 (h/sd)^2`. At most `grid`, what the spacing of the grid is worth.
+/// Standard deviation of the value that the shape of part `i` hangs on, from the curvature of the sum of squares
+/// about it: `chi^2(x + h) + chi^2(x - h) - 2 chi^2(x) = 2 (h/sd)^2`. At most `grid`, what the spacing of the grid is
+/// worth.
 pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64], grid: f64) -> f64 {
     let Some(at) = value(parts[i].shape) else { return grid };
     let left = |x: f64| chi2(frame, parts, i, x, variances);
@@ -50,7 +53,8 @@ pub(crate) fn shape_sd(frame: &Frame, parts: &[Part], i: usize, variances: &[f64
     if curvature > 0.0 { (2.0 / curvature).sqrt().min(grid) } else { grid }
 }
 
-/// Sum of squares that the fit of all parts leaves where the shape of part `i` hangs on `x`, over the noise `variances` of each gyro.
+/// Sum of squares that the fit of all parts leaves where the shape of part `i` hangs on `x`, over the noise
+/// `variances` of each gyro.
 fn chi2(frame: &Frame, parts: &[Part], i: usize, x: f64, variances: &[f64]) -> f64 {
     let mut parts = parts.to_vec();
     parts[i].shape = with_value(parts[i].shape, x);
@@ -77,8 +81,8 @@ fn golden_section(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The shapes of the grid on either side of `at`; at its ends as far beyond as the neighbour on the other side lies. None for an
-/// entry with a single shape: then it is known.
+/// The shapes of the grid on either side of `at`; at its ends as far beyond as the neighbour on the other side lies.
+/// None for an entry with a single shape: then it is known.
 fn neighbours(search: &Search, effect: Effect, at: f64) -> Option<(f64, f64)> {
     let grid = search.bank.hypotheses.iter().filter(|hypothesis| hypothesis.kind == effect);
     let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,6 +1,7 @@
 //! Evidence for a hypothesis whose coefficients all gyros share: a tilt of the table is one tilt to all of them.
 //!
-//! Each gyro weighs with its own noise, so the gyros do not multiply; the coefficients are found from all of them at once.
+//! Each gyro weighs with its own noise, so the gyros do not multiply; the coefficients are found from all of them at
+//! once.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -259,7 +259,8 @@ impl Search<'_> {
         best
     }
 
-    /// A contract entry stands for a competitor that is hardly better; that the competitor explains it as well is noted.
+    /// A contract entry stands for a competitor that is hardly better; that the competitor explains it as well is
+    /// noted.
     fn contract_first(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         for i in 0..choices.len() {
             if !choices[i].is_competitor() {
@@ -281,8 +282,9 @@ impl Search<'_> {
         if beside == 0 { self.threshold.alone } else { self.threshold.beside }
     }
 
-    /// Evidence with which `kind` is held against the threshold, given `choices`. Where nothing is named yet, a contract entry
-    /// shares it with those that explain the same; beside a name, what is tied with much has been told from little.
+    /// Evidence with which `kind` is held against the threshold, given `choices`. Where nothing is named yet, a
+    /// contract entry shares it with those that explain the same; beside a name, what is tied with much has been told
+    /// from little.
     pub fn earned(&self, choices: &[Choice], kind: Effect) -> f64 {
         let scores = self.scores(choices);
         let own = self.against_noise(kind, evidence_of(&scores, kind));
@@ -342,8 +344,8 @@ impl Search<'_> {
         }
     }
 
-    /// Drops names that the others, chosen anew without them, make superfluous, the least missed first: a cause that two entries
-    /// explain alike may have been given to one of them in some gyros and to the other in the rest.
+    /// Drops names that the others, chosen anew without them, make superfluous, the least missed first: a cause that
+    /// two entries explain alike may have been given to one of them in some gyros and to the other in the rest.
     pub(crate) fn fewest(&self, mut choices: Vec<Choice>) -> Vec<Choice> {
         while choices.len() > 1 {
             let all = self.evidence_together(&choices);
@@ -373,9 +375,10 @@ impl Search<'_> {
         (0..choices.len()).map(|i| self.in_members(&choices[..i], &choices[i])).sum()
     }
 
-    /// Evidence of a choice in its own gyros and no others, given `before`. [`Search::scores`] average over all sets of gyros: were
-    /// that added up, two names that share the gyros between them would each be credited with the other's. For the same reason each
-    /// gyro's noise is its own here: what is taken out of one must not make another's evidence stronger.
+    /// Evidence of a choice in its own gyros and no others, given `before`. [`Search::scores`] average over all sets
+    /// of gyros: were that added up, two names that share the gyros between them would each be credited with the
+    /// other's. For the same reason each gyro's noise is its own here: what is taken out of one must not make
+    /// another's evidence stronger.
     fn in_members(&self, before: &[Choice], choice: &Choice) -> f64 {
         let Some((_, range)) = self.bank.kinds.iter().find(|(kind, _)| *kind == choice.kind) else { return 0.0 };
         let hypotheses = &self.bank.hypotheses[range.clone()];

@@ -10,7 +10,8 @@ const LAGS: [usize; 9] = [1, 2, 3, 4, 6, 8, 13, 20, 26];
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_2;
 /// Cells that the default counts for.
 const WEIGHT: f64 = 100.0;
-/// A coefficient whose mean square difference at its longest lag is so many times the fleet's median moves, and is left out.
+/// A coefficient whose mean square difference at its longest lag is so many times the fleet's median moves, and is
+/// left out.
 const MOVES: f64 = 4.0;
 /// Differences that a lag must have to be looked at.
 const LEAST_DIFFERENCES: usize = 8;
@@ -47,8 +48,9 @@ pub struct FleetNoise {
 /// Cells of one coefficient between two events: years and figures, oldest first.
 type Stretch = Vec<(f64, f64)>;
 
-/// Fits half the mean square difference g_h = s^2 (1 - phi^h) + q^2 tau_h / 2 over the lags h, tau_h being the time between, with equal
-/// relative errors: phi on a grid, s^2 and q^2 not negative. g_h comes from the median difference, so single outliers have no part.
+/// Fits half the mean square difference g_h = s^2 (1 - phi^h) + q^2 tau_h / 2 over the lags h, tau_h being the time
+/// between, with equal relative errors: phi on a grid, s^2 and q^2 not negative. g_h comes from the median
+/// difference, so single outliers have no part.
 pub fn fit_fleet<'a>(histories: impl IntoIterator<Item = &'a Series>) -> FleetNoise {
     let stretches: Vec<Stretch> = histories.into_iter().flat_map(stretches_of).collect();
     let all = stretches.len();

@@ -1,37 +1,11 @@
 //! `agreement`: the range over the methods that measured a gyro (the paper's Table 5) against its limit.
 
-use crate::core::bench::BenchMethod;
 use crate::core::judge::decide::widest;
-use crate::core::judge::history::Measured;
+use crate::core::judge::finding::Source;
 use crate::core::judge::limits::Limit;
+use crate::core::judge::sample::Measured;
 use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
-use crate::core::message::Message;
 use crate::core::time::UtcMicros;
-use crate::message;
-
-/// Where a figure comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Source {
-    /// Separated from a calibration of the IMU.
-    Separation,
-    Bench(BenchMethod),
-}
-
-impl Source {
-    pub fn name(self) -> &'static str {
-        match self {
-            Source::Separation => "separation",
-            Source::Bench(method) => method.name(),
-        }
-    }
-
-    pub fn word(self) -> Message {
-        match self {
-            Source::Separation => message!("method_separation"),
-            Source::Bench(method) => method.word(),
-        }
-    }
-}
 
 /// One figure of one gyro by one method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,9 +15,9 @@ pub struct SourcedResult {
     pub measured: Measured,
 }
 
-/// The value is max - min over `results`: those that are to agree, which the caller chooses (of one coefficient, since
-/// the last repair, no farther apart in time than the gyro is expected to hold still: `within_days`, where it was so many). Of several
-/// pairs, that one which exceeds with the largest probability.
+/// The value is max - min over `results`: those that are to agree, which the caller chooses (of one coefficient,
+/// since the last repair, no farther apart in time than the gyro is expected to hold still: `within_days`, where it
+/// was so many). Of several pairs, that one which exceeds with the largest probability.
 ///
 /// `confirmed` when no single result is to blame: leave out the highest or the lowest, and the rest still disagree.
 pub fn agreement(

@@ -1,8 +1,8 @@
 //! `baseline`: |x_k - baseline| against the budget.
 
 use super::Case;
-use crate::core::judge::history::{BASELINE_RECORDS, Measured, Sample, stated_level};
 use crate::core::judge::limits::Limit;
+use crate::core::judge::sample::{BASELINE_RECORDS, Measured, Sample, stated_level};
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
@@ -19,9 +19,9 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// The level that the last baseline mark states, or else the configured one, or the median of `first`, the first [`BASELINE_RECORDS`]
-    /// records that count; an error with the number of records since then, the judged one among them, where those
-    /// are not complete before it.
+    /// The level that the last baseline mark states, or else the configured one, or the median of `first`, the first
+    /// [`BASELINE_RECORDS`] records that count; an error with the number of records since then, the judged one among
+    /// them, where those are not complete before it.
     pub fn of(case: &Case<'_>, fixed: Option<Measured>, first: &[Sample]) -> Result<Self, usize> {
         let now = case.now().at;
         let stated = stated_level(case.history.marks(), now, case.column);
@@ -42,7 +42,8 @@ impl Level {
         case.value(sample).minus(self.level)
     }
 
-    /// Whether the record before the judged one lay beyond the limit on the same side too, and is none of the baseline's own.
+    /// Whether the record before the judged one lay beyond the limit on the same side too, and is none of the
+    /// baseline's own.
     pub fn confirmed(&self, case: &Case<'_>, rule: Rule, limit: f64) -> bool {
         let [.., previous, _] = case.since_reset(rule) else { return false };
         let is_own = self.since.is_some() && self.records.contains(&previous.at);

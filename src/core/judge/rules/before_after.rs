@@ -1,18 +1,14 @@
 //! `before_after`: the last record before an environmental test against those after it.
 
 use super::Case;
-use crate::core::judge::history::{Event, Mark, Sample};
-use crate::core::judge::limits::Limit;
+use crate::core::judge::limits::{AFTER, BEFORE_AFTER_RECORDS, Limit};
+use crate::core::judge::sample::{Event, Mark, Sample};
 use crate::core::judge::{Finding, Rule, Verdict};
 
-/// Records after a test that may be judged by it: the first always, the others only while none has come back to where the gyro was.
-const AFTER: usize = 10;
-/// Records up to the judged one that it looks at: those, and the last one before the test.
-pub const BEFORE_AFTER_RECORDS: usize = AFTER + 2;
-
-/// The value is |x_k - last record before the test|, for the first record after the last environmental test. Where that one is beyond the
-/// limit, the next ones are judged too, until one is within it: `confirmed` when the record before exceeded too, on the same side. None
-/// where there is no test to judge, no record before it, or a reset between.
+/// The value is |x_k - last record before the test|, for the first record after the last environmental test. Where
+/// that one is beyond the limit, the next ones are judged too, until one is within it: `confirmed` when the record
+/// before exceeded too, on the same side. None where there is no test to judge, no record before it, or a reset
+/// between.
 ///
 /// A record made during the test has no part in it.
 pub(crate) fn before_after(case: &Case<'_>, limit: Limit) -> Option<Verdict> {

@@ -5,8 +5,8 @@ use super::baseline::{LEVEL_RECORDS, Level};
 use crate::core::judge::limits::Limit;
 use crate::core::judge::{Coefficient, Finding, Rule, Verdict};
 
-/// The value is |c_k - median of the first three closures since the last baseline mark, and since the gyro was mounted in its IMU and
-/// slot|: the closure is the mounting's, so a move begins a new level by itself.
+/// The value is |c_k - median of the first three closures since the last baseline mark, and since the gyro was
+/// mounted in its IMU and slot|: the closure is the mounting's, so a move begins a new level by itself.
 ///
 /// A turn of the spin axis about the input axis by psi moves D_O by D_S psi and leaves D_I as it is, so the finding
 /// carries D_S: the reason then tells the turn. `confirmed` as for the baseline.

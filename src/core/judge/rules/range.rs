@@ -1,22 +1,22 @@
 //! `range`: max - min over the newest records against the budget.
 
-use super::rms_successive::RMS_RECORDS;
-use super::{Case, Sample};
+use super::Case;
 use crate::core::judge::decide::{Pair, widest};
-use crate::core::judge::history::Measured;
-use crate::core::judge::limits::Limit;
+use crate::core::judge::limits::{Limit, RMS_RECORDS};
+use crate::core::judge::sample::{Measured, Sample};
 use crate::core::judge::{Finding, Older, Rule, Verdict};
 use crate::core::time::UtcMicros;
 
 /// Of up to so many records every pair is looked at, and single outliers are left out; of more, the extremes alone.
 const PAIRWISE: usize = 64;
 
-/// The value is max - min over the records of `range_days` up to the judged one, or over the newest `range_min_records` where those days hold
-/// fewer; of several pairs, that one which exceeds with the largest probability.
+/// The value is max - min over the records of `range_days` up to the judged one, or over the newest
+/// `range_min_records` where those days hold fewer; of several pairs, that one which exceeds with the largest
+/// probability.
 ///
-/// A single record that both of its neighbours contradict (farther than the limit from either, on the same side, while they agree) is an
-/// outlier from which the gyro has returned: it is left out. `confirmed` when no single record is to blame: leave out the
-/// highest or the lowest, and what remains still exceeds.
+/// A single record that both of its neighbours contradict (farther than the limit from either, on the same side,
+/// while they agree) is an outlier from which the gyro has returned: it is left out. `confirmed` when no single
+/// record is to blame: leave out the highest or the lowest, and what remains still exceeds.
 pub(crate) fn range(case: &Case<'_>, limit: Limit) -> Verdict {
     let (samples, now) = (&case.history.samples[..=case.k], case.now().at);
     let first = case.history.first_since_reset(case.k, Rule::Range);

@@ -3,12 +3,10 @@
 use nalgebra::Vector3;
 
 use crate::core::judge::decide::{Outcome, outside};
-use crate::core::judge::history::Measured;
+use crate::core::judge::finding::MOST_FIGURES;
 use crate::core::judge::limits::{Bounds, Limit, Requirement};
+use crate::core::judge::sample::Measured;
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
-
-/// Most figures of one verdict: |E| and its components.
-pub const MOST_FIGURES: usize = 4;
 
 /// A figure of the record, its name, and what it must lie between.
 struct Figure {
@@ -41,9 +39,9 @@ impl Figure {
     }
 }
 
-/// One verdict on E (|E| and its three components) and one on G, each about the figure that lies outside with the largest probability; the
-/// value is that figure and the limit its nearest bound. The finding names every figure that lies outside. None where
-/// nothing is required.
+/// One verdict on E (|E| and its three components) and one on G, each about the figure that lies outside with the
+/// largest probability; the value is that figure and the limit its nearest bound. The finding names every figure that
+/// lies outside. None where nothing is required.
 pub fn requirement(
     required: &Requirement,
     e: &Vector3<f64>,

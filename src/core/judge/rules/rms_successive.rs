@@ -2,19 +2,16 @@
 
 use super::Case;
 use crate::core::judge::decide::{Outcome, by_probability, plain};
-use crate::core::judge::history::{Measured, Sample};
-use crate::core::judge::limits::Limit;
+use crate::core::judge::limits::{Limit, RMS_RECORDS};
+use crate::core::judge::sample::{Measured, Sample};
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::numerics::normal::normal_cdf;
-
-/// Records that the rule looks at.
-pub const RMS_RECORDS: usize = 11;
 
 /// Makes up for the record that is left out: at a scatter of 0.3 budgets the rule speaks as often as over all eleven.
 const FACTOR: f64 = 1.2;
 
-/// The value is 1.2 sqrt(mean (x_i - x_(i-1))^2) over the last [`RMS_RECORDS`] records, that one left out which leaves the least: one bad
-/// record makes two large differences, and says nothing of the gyro.
+/// The value is 1.2 sqrt(mean (x_i - x_(i-1))^2) over the last [`RMS_RECORDS`] records, that one left out which
+/// leaves the least: one bad record makes two large differences, and says nothing of the gyro.
 ///
 /// Slow drift hardly enters it: it tells a restless gyro (bearing, suspension) from one that ages. Where standard
 /// deviations are known, what they explain of the mean square is taken off before the limit is asked.

@@ -3,9 +3,9 @@
 use super::Case;
 use crate::core::judge::cells::CELLS;
 use crate::core::judge::decide::{Outcome, plain};
-use crate::core::judge::history::Measured;
 use crate::core::judge::limits::{Limit, ShiftLimits};
 use crate::core::judge::noise::{Prior, median};
+use crate::core::judge::sample::Measured;
 use crate::core::judge::{Finding, Rule, State, Verdict};
 
 /// Cells before it says anything.
@@ -19,12 +19,14 @@ const CLIPPED_AT: f64 = 3.0;
 /// Median of |N(0, 1)| -> standard deviation.
 const NORMAL_FROM_MAD: f64 = 1.4826;
 
-/// The value is |median of the newest three cells - level of up to 37 cells before|, a cell being the mean of one week's records. The limit
-/// is `limits.least`, or three standard deviations of the value where those are more: what does not matter raises no alarm.
+/// The value is |median of the newest three cells - level of up to 37 cells before|, a cell being the mean of one
+/// week's records. The limit is `limits.least`, or three standard deviations of the value where those are more: what
+/// does not matter raises no alarm.
 ///
-/// Scatter comes from the cells before (clipped at three robust scatters, so that single outliers have no part), drawn towards a tenth of
-/// the budget with the weight of five cells, and no smaller than a twentieth of it; correlation and walk are the fleet's
-/// ([`crate::core::judge::Noise`]). `confirmed` is never set: three campaigns have spoken already.
+/// Scatter comes from the cells before (clipped at three robust scatters, so that single outliers have no part),
+/// drawn towards a tenth of the budget with the weight of five cells, and no smaller than a twentieth of it;
+/// correlation and walk are the fleet's ([`crate::core::judge::Noise`]). `confirmed` is never set: three campaigns
+/// have spoken already.
 pub(crate) fn shift(case: &Case<'_>, limits: &ShiftLimits) -> Verdict {
     let points = case.points();
     if points.len() < SHIFT_MIN_CELLS {

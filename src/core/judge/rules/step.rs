@@ -1,18 +1,18 @@
 //! `step`: the record against the level of the three before it.
 
 use super::Case;
-use crate::core::judge::history::{Measured, Sample};
 use crate::core::judge::limits::Limit;
+use crate::core::judge::sample::{Measured, Sample};
 use crate::core::judge::{Finding, Rule, Verdict};
 
 /// Records whose median is the level before.
 const BEFORE: usize = 3;
 
-/// The value is |x_k - median(x_(k-1), x_(k-2), x_(k-3))|, over records since the last repair; of two records before, the earlier one is the
-/// level.
+/// The value is |x_k - median(x_(k-1), x_(k-2), x_(k-3))|, over records since the last repair; of two records before,
+/// the earlier one is the level.
 ///
-/// `confirmed` when the record before exceeded too, on the same side: two campaigns in a row then differ from the level before
-/// both. A single outlier moves no median, so the return from it exceeds nothing.
+/// `confirmed` when the record before exceeded too, on the same side: two campaigns in a row then differ from the
+/// level before both. A single outlier moves no median, so the return from it exceeds nothing.
 pub(crate) fn step(case: &Case<'_>, limit: Limit) -> Verdict {
     let samples = case.since_reset(Rule::Step);
     let Some((level, difference)) = from_level(case, samples) else {

@@ -139,8 +139,8 @@ fn a_design_that_is_not_finite_is_a_panic_and_not_an_endless_loop() {
     Factor::new(design, &[1.0; 8]);
 }
 
-/// Unit columns e1, e2 and e1 cos t + e3 sin t: the smallest singular value is tan(t/2) of the largest, and the product of the
-/// Frobenius norms of R and its inverse is sqrt(6)/t, to first order in t.
+/// Unit columns e1, e2 and e1 cos t + e3 sin t: the smallest singular value is tan(t/2) of the largest, and the
+/// product of the Frobenius norms of R and its inverse is sqrt(6)/t, to first order in t.
 #[test]
 fn the_rank_is_the_same_by_either_way_and_so_is_the_estimate() {
     let factor = |t: f64| {

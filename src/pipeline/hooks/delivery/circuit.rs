@@ -9,7 +9,8 @@ const DOWN_AFTER: u32 = 3;
 /// However long a target asks to be left alone, other messages than the one it said so of are tried after this.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
-/// How the last attempts at a target went. A message that the target refuses by itself (4xx) says nothing about the target.
+/// How the last attempts at a target went. A message that the target refuses by itself (4xx) says nothing about the
+/// target.
 #[derive(Debug, Default)]
 pub(super) struct Health {
     failures: u32,
@@ -19,8 +20,8 @@ pub(super) struct Health {
 impl Health {
     /// Takes note of an attempt; true where the target was down and is back.
     ///
-    /// While a target is down it is asked one message at a time, `probe_every` apart: a queue of thousands costs no more
-    /// than a queue of one.
+    /// While a target is down it is asked one message at a time, `probe_every` apart: a queue of thousands costs no
+    /// more than a queue of one.
     pub fn note(&mut self, attempt: &Attempt, probe_every: Duration, now: Instant) -> bool {
         match attempt.outcome {
             Outcome::Delivered => {
@@ -59,7 +60,8 @@ impl Health {
     }
 }
 
-/// Whether a failure is of the target, not of the one message: a 2xx that does not say what it is to say is of the message.
+/// Whether a failure is of the target, not of the one message: a 2xx that does not say what it is to say is of the
+/// message.
 fn is_the_targets(status: Option<u16>) -> bool {
     status.is_none_or(|status| matches!(status, 408 | 429) || !matches!(status, 200..300 | 400..500))
 }

@@ -1,4 +1,5 @@
-//! What a group will be asked about, read ahead in a handful of questions: one by one, each takes its own way to the database and back.
+//! What a group will be asked about, read ahead in a handful of questions: one by one, each takes its own way to the
+//! database and back.
 
 use std::collections::{HashMap, HashSet};
 

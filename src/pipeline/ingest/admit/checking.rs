@@ -1,4 +1,5 @@
-//! A calibration held against what is known of its IMU and gyros: what is to be noted, and whether its time is in doubt.
+//! A calibration held against what is known of its IMU and gyros: what is to be noted, and whether its time is in
+//! doubt.
 
 use std::collections::BTreeMap;
 
@@ -71,8 +72,8 @@ pub(super) fn shown(gyro: &CalibratedGyro) -> Shown {
 }
 
 impl Admission<'_> {
-    /// Holds a calibration that is about to be entered against what is known. Earlier records whose times turn out to be in doubt are
-    /// set aside in the group.
+    /// Holds a calibration that is about to be entered against what is known. Earlier records whose times turn out to
+    /// be in doubt are set aside in the group.
     pub(super) async fn check(&mut self, sent: &Calibration, group: &mut Group) -> Result<Checked, StoreError> {
         let at = sent.calibrated_at;
         let mut gyros = Vec::with_capacity(sent.gyros.len());
@@ -202,7 +203,8 @@ impl Admission<'_> {
         Ok(())
     }
 
-    /// Whether one of the gyros has been repaired, mounted anew or given a new baseline between the record and the one before it.
+    /// Whether one of the gyros has been repaired, mounted anew or given a new baseline between the record and the
+    /// one before it.
     async fn something_was_done(&self, gyros: &[Known<'_>], at: UtcMicros, group: &Group) -> Result<bool, StoreError> {
         for gyro in gyros {
             let (Some(number), Some(other)) = (gyro.number, gyro.history().last()) else { continue };
@@ -261,8 +263,8 @@ impl Admission<'_> {
         stored.or_else(new).unwrap_or_default()
     }
 
-    /// Sets aside the few records that the gyros have decades before `at`, where they are those of a clock that was never set: soon after
-    /// one another, of these gyros alone, and confirmed by nobody.
+    /// Sets aside the few records that the gyros have decades before `at`, where they are those of a clock that was
+    /// never set: soon after one another, of these gyros alone, and confirmed by nobody.
     async fn doubt_earlier(
         &mut self,
         gyros: &[Known<'_>],

@@ -106,8 +106,8 @@ impl Admission<'_> {
         Ok(said)
     }
 
-    /// The answer where the same was said before. A record that was voided can still be revised, so that what was voided
-    /// by mistake counts again.
+    /// The answer where the same was said before. A record that was voided can still be revised, so that what was
+    /// voided by mistake counts again.
     async fn repeated(
         &self,
         sent: &Correction,
@@ -159,8 +159,9 @@ impl Admission<'_> {
         Ok(counts.map(|record| (record.id, record.hash)))
     }
 
-    /// The record that was sent before with the same content, and does not count any more: sent again it stays as it is, because
-    /// the sender does not know. Another may stand in its place, of the same time; where that says the same, it is meant.
+    /// The record that was sent before with the same content, and does not count any more: sent again it stays as it
+    /// is, because the sender does not know. Another may stand in its place, of the same time; where that says the
+    /// same, it is meant.
     pub(super) async fn voided_alike(
         &self,
         imu: Option<u32>,

@@ -1,4 +1,5 @@
-//! What is remembered of gyros, so that a new record is held against their histories without asking the database each time.
+//! What is remembered of gyros, so that a new record is held against their histories without asking the database each
+//! time.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -87,7 +88,8 @@ impl Memory {
         gyros.into_iter().for_each(|gyro| drop(self.gyros.remove(&gyro)));
     }
 
-    /// Takes in what is stored of gyros that are not remembered yet: the newest rows of each, and whether there are no others.
+    /// Takes in what is stored of gyros that are not remembered yet: the newest rows of each, and whether there are
+    /// no others.
     pub fn take_in<'a>(&mut self, read: impl Iterator<Item = (u32, &'a [Figures], bool)>) {
         for (gyro, rows, whole) in read {
             self.gyros.entry(gyro).or_insert_with(|| Ring::of(rows, whole));

@@ -10,7 +10,8 @@ use crate::pipeline::ingest::submission::Calibration;
 use crate::store;
 use crate::store::{Changes, HistoryRow, RecordRow, Store, StoreError, Tables};
 
-/// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the database.
+/// The newest record of each IMU, and of each gyro with its IMU: what is newer still is new, without asking the
+/// database.
 #[derive(Debug, Default)]
 pub(crate) struct Newest {
     pub(super) imus: HashMap<u32, UtcMicros>,
@@ -34,8 +35,8 @@ impl Newest {
         self.gyros.get(&gyro).is_none_or(|(newest, _)| *newest < at)
     }
 
-    /// Whether a calibration is of a known IMU, station and gyros, and newer than all there is of them, but not by decades: then nothing
-    /// that is stored can stand in its way.
+    /// Whether a calibration is of a known IMU, station and gyros, and newer than all there is of them, but not by
+    /// decades: then nothing that is stored can stand in its way.
     pub fn passed_by(&self, sent: &Calibration, tables: &Tables) -> bool {
         let at = sent.calibrated_at;
         let imu = tables.imus.number(sent.imu.as_str()).and_then(|imu| self.imus.get(&imu));
@@ -56,7 +57,8 @@ impl Newest {
         Self { imus, gyros: changes.history.iter().filter_map(of_row).collect() }
     }
 
-    /// Takes back what was learned of changes that were not committed: `before` is what was known of theirs, which was known of all.
+    /// Takes back what was learned of changes that were not committed: `before` is what was known of theirs, which
+    /// was known of all.
     pub fn unlearn(&mut self, before: Self) {
         self.imus.extend(before.imus);
         self.gyros.extend(before.gyros);

@@ -4,9 +4,8 @@ use std::collections::HashMap;
 
 use crate::config::JudgedMethod;
 use crate::core::figures::Figures;
-use crate::core::judge::history::{
-    BASELINE_RECORDS, History, Mark, Measured, Need, Sample, Seat, baseline_since, reset_before,
-};
+use crate::core::judge::history::{History, Need};
+use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, Seat, baseline_since, reset_before};
 use crate::core::judge::{Limits, Older, Rule, Series, Verdict, judge};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -77,8 +76,8 @@ impl GyroWindow {
         }
     }
 
-    /// The lines of several gyros, of which the newest rows have been read (as many as [`read_ahead`], or fewer where there are no others),
-    /// in two questions for all; those that need more are left out.
+    /// The lines of several gyros, of which the newest rows have been read (as many as [`read_ahead`], or fewer where
+    /// there are no others), in two questions for all; those that need more are left out.
     pub async fn load_many(
         store: &Store,
         newest: &[(u32, Vec<Figures>)],
@@ -106,8 +105,8 @@ impl GyroWindow {
         Ok(lines.into_iter().map(|(gyro, line, _)| (gyro, line)).collect())
     }
 
-    /// The line of a gyro's newest rows, which may be the whole of them, where the rules find everything in it; then only the baseline may
-    /// have begun before.
+    /// The line of a gyro's newest rows, which may be the whole of them, where the rules find everything in it; then
+    /// only the baseline may have begun before.
     fn of_newest(
         stored: &[Figures],
         is_whole: bool,
@@ -246,8 +245,8 @@ impl GyroWindow {
         self.samples.push(sample);
     }
 
-    /// Whether new records (`samples`, oldest first), and all after the first of them, can be judged by what is here: everything
-    /// that the rules look back to, and baselines to which none of them belongs.
+    /// Whether new records (`samples`, oldest first), and all after the first of them, can be judged by what is here:
+    /// everything that the rules look back to, and baselines to which none of them belongs.
     pub fn reaches_back(&self, samples: &[Sample], need: Need) -> bool {
         let [from, .., to] = samples else {
             return samples.first().is_none_or(|one| self.reaches_back(&[*one; 2], need));
@@ -274,7 +273,8 @@ impl GyroWindow {
         self.samples.insert(late);
     }
 
-    /// The history in which record `k` of a whole line, or of one to which it reaches back, is judged; `older` as of [`GyroWindow::older`].
+    /// The history in which record `k` of a whole line, or of one to which it reaches back, is judged; `older` as of
+    /// [`GyroWindow::older`].
     pub fn history_at(&self, k: usize, older: Older) -> History<'_> {
         if self.is_whole() {
             return History { older, ..History::whole(&self.samples, k) };
@@ -286,7 +286,8 @@ impl GyroWindow {
         History { samples: &self.samples, baseline: &self.baseline, seat_baseline: &self.seat_baseline, older }
     }
 
-    /// What `range` compares with a record at `at` and is not kept one by one. The database is asked once in many records.
+    /// What `range` compares with a record at `at` and is not kept one by one. The database is asked once in many
+    /// records.
     pub async fn older(&mut self, source: Source<'_>, at: UtcMicros, days: f64) -> Result<Older, StoreError> {
         if self.past.is_empty() {
             return Ok(Older::NONE);
@@ -300,7 +301,8 @@ impl GyroWindow {
         Ok(self.past.since(from))
     }
 
-    /// Judges the newest record; `older` as of [`GyroWindow::older`]: nothing for a line that was never [shortened](GyroWindow::shorten).
+    /// Judges the newest record; `older` as of [`GyroWindow::older`]: nothing for a line that was never
+    /// [shortened](GyroWindow::shorten).
     pub fn judge_newest(&self, limits: &Limits, older: Older) -> Vec<Verdict> {
         let Some(k) = self.samples.len().checked_sub(1) else { return Vec::new() };
         let mut verdicts = Vec::with_capacity(16);
@@ -324,8 +326,8 @@ impl GyroWindow {
         }
     }
 
-    /// Keeps one by one only the newest records: `keep`, or as many as the rules need. All must be stored: older ones may have to be read
-    /// again.
+    /// Keeps one by one only the newest records: `keep`, or as many as the rules need. All must be stored: older ones
+    /// may have to be read again.
     pub fn shorten(&mut self, keep: usize, need: Need) {
         let keep = keep.max(READ_AHEAD).max(need.records + 1);
         let runs = self.samples.len().saturating_sub(keep) / RUN;

@@ -40,7 +40,8 @@ pub(crate) type Verdicts = HashMap<(Id, u32), Vec<Verdict>>;
 pub(crate) struct Judged {
     /// On every new record, and on the newest of a gyro where that was judged again.
     pub verdicts: Verdicts,
-    /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest after all.
+    /// What was the newest of its gyro, in the order of time: each new record that came in order, else the newest
+    /// after all.
     pub newest: Vec<Newest>,
     /// Gyros of which something counts no more.
     pub undone: BTreeMap<u32, Undone>,
@@ -199,14 +200,14 @@ impl Judge {
         Ok(())
     }
 
-    /// Whether an event after `at` parts the record of that time from what comes, as far as a rule goes. Of a gyro that has just
-    /// been judged.
+    /// Whether an event after `at` parts the record of that time from what comes, as far as a rule goes. Of a gyro
+    /// that has just been judged.
     pub fn is_reset_since(&self, gyro: u32, at: UtcMicros, rule: Rule) -> bool {
         self.lines.get(&gyro).is_some_and(|line| line.marks().iter().any(|m| m.at > at && m.event.resets(rule)))
     }
 
-    /// After how many days without a calibration a gyro is overdue; none after an event since its last one, at `last`, that says that none is
-    /// to come.
+    /// After how many days without a calibration a gyro is overdue; none after an event since its last one, at
+    /// `last`, that says that none is to come.
     pub fn interval_days(&self, gyro: u32, last: UtcMicros, imu: u32, naming: &Naming<'_>) -> Option<Limit> {
         if self.lines.get(&gyro).is_some_and(|line| ends_calibrations(line.marks(), last)) {
             return None;

@@ -9,8 +9,8 @@ use crate::core::time::UtcMicros;
 /// Records in a run.
 pub(super) const RUN: usize = 128;
 
-/// Runs of stored records, oldest first. Where a window begins within a run, its records are read again, once for all windows that
-/// begin in it.
+/// Runs of stored records, oldest first. Where a window begins within a run, its records are read again, once for all
+/// windows that begin in it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct OlderSummary {
     runs: VecDeque<Run>,

@@ -1,4 +1,5 @@
-//! Records that arrive late, events, and what counts no more: put in their place in a gyro's history, and what they alter judged again.
+//! Records that arrive late, events, and what counts no more: put in their place in a gyro's history, and what they
+//! alter judged again.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -6,9 +7,8 @@ use std::ops::Range;
 use super::{Judge, Judged, Newest, Verdicts, states};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::history::{
-    BASELINE_RECORDS, Mark, Need, Sample, Seat, baseline_of, baseline_since, seat_baseline_of,
-};
+use crate::core::judge::history::{Need, baseline_of, seat_baseline_of};
+use crate::core::judge::{BASELINE_RECORDS, Mark, Sample, Seat, baseline_since};
 use crate::core::judge::{Rule, Verdict, judge};
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
@@ -166,8 +166,9 @@ impl Judge {
         Ok(())
     }
 
-    /// A gyro's line, where what is remembered is enough to judge new records (`indices`, oldest first), if they are all that comes to it,
-    /// and when the oldest of them was made. What is taken is forgotten here until it is put back.
+    /// A gyro's line, where what is remembered is enough to judge new records (`indices`, oldest first), if they are
+    /// all that comes to it, and when the oldest of them was made. What is taken is forgotten here until it is put
+    /// back.
     pub(super) fn remembered(
         &mut self,
         gyro: u32,
@@ -263,7 +264,7 @@ impl Judge {
 mod tests {
     use super::*;
     use crate::core::judge::Event;
-    use crate::core::judge::history::Measured;
+    use crate::core::judge::Measured;
 
     fn day(day: i64) -> UtcMicros {
         UtcMicros(day * UtcMicros::DAY)
@@ -276,7 +277,8 @@ mod tests {
 
     const NEED: Need = Need { records: 2, days: 10.0 };
 
-    /// Days apart, so that every record is a cell of its own and 550 days hold fewer than the twelve cells that the control rules look at.
+    /// Days apart, so that every record is a cell of its own and 550 days hold fewer than the twelve cells that the
+    /// control rules look at.
     fn sparse(count: i64) -> Vec<Sample> {
         samples(&(0..count).map(|k| 100 * k).collect::<Vec<_>>())
     }

@@ -18,7 +18,8 @@ use crate::store::{Changes, StoreError};
 use crate::telemetry;
 
 impl Task {
-    /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what is stored.
+    /// Admits and judges a group, and lets the alerts follow. What is remembered of its gyros is then ahead of what
+    /// is stored.
     pub(super) async fn prepare(&mut self, items: &[Item<'_>]) -> Result<Prepared, StoreError> {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());

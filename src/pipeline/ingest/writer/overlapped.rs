@@ -1,9 +1,9 @@
 //! Many records at once: a group is judged while the one before it is written.
 //!
-//! The next group is judged by what is remembered of its gyros, which holds what is still being written. Nothing but the
-//! newest records of known gyros is therefore taken ahead: for all else the database is asked, and has to hold everything first. (What it is asked of
-//! very many records that are no longer remembered one by one, it has long held.)
-//! A small group is not worth it: while it waited, more would come that can share its transaction.
+//! The next group is judged by what is remembered of its gyros, which holds what is still being written. Nothing but
+//! the newest records of known gyros is therefore taken ahead: for all else the database is asked, and has to hold
+//! everything first. (What it is asked of very many records that are no longer remembered one by one, it has long
+//! held.) A small group is not worth it: while it waited, more would come that can share its transaction.
 
 use super::group::{Told, answer, foretell};
 use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
@@ -14,12 +14,12 @@ use crate::telemetry;
 
 /// Items from which on a group is written beside.
 const MANY: usize = 128;
-/// Items from which on the next group is begun while one is under way. The more there are in a group, the more rows a page takes that has to
-/// be written anyway.
+/// Items from which on the next group is begun while one is under way. The more there are in a group, the more rows a
+/// page takes that has to be written anyway.
 const ENOUGH: usize = 384;
 
-/// Items from which on no more are added to a group. An import has three such groups of records under way: while one is written and the next
-/// judged, lines of a third are read.
+/// Items from which on no more are added to a group. An import has three such groups of records under way: while one
+/// is written and the next judged, lines of a third are read.
 pub(super) const MAX_ITEMS: usize = 640;
 
 /// Waits until what is under way has been written, or could not be. Nothing is waited for where nothing is.
@@ -30,7 +30,8 @@ pub(super) async fn written(under_way: &mut Option<UnderWay>) {
 }
 
 impl Task {
-    /// Whether more is to be waited for before the next group is begun: until what is under way has been written, or enough has come.
+    /// Whether more is to be waited for before the next group is begun: until what is under way has been written, or
+    /// enough has come.
     pub(super) fn is_to_wait(&self, jobs: &[Job]) -> bool {
         let to_store = |job: &Job| match job {
             Job::Store { items, .. } => Some(items.len()),
@@ -96,7 +97,8 @@ impl Task {
         self.conclude(under_way).await;
     }
 
-    /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is under way then.
+    /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is
+    /// under way then.
     async fn conclude(&mut self, group: Option<UnderWay>) {
         let Some(UnderWay { jobs, mut prepared, newest_before, written, .. }) = group else { return };
         match written {

@@ -1,5 +1,5 @@
-//! The writer among other servers: it takes its turn, learns what the others have written, and tries again what the database has
-//! broken off. Alone on a file it is always its turn, and nothing is missed.
+//! The writer among other servers: it takes its turn, learns what the others have written, and tries again what the
+//! database has broken off. Alone on a file it is always its turn, and nothing is missed.
 
 use std::time::Duration;
 

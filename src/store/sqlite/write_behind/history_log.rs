@@ -1,9 +1,10 @@
 //! The newest history rows, before they are folded into the clustered history.
 //!
-//! In `history` every gyro's rows have pages of their own, so a commit that put its rows there would write a page a gyro. A
-//! commit appends them to `history_log` instead, in one run of bytes, and they are held in memory, where readers find them.
-//! Later all waiting rows of a gyro are folded into `history` together, those of the gyro that has waited longest first, a
-//! few gyros a commit so that none is held up; the log is then cut off before the oldest row that still waits.
+//! In `history` every gyro's rows have pages of their own, so a commit that put its rows there would write a page a
+//! gyro. A commit appends them to `history_log` instead, in one run of bytes, and they are held in memory, where
+//! readers find them. Later all waiting rows of a gyro are folded into `history` together, those of the gyro that has
+//! waited longest first, a few gyros a commit so that none is held up; the log is then cut off before the oldest row
+//! that still waits.
 
 use std::collections::BTreeSet;
 

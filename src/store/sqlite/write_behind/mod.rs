@@ -1,4 +1,5 @@
-//! All that is durable but not in its place yet, as readers and the writer of a file share it. Of a server's database nothing is.
+//! All that is durable but not in its place yet, as readers and the writer of a file share it. Of a server's database
+//! nothing is.
 
 pub(crate) mod history_log;
 #[cfg(test)]

@@ -1,12 +1,13 @@
-//! Rows that wait in memory until those of one gyro or IMU can be put into their places together: a page is then written once for all
-//! of them.
+//! Rows that wait in memory until those of one gyro or IMU can be put into their places together: a page is then
+//! written once for all of them.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 /// Rows that may wait: enough that a page of a gyro takes several of them at a time, in a fleet of thousands too.
 const CAPACITY: usize = 16_384;
-/// Rows of one gyro or IMU that are put into their places though there is room: more would take a commit longer than a millisecond or two.
+/// Rows of one gyro or IMU that are put into their places though there is room: more would take a commit longer than
+/// a millisecond or two.
 const MANY: usize = 512;
 /// Rows that may come after one that waits: a start reads all of them again.
 pub(crate) const LATER: u64 = 4 * CAPACITY as u64;
@@ -115,7 +116,8 @@ impl<T> Shared<T> {
         Self(Arc::new(RwLock::new(waiting)))
     }
 
-    /// To be asked before the database: what is put into its place in between is then seen in both rather than in neither.
+    /// To be asked before the database: what is put into its place in between is then seen in both rather than in
+    /// neither.
     pub fn read(&self) -> RwLockReadGuard<'_, T> {
         // Every change leaves it whole, even one that panics.
         self.0.read().unwrap_or_else(PoisonError::into_inner)

@@ -1,10 +1,11 @@
 //! Which record an IMU has at which instant.
 //!
-//! In the table `calendar` every IMU's entries have pages of their own, so a commit that made its entries there would write a page an
-//! IMU. A record that is newer than every other of its IMU waits in memory instead, where readers find it, and is entered later with
-//! the others of that IMU; a start finds those that wait among the newest records. What comes late or takes another's place is
-//! entered at once, after what waits of its IMU. So what waits of an IMU counts, is in order of time and is newer than all that the
-//! table has of it, and the table's key refuses a second record of an IMU and instant.
+//! In the table `calendar` every IMU's entries have pages of their own, so a commit that made its entries there would
+//! write a page an IMU. A record that is newer than every other of its IMU waits in memory instead, where readers
+//! find it, and is entered later with the others of that IMU; a start finds those that wait among the newest records.
+//! What comes late or takes another's place is entered at once, after what waits of its IMU. So what waits of an IMU
+//! counts, is in order of time and is newer than all that the table has of it, and the table's key refuses a second
+//! record of an IMU and instant.
 
 use std::collections::{BTreeSet, HashMap};
 

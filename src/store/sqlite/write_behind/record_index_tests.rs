@@ -1,4 +1,5 @@
-//! Where a record is found does not depend on whether it has been entered, and nothing of it is lost when the service is killed.
+//! Where a record is found does not depend on whether it has been entered, and nothing of it is lost when the service
+//! is killed.
 
 use crate::core::id::Id;
 use std::collections::BTreeMap;
@@ -28,7 +29,8 @@ fn of_imu(imu: u32, id: Id, at: i64) -> RecordRow {
     RecordRow { imu, ..record(id, at, "") }
 }
 
-/// New records, most of them newer than all others of their IMU; now and then one is withdrawn, and sometimes another takes its place.
+/// New records, most of them newer than all others of their IMU; now and then one is withdrawn, and sometimes another
+/// takes its place.
 fn some_records(random: &mut ChaCha8Rng, writer: &mut Writer, expected: &mut Expected) -> Changes {
     let mut changes = Changes::default();
     let mut store = |writer: &mut Writer, imu, at, expected: &mut Expected| {

@@ -3,9 +3,9 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::core::judge::cells::{CELLS, DAYS_A_YEAR, Points};
-use crate::core::judge::history::{BASELINE_RECORDS, Measured};
 use crate::core::judge::noise::{Noise, Prior};
 use crate::core::judge::rules::baseline::Level;
+use crate::core::judge::sample::{BASELINE_RECORDS, Measured};
 use crate::core::numerics::normal::normal_quantile;
 use crate::core::time::UtcMicros;
 
@@ -20,8 +20,8 @@ const DATES: f64 = 0.975;
 
 type Weights = [f64; CELLS];
 
-/// Least squares through the cells that were not left out. Times in years before the judged record, so the line's value there is the
-/// level now.
+/// Least squares through the cells that were not left out. Times in years before the judged record, so the line's
+/// value there is the level now.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
     noise: &'a Noise,
@@ -201,7 +201,8 @@ impl<'a> Line<'a> {
         self.mean_x - self.slope * self.mean_t
     }
 
-    /// First record of the cell at which a change of level explains the figures better (by least squares) than the line does.
+    /// First record of the cell at which a change of level explains the figures better (by least squares) than the
+    /// line does.
     pub fn step_that_fits_better(&self) -> Option<UtcMicros> {
         let (x, n) = (&self.x[..self.n], self.n as f64);
         let explained_by_line = self.slope * self.slope * self.spread;
@@ -217,7 +218,8 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The deviation from the baseline, carried on from the judged record: variance v0 + (2 c + q^2) tau + vb tau^2, tau in years.
+/// The deviation from the baseline, carried on from the judged record: variance v0 + (2 c + q^2) tau + vb tau^2, tau
+/// in years.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forecast {
     deviation: f64,
@@ -229,8 +231,9 @@ pub(super) struct Forecast {
 }
 
 impl Forecast {
-    /// The scatter's part weighs the cells as the line does, less those that make the baseline. The walk's part weighs them as the line does,
-    /// less the newest: the walk from the baseline to the judged record is no error, the gyro is there.
+    /// The scatter's part weighs the cells as the line does, less those that make the baseline. The walk's part
+    /// weighs them as the line does, less the newest: the walk from the baseline to the judged record is no error,
+    /// the gyro is there.
     pub fn of(line: &Line<'_>, level: &Level, now: UtcMicros) -> Self {
         let (slope, of_now) = (line.slope_weights(), line.level_weights());
         let (in_window, apart) = baseline_weights(line, level, now);
@@ -262,15 +265,16 @@ impl Forecast {
         Measured { value: self.deviation + self.per_year * years, sd: Some(variance.max(0.0).sqrt()) }
     }
 
-    /// Whether the deviation was there, on the side that it moves to, so many days ago. Of a course that began later, the line starts off on
-    /// the other side of the baseline.
+    /// Whether the deviation was there, on the side that it moves to, so many days ago. Of a course that began later,
+    /// the line starts off on the other side of the baseline.
     pub fn had_begun(&self, days: f64) -> bool {
         let Measured { value, sd } = self.at(-days);
         value * self.per_year.signum() > BEGUN * sd.unwrap_or(0.0)
     }
 
-    /// Days until the deviation reaches the budget on the side that it moves to: by the edge of its 95 % band that comes first, by the line,
-    /// and by the edge that comes last. 0 where it is there already, none where it never is.
+    /// Days until the deviation reaches the budget on the side that it moves to: by the edge of its 95 % band that
+    /// comes first, by the line, and by the edge that comes last. 0 where it is there already, none where it never
+    /// is.
     pub fn reaches(&self, budget: f64) -> [Option<f64>; 3] {
         let (left, rate) = (budget - self.deviation * self.per_year.signum(), self.per_year.abs());
         let t = StudentsT::new(0.0, 1.0, self.freedom).map_or(normal_quantile(DATES), |t| t.inverse_cdf(DATES));
@@ -293,7 +297,8 @@ impl Forecast {
     }
 }
 
-/// Weights of the records that make the baseline, on the cells of the line that hold them, and of those that came before it.
+/// Weights of the records that make the baseline, on the cells of the line that hold them, and of those that came
+/// before it.
 fn baseline_weights(line: &Line<'_>, level: &Level, now: UtcMicros) -> (Weights, [f64; BASELINE_RECORDS]) {
     let (mut inside, mut apart) = ([0.0; CELLS], [0.0; BASELINE_RECORDS]);
     if level.since.is_none() {
@@ -355,8 +360,8 @@ mod tests {
 
     #[test]
     fn a_point_is_left_out_by_the_scatter_of_the_others() {
-        // Level but for +-1 by turns and one that is off by `off`: its distance from the others in their standard deviations is known to fit
-        // between 4 sqrt((n - 3)/n) and 4 by the choice of `off`.
+        // Level but for +-1 by turns and one that is off by `off`: its distance from the others in their standard
+        // deviations is known to fit between 4 sqrt((n - 3)/n) and 4 by the choice of `off`.
         let noise = Noise { phi: 0.0, walk: 0.0, of_fleet: true };
         let line = |off: f64| {
             let n = 12;

@@ -1,0 +1,243 @@
+//! What a history is made of: figures with their standard deviations, records, and what happened to the gyro.
+
+use super::coefficient::Coefficient;
+use super::rule::Rule;
+use crate::core::mounting::Slot;
+use crate::core::named::named;
+use crate::core::time::UtcMicros;
+
+/// A baseline is the median of this many records after the last mark that resets it.
+pub const BASELINE_RECORDS: usize = 3;
+
+/// The same figures to the last bit within so many days are one measurement that was sent with several times.
+const REPEATED_WITHIN_DAYS: f64 = 1.0;
+
+/// A figure and its standard deviation, where the station gave what it takes to know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    pub value: f64,
+    pub sd: Option<f64>,
+}
+
+impl Measured {
+    pub fn exact(value: f64) -> Self {
+        Self { value, sd: None }
+    }
+
+    /// `self - earlier`, the two taken as independent campaigns.
+    pub(crate) fn minus(self, earlier: Self) -> Self {
+        let sd = self.sd.zip(earlier.sd).map(|(a, b)| (a * a + b * b).sqrt());
+        Self { value: self.value - earlier.value, sd }
+    }
+
+    /// Median of three independent figures, the earlier one of two; its standard deviation is known when all of
+    /// theirs are.
+    ///
+    /// The variance of the median of three normal figures with one mean and variances a, b, c is, from E[max^2] =
+    /// E[min^2], (a + b + c)/2 - (1/pi)(sum a asin(a/sqrt((a+b)(a+c))) + sqrt(ab + bc + ca)): 0.449 a where they are
+    /// equal, a where one of them is worth nothing.
+    pub fn median(of: &[Self]) -> Option<Self> {
+        let [a, b, c] = *of else { return of.first().copied() };
+        let mut values = [a.value, b.value, c.value];
+        values.sort_unstable_by(f64::total_cmp);
+        let variances = a.sd.zip(b.sd).zip(c.sd).map(|((a, b), c)| [a * a, b * b, c * c]);
+        Some(Self { value: values[1], sd: variances.map(|variances| median_variance(variances).sqrt()) })
+    }
+}
+
+fn median_variance(variances: [f64; 3]) -> f64 {
+    let largest = variances.into_iter().fold(0.0, f64::max);
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let [a, b, c] = variances.map(|variance| variance / largest);
+    let root = (a * b + b * c + c * a).sqrt();
+    // asin(a/sqrt((a+b)(a+c))) = atan(a/root), which loses nothing near pi/2.
+    let sum = [a, b, c].into_iter().map(|variance| variance * variance.atan2(root)).sum::<f64>() + root;
+    largest * (0.5 * (a + b + c) - sum / std::f64::consts::PI).max(0.0)
+}
+
+/// D_I, D_S, and the closure.
+pub(super) const COLUMNS: usize = 3;
+
+/// Where a gyro is mounted: the number of its IMU, and the slot there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Seat {
+    pub imu: u32,
+    pub slot: Slot,
+}
+
+/// One gyro in one calibration record: the row that the store keeps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    pub at: UtcMicros,
+    pub seat: Seat,
+    /// D_I, D_S, and the closure (D_O, or the published closure where that method is judged), deg/(h g0).
+    pub d: [Measured; COLUMNS],
+}
+
+impl Sample {
+    pub fn get(&self, coefficient: Coefficient) -> Option<Measured> {
+        coefficient.column().map(|column| self.d[column])
+    }
+
+    /// Whether it is the measurement of `earlier` once more, sent with another time: no rule counts it again.
+    pub fn repeats(&self, earlier: &Self) -> bool {
+        let same = |a: &Measured, b: &Measured| {
+            a.value.to_bits() == b.value.to_bits() && a.sd.map(f64::to_bits) == b.sd.map(f64::to_bits)
+        };
+        self.at.days_since(earlier.at).abs() < REPEATED_WITHIN_DAYS
+            && self.d.iter().zip(&earlier.d).all(|(a, b)| same(a, b))
+    }
+}
+
+named! {
+/// What was done to a gyro.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Event("event_") {
+    /// An engineer declares a new baseline.
+    Baseline = "baseline",
+    Repair = "repair",
+    /// Taken out of an IMU and mounted again, there or elsewhere.
+    Reinstallation = "reinstallation",
+    Transport = "transport",
+    Firmware = "firmware",
+    Note = "note",
+    /// An environmental test: the gyro is judged before and after.
+    EnvironmentalTest = "environmental_test",
+    /// Taken out of use for good.
+    Retired = "retired",
+    /// Not to be calibrated until it comes back.
+    InStorage = "in_storage",
+}
+}
+
+impl Event {
+    /// Whether the next records form a new baseline.
+    pub fn resets_baseline(self) -> bool {
+        matches!(self, Event::Baseline | Event::Repair | Event::Reinstallation)
+    }
+
+    /// Whether no calibration is expected after it, until the next one comes.
+    pub fn ends_calibrations(self) -> bool {
+        matches!(self, Event::Retired | Event::InStorage)
+    }
+
+    /// Whether records before the event are not to be compared by `rule` with those after it.
+    ///
+    /// * A repair makes another gyro of it: everything restarts.
+    /// * A baseline mark and a re-installation restart what is measured from a level (baseline, closure, trend,
+    ///   shift, before_after). `step`, `range` and `rms_successive` go on: D_I and D_S belong to the gyro, not to its
+    ///   seat, and a jump over a re-installation is what an engineer wants to see.
+    /// * New firmware may change how pulses are counted: the control rules restart, the budgets hold.
+    /// * Transport and environmental tests are what the budgets are there to survive; the rest changes nothing.
+    pub fn resets(self, rule: Rule) -> bool {
+        match self {
+            Event::Repair => true,
+            Event::Baseline | Event::Reinstallation => matches!(
+                rule,
+                Rule::Baseline | Rule::Closure | Rule::Trend | Rule::Shift | Rule::Cusum | Rule::BeforeAfter
+            ),
+            Event::Firmware => matches!(rule, Rule::Trend | Rule::Shift | Rule::Cusum),
+            Event::Transport | Event::Note | Event::EnvironmentalTest | Event::Retired | Event::InStorage => false,
+        }
+    }
+}
+
+/// An event on a gyro's time line. It parts the records before `at` from those at or after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    pub at: UtcMicros,
+    pub event: Event,
+    /// When what began at `at` was over; none for what took no time.
+    pub until: Option<UtcMicros>,
+    /// Levels of what comes after it, where it begins a baseline and states them.
+    pub fixed: FixedLevels,
+}
+
+/// D_I and D_S that are stated instead of measured, deg/(h g0).
+pub type FixedLevels = [Option<Measured>; 2];
+
+impl Mark {
+    /// One that states no levels.
+    pub fn of(at: UtcMicros, event: Event) -> Self {
+        Self { at, event, until: None, fixed: [None; 2] }
+    }
+}
+
+/// Where the baseline of a record at `at` begins: at the last event that resets it, or at the very first record (none).
+pub fn baseline_since(marks: &[Mark], at: UtcMicros) -> Option<UtcMicros> {
+    baseline_mark(marks, at).map(|mark| mark.at)
+}
+
+/// When `rule` began anew for a record at `at`.
+pub fn reset_before(marks: &[Mark], at: UtcMicros, rule: Rule) -> Option<UtcMicros> {
+    marks.iter().rev().find(|mark| mark.at <= at && mark.event.resets(rule)).map(|mark| mark.at)
+}
+
+/// The level that the mark states which begins the baseline of a record at `at`.
+pub fn stated_level(marks: &[Mark], at: UtcMicros, column: usize) -> Option<Measured> {
+    baseline_mark(marks, at).and_then(|mark| mark.fixed.get(column).copied().flatten())
+}
+
+fn baseline_mark(marks: &[Mark], at: UtcMicros) -> Option<&Mark> {
+    marks.iter().rev().find(|mark| mark.at <= at && mark.event.resets_baseline())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_variance_of_a_median_of_three_is_that_of_sorted_normal_figures() {
+        // 0.448671 for equal ones is tabled (order statistics of three); the others by integrating x^2 over the
+        // density of the median, sum f_i [F_j (1 - F_k) + F_k (1 - F_j)], with 4,000 steps.
+        let density = |x: f64, sd: f64| (-0.5 * x * x / (sd * sd)).exp() / (sd * (2.0 * std::f64::consts::PI).sqrt());
+        let below = |x: f64, sd: f64| crate::core::numerics::normal::normal_cdf(x / sd);
+        let integrated = |sds: [f64; 3]| {
+            let end = 9.0 * sds.iter().copied().fold(0.0, f64::max);
+            let step = end / 2000.0;
+            let at = |k: i32| {
+                let x = f64::from(k) * step;
+                let one = |i: usize, j: usize, k: usize| {
+                    let (fj, fk) = (below(x, sds[j]), below(x, sds[k]));
+                    density(x, sds[i]) * (fj * (1.0 - fk) + fk * (1.0 - fj))
+                };
+                x * x * (one(0, 1, 2) + one(1, 0, 2) + one(2, 0, 1)) * step
+            };
+            (-2000..=2000).map(at).sum::<f64>()
+        };
+        assert!((median_variance([1.0; 3]) - 0.448_671).abs() < 1e-6);
+        for sds in [[1.0, 1.0, 1.0], [1.0, 2.0, 3.0], [0.5, 0.5, 4.0], [1.0, 1.0, 0.1]] {
+            let exact = median_variance(sds.map(|sd| sd * sd));
+            assert!((exact / integrated(sds) - 1.0).abs() < 2e-3, "{sds:?}: {exact} {}", integrated(sds));
+        }
+        assert!((median_variance([1.0, 1.0, 1e12]) - 1.0).abs() < 1e-3, "one of them is worth nothing");
+        assert_eq!((median_variance([0.0; 3]), median_variance([0.0, 0.0, 4.0])), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_median_takes_the_middle_figure_and_of_two_the_earlier() {
+        let of = |values: &[f64]| {
+            let all: Vec<Measured> = values.iter().map(|value| Measured::exact(*value)).collect();
+            Measured::median(&all).map(|median| median.value)
+        };
+        assert_eq!(
+            [of(&[]), of(&[2.0]), of(&[2.0, 1.0]), of(&[9.0, 1.0, 2.0])],
+            [None, Some(2.0), Some(2.0), Some(2.0)]
+        );
+    }
+
+    #[test]
+    fn the_same_figures_within_a_day_are_a_repeat_and_a_month_later_are_not() {
+        let at = |day: f64, d_i: f64| {
+            let d = [d_i, 5.0, 0.0].map(|value| Measured { value, sd: Some(1e-4) });
+            Sample { at: UtcMicros(0).plus_days(day), seat: Seat::default(), d }
+        };
+        assert!(at(0.9, 3.0).repeats(&at(0.0, 3.0)) && at(0.0, 3.0).repeats(&at(0.9, 3.0)));
+        assert!(!at(1.0, 3.0).repeats(&at(0.0, 3.0)), "daily records of a gyro that shows the same figures");
+        assert!(!at(0.5, 3.0 + 1e-15).repeats(&at(0.0, 3.0)));
+        let noisy = Sample { d: at(0.0, 3.0).d.map(|of| Measured { sd: Some(0.2), ..of }), ..at(0.5, 3.0) };
+        assert!(!noisy.repeats(&at(0.0, 3.0)), "other standard deviations are another measurement");
+    }
+}

@@ -1,42 +1,74 @@
 //! `[judging.rules]` and `rules` of an override: what single rules depart in from the budget.
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use std::collections::BTreeMap;
+use std::fmt::{self, Formatter};
+use std::sync::LazyLock;
+
+use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 
 use crate::core::judge::{DriftLimits, Limit, LimitKey, Limits, Measured, Rule, ShiftLimits, TrendLimits};
 
 /// Limits in deg/(h g0). What is left out stays as the budget, or the layer before, has it.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Default)]
 pub struct RuleKeys {
-    pub step: Option<f64>,
-    pub range: Option<f64>,
-    pub baseline: Option<f64>,
+    /// Of the rules that have one limit, which is a share of the budget.
+    pub limits: BTreeMap<Rule, f64>,
     pub fixed_baseline: Option<FixedBaseline>,
-    pub rms_successive: Option<f64>,
-    pub agreement: Option<f64>,
-    pub before_after: Option<f64>,
     pub closure: Option<f64>,
     pub trend: Option<f64>,
     pub trend_confidence: Option<f64>,
     pub trend_horizon_days: Option<f64>,
     pub shift: Option<f64>,
-    /// Of versions before 0.2, whose rule `cusum` has given way to `shift`: read, and without effect.
-    pub cusum_records_per_false_alarm: Option<IgnoredAny>,
-    pub cusum_least_scatter: Option<IgnoredAny>,
     /// Rules that do not judge at all.
     pub off: Vec<OffRule>,
 }
 
+impl<'de> Deserialize<'de> for RuleKeys {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(ReadRuleKeys)
+    }
+}
+
+struct ReadRuleKeys;
+
+impl<'de> Visitor<'de> for ReadRuleKeys {
+    type Value = RuleKeys;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("a table of rules")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RuleKeys, A::Error> {
+        let mut keys = RuleKeys::default();
+        while let Some(key) = map.next_key::<String>()? {
+            let limited = Rule::from_name(&key).filter(|rule| rule.share_of_budget().is_some());
+            match (key.as_str(), limited) {
+                (_, Some(rule)) => drop(keys.limits.insert(rule, map.next_value()?)),
+                ("fixed_baseline", _) => keys.fixed_baseline = map.next_value()?,
+                ("closure", _) => keys.closure = map.next_value()?,
+                ("trend", _) => keys.trend = map.next_value()?,
+                ("trend_confidence", _) => keys.trend_confidence = map.next_value()?,
+                ("trend_horizon_days", _) => keys.trend_horizon_days = map.next_value()?,
+                ("shift", _) => keys.shift = map.next_value()?,
+                ("off", _) => keys.off = map.next_value()?,
+                // Of versions before 0.2, whose rule `cusum` has given way to `shift`: read, and without effect.
+                ("cusum_records_per_false_alarm" | "cusum_least_scatter", _) => drop(map.next_value::<IgnoredAny>()?),
+                _ => return Err(serde::de::Error::custom(format_args!("unknown field `{key}`, no rule has it"))),
+            }
+        }
+        Ok(keys)
+    }
+}
+
 /// A baseline from the acceptance file, instead of the mean of the first records.
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Copy, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FixedBaseline {
     pub value: f64,
     pub sd: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct OffRule(Rule);
 
@@ -51,6 +83,13 @@ impl TryFrom<String> for OffRule {
             None => Err(format!("there is no rule {name:?}")),
         }
     }
+}
+
+/// The key of a rule's limit within its section.
+fn key(rule: Rule) -> &'static str {
+    static KEYS: LazyLock<Vec<String>> =
+        LazyLock::new(|| Rule::ALL.iter().map(|rule| format!("rules.{}", rule.name())).collect());
+    &KEYS[rule as usize]
 }
 
 impl RuleKeys {
@@ -71,8 +110,8 @@ impl RuleKeys {
 
     fn apply_to_drift(&self, place: Option<u16>, drift: &mut DriftLimits) {
         let limit = |value: f64, key: &'static str| Limit { value, from: LimitKey { place, key } };
-        for (rule, key, own) in self.single() {
-            let own = own.map(|value| limit(value, key));
+        for rule in Rule::ALL.into_iter().filter(|rule| rule.share_of_budget().is_some()) {
+            let own = self.limits.get(&rule).map(|value| limit(*value, key(rule)));
             drift.set(rule, if self.is_off(rule) { None } else { own.or(drift.of(rule)) });
         }
         if let Some(FixedBaseline { value, sd }) = self.fixed_baseline {
@@ -89,18 +128,6 @@ impl RuleKeys {
         });
     }
 
-    /// Of the rules that have one limit.
-    fn single(&self) -> [(Rule, &'static str, Option<f64>); 6] {
-        [
-            (Rule::Step, "rules.step", self.step),
-            (Rule::Range, "rules.range", self.range),
-            (Rule::Baseline, "rules.baseline", self.baseline),
-            (Rule::RmsSuccessive, "rules.rms_successive", self.rms_successive),
-            (Rule::Agreement, "rules.agreement", self.agreement),
-            (Rule::BeforeAfter, "rules.before_after", self.before_after),
-        ]
-    }
-
     fn is_off(&self, rule: Rule) -> bool {
         self.off.contains(&OffRule(rule))
     }
@@ -113,8 +140,8 @@ impl RuleKeys {
             ("trend", self.trend),
             ("trend_horizon_days", self.trend_horizon_days),
         ];
-        let positive = self.single().map(|(rule, _, value)| (rule.name(), value));
-        for (key, value) in positive.into_iter().chain(others) {
+        let limits = self.limits.iter().map(|(rule, value)| (rule.name(), Some(*value)));
+        for (key, value) in limits.chain(others) {
             if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
                 return Some((key, format!("must be positive, is {value}")));
             }
@@ -131,7 +158,7 @@ impl RuleKeys {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 pub enum OverriddenCoefficient {
     #[serde(rename = "D_I")]
     DI,

@@ -2,10 +2,11 @@
 
 use crate::core::time::UtcMicros;
 
+use super::event::{Mark, baseline_since, reset_before};
 use super::limits::Limits;
 use super::range_summary::Older;
 use super::rule::Rule;
-use super::sample::{BASELINE_RECORDS, Mark, Sample, baseline_since, reset_before};
+use super::sample::{BASELINE_RECORDS, Sample};
 use super::{Series, cells};
 
 /// The stretch of one gyro's history that the judging of one record needs.

@@ -10,8 +10,8 @@ pub mod limits;
 mod cells;
 mod coefficient;
 mod decide;
+mod event;
 mod extremes;
-mod finding;
 mod noise;
 mod range_summary;
 mod reason;
@@ -22,17 +22,15 @@ mod series;
 mod verdict;
 
 pub use coefficient::Coefficient;
-pub use finding::{Finding, Source};
+pub use event::{Event, FixedLevels, Mark, baseline_since, reset_before, stated_level};
 pub use history::{History, Need};
 pub use limits::{Bounds, DriftLimits, Limit, LimitKey, Limits, Requirement, ShiftLimits, TrendLimits};
 pub use noise::{FleetNoise, Noise, Spacing, fit_fleet};
 pub use range_summary::Older;
 pub use reason::{digits, sd_digits, turn_arcmin};
-pub use rule::{LimitKind, Rule, Unit};
+pub use rule::{Finding, LimitKind, Rule, Source, Unit};
 pub use rules::{SourcedResult, agreement, overdue, requirement};
-pub use sample::{
-    BASELINE_RECORDS, Event, FixedLevels, Mark, Measured, Sample, Seat, baseline_since, reset_before, stated_level,
-};
+pub use sample::{BASELINE_RECORDS, Measured, Sample, Seat};
 pub use series::Series;
 pub use verdict::{Severity, State, Status, Verdict};
 

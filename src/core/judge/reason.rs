@@ -2,8 +2,8 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::finding::{Finding, Source};
 use super::rule::Rule;
+use super::rule::{Finding, Source};
 use super::verdict::{State, Status, Verdict};
 use crate::core::message::{Message, Parameter, figure, list, signed, text};
 use crate::core::time::UtcMicros;

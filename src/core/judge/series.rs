@@ -3,8 +3,9 @@
 use std::ops::{Deref, Range};
 
 use super::cells::{self, Cell};
+use super::event::Mark;
 use super::extremes::Extremes;
-use super::sample::{COLUMNS, Mark, Sample};
+use super::sample::{COLUMNS, Sample};
 use crate::core::time::UtcMicros;
 
 /// Records of one gyro, oldest first, no two at the same instant, and its events.

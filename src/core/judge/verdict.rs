@@ -1,8 +1,8 @@
 //! What one rule says of one record, and what that comes to.
 
 use super::coefficient::Coefficient;
-use super::finding::Finding;
 use super::limits::{Limit, LimitKey};
+use super::rule::Finding;
 use super::rule::{LimitKind, Rule, Unit};
 use crate::core::named::named;
 

@@ -1,8 +1,8 @@
 //! The cells that the control rules see at one record.
 
 use super::{CELLS, COLUMNS, Cell, DAYS_A_YEAR, looked_at};
+use crate::core::judge::event::reset_before;
 use crate::core::judge::rule::Rule;
-use crate::core::judge::sample::reset_before;
 use crate::core::judge::series::Series;
 use crate::core::time::UtcMicros;
 

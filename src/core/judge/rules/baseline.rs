@@ -1,8 +1,9 @@
 //! `baseline`: |x_k - baseline| against the budget.
 
 use super::Case;
+use crate::core::judge::event::stated_level;
 use crate::core::judge::limits::Limit;
-use crate::core::judge::sample::{BASELINE_RECORDS, Measured, Sample, stated_level};
+use crate::core::judge::sample::{BASELINE_RECORDS, Measured, Sample};
 use crate::core::judge::{Finding, Rule, Verdict};
 use crate::core::time::UtcMicros;
 

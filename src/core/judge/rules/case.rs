@@ -3,9 +3,9 @@
 use crate::core::judge::cells::{Points, Window};
 use crate::core::judge::coefficient::Coefficient;
 use crate::core::judge::decide::{Outcome, beyond};
-use crate::core::judge::finding::Finding;
 use crate::core::judge::history::History;
 use crate::core::judge::limits::{Limit, Limits};
+use crate::core::judge::rule::Finding;
 use crate::core::judge::rule::Rule;
 use crate::core::judge::sample::{Measured, Sample};
 use crate::core::judge::verdict::{State, Verdict};

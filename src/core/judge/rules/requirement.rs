@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::core::judge::decide::{Outcome, outside};
-use crate::core::judge::finding::MOST_FIGURES;
 use crate::core::judge::limits::{Bounds, Limit, Requirement};
+use crate::core::judge::rule::MOST_FIGURES;
 use crate::core::judge::sample::Measured;
 use crate::core::judge::{Coefficient, Finding, Rule, State, Verdict};
 

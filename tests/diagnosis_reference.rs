@@ -131,7 +131,7 @@ fn a_g_sensitivity_that_moved_shows_along_its_axis_in_table_and_report() {
     assert_eq!(status, 0, "{error}");
     assert!(table.contains("p, parameters") && table.contains("Then and now"), "{table}");
     let page = std::fs::read_to_string(report).unwrap();
-    assert!(page.contains("Against the reference") && page.contains("D_I"), "{page}");
+    assert!(page.contains("Against an earlier calibration") && page.contains("D<sub>I</sub>"), "{page}");
 }
 
 #[test]

@@ -39,7 +39,7 @@ fn summary(t: &Text, d: &DiagnosisBody) -> Markup {
                     th scope="row" { (t.gap_after) }
                     (gap(d.remaining.rms_deg_per_h, d.remaining.reduced_chi2, d.remaining.p_value))
                 }
-                tr { th scope="row" { (t.model_in_use) } td colspan="3" { (d.model.listed()) } }
+                tr { th scope="row" { (t.model_in_use) } td colspan="3" { code translate="no" { (d.model.listed()) } } }
                 tr {
                     th scope="row" { (t.noise_floor) } td.n { (short(d.noise_floor.deg_per_h)) }
                     td.quiet colspan="2" { (t.noise_source(&d.noise_floor.source)) }

@@ -29,6 +29,15 @@ impl<'de> Deserialize<'de> for RuleKeys {
     }
 }
 
+/// The rules that have one limit, which is a share of the budget.
+fn limited_rules() -> impl Iterator<Item = Rule> {
+    Rule::ALL.into_iter().filter(|rule| rule.share_of_budget().is_some())
+}
+
+/// The keys besides those of [`limited_rules`].
+const OTHERS: [&str; 7] =
+    ["fixed_baseline", "closure", "trend", "trend_confidence", "trend_horizon_days", "shift", "off"];
+
 struct ReadRuleKeys;
 
 impl<'de> Visitor<'de> for ReadRuleKeys {
@@ -41,7 +50,7 @@ impl<'de> Visitor<'de> for ReadRuleKeys {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RuleKeys, A::Error> {
         let mut keys = RuleKeys::default();
         while let Some(key) = map.next_key::<String>()? {
-            let limited = Rule::from_name(&key).filter(|rule| rule.share_of_budget().is_some());
+            let limited = limited_rules().find(|rule| rule.name() == key);
             match (key.as_str(), limited) {
                 (_, Some(rule)) => drop(keys.limits.insert(rule, map.next_value()?)),
                 ("fixed_baseline", _) => keys.fixed_baseline = map.next_value()?,
@@ -53,7 +62,13 @@ impl<'de> Visitor<'de> for ReadRuleKeys {
                 ("off", _) => keys.off = map.next_value()?,
                 // Of versions before 0.2, whose rule `cusum` has given way to `shift`: read, and without effect.
                 ("cusum_records_per_false_alarm" | "cusum_least_scatter", _) => drop(map.next_value::<IgnoredAny>()?),
-                _ => return Err(serde::de::Error::custom(format_args!("unknown field `{key}`, no rule has it"))),
+                _ => {
+                    let known: Vec<&str> = limited_rules().map(Rule::name).chain(OTHERS).collect();
+                    let known = known.join("`, `");
+                    return Err(serde::de::Error::custom(format_args!(
+                        "unknown field `{key}`, expected one of `{known}`"
+                    )));
+                }
             }
         }
         Ok(keys)
@@ -110,7 +125,7 @@ impl RuleKeys {
 
     fn apply_to_drift(&self, place: Option<u16>, drift: &mut DriftLimits) {
         let limit = |value: f64, key: &'static str| Limit { value, from: LimitKey { place, key } };
-        for rule in Rule::ALL.into_iter().filter(|rule| rule.share_of_budget().is_some()) {
+        for rule in limited_rules() {
             let own = self.limits.get(&rule).map(|value| limit(*value, key(rule)));
             drift.set(rule, if self.is_off(rule) { None } else { own.or(drift.of(rule)) });
         }

@@ -199,6 +199,7 @@ fn a_wrong_rule_is_named() {
         ("[judging.rules]\noff = [\"tren\"]\n", "judging.rules.off", "no rule \"tren\""),
         ("[judging.rules]\noff = [\"overdue\"]\n", "judging.rules.off", "interval_days = 0"),
         ("[judging.rules]\nstpe = 1\n", "judging.rules", "stpe"),
+        ("[judging.rules]\nstpe = 1\n", "judging.rules", "expected one of `step`, `range`"),
         ("[judging.rules]\ntrend_confidence = 95\n", "judging.rules.trend_confidence", "between 0.5 and 1"),
         ("[[judging.overrides]]\nrules = { trend = 0 }\n", "judging.overrides[0].rules.trend", "positive"),
         (

@@ -86,6 +86,7 @@ pub struct Database {
     pub lease_s: f64,
     pub max_waiting_writes: usize,
     pub max_group: usize,
+    pub writers: usize,
 }
 
 impl Server {
@@ -142,14 +143,19 @@ impl Server {
 
 impl Database {
     pub fn options(&self) -> Options {
-        Options {
+        let mut options = Options {
             url: self.url.clone(),
             readers: self.readers,
             busy_timeout: Duration::from_secs_f64(self.busy_timeout_s),
             cache_kib: self.cache_kib,
             checkpoint_pages: self.checkpoint_pages,
             lease: Duration::from_secs_f64(self.lease_s),
+        };
+        if options.is_server() {
+            // Each writer reads while it writes.
+            options.readers += self.writers as u32;
         }
+        options
     }
 }
 
@@ -258,6 +264,7 @@ impl Config {
             ("database.readers", f64::from(self.database.readers)),
             ("database.max_waiting_writes", self.database.max_waiting_writes as f64),
             ("database.max_group", self.database.max_group as f64),
+            ("database.writers", self.database.writers as f64),
             ("plausibility.min_scale_factor", self.plausibility.min_scale_factor),
             ("plausibility.max_scale_factor", self.plausibility.max_scale_factor),
             ("plausibility.max_misalignment_deg", self.plausibility.max_misalignment_deg),

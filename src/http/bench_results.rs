@@ -47,7 +47,7 @@ pub async fn post_bench_result(
     let mut bench = read.map_err(|faults| Document::refused_as(DocumentKind::Bench, &bytes, faults))?;
     bench.idempotency_key = post.key()?;
     let (serial, body) = (bench.result.serial.to_string(), bench.body.clone());
-    let (accepted, ()) = post.submit(&app, Submission::Bench(Box::new(bench)), |_| ()).await?;
+    let accepted = post.submit(&app, Submission::Bench(Box::new(bench))).await?;
     let status = match accepted {
         Accepted::Stored { .. } => StatusCode::CREATED,
         Accepted::There { .. } => StatusCode::OK,

@@ -55,16 +55,11 @@ impl DocumentPost {
         self.key.clone().map(|key| key.0)
     }
 
-    /// Stores it; `words` are found while the disk works, and once more where it has to be judged again.
-    pub async fn submit<T>(
-        &self,
-        app: &App,
-        item: Submission,
-        words: impl FnMut(&Accepted) -> T,
-    ) -> Result<(Accepted, T), Problem> {
+    /// Stores it.
+    pub async fn submit(&self, app: &App, item: Submission) -> Result<Accepted, Problem> {
         item.may_be_sent_by(&self.caller)?;
         let late = self.telling.late_or(Late::Quiet);
-        let accepted = app.pipeline.ingest.submit_late(item, late, words).await?;
+        let accepted = app.pipeline.ingest.submit_late(item, late).await?;
         self.telling.end(app, late).await;
         Ok(accepted)
     }
@@ -78,19 +73,16 @@ impl DocumentPost {
         collection: &str,
         whole: impl Fn(Id, Vec<NoteBody>) -> T,
     ) -> Result<PostOutcome, Problem> {
-        let words = |accepted: &Accepted| {
-            let Accepted::Stored { id, judged, notes } = accepted else { return None };
-            let notes = notes.iter().map(NoteBody::of).collect();
-            let answer = match self.wanted {
-                Wanted::Whole => JustJudged { answer: &whole(*id, notes), judged }.into_response(),
-                Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
-            };
-            Some((StatusCode::CREATED, self.located(collection, *id), answer).into_response())
+        let accepted = self.submit(app, item).await?;
+        let Accepted::Stored { id, judged, notes } = &accepted else {
+            return Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?));
         };
-        match self.submit(app, item, words).await? {
-            (_, Some(new)) => Ok(PostOutcome::New(new)),
-            (accepted, None) => Ok(PostOutcome::There(app.pipeline.ingest.settle(&accepted, sent).await?)),
-        }
+        let notes = notes.iter().map(NoteBody::of).collect();
+        let answer = match self.wanted {
+            Wanted::Whole => JustJudged { answer: &whole(*id, notes), judged }.into_response(),
+            Wanted::Minimal => Json(MinimalAnswer::just_judged(*id, judged, notes)).into_response(),
+        };
+        Ok(PostOutcome::New((StatusCode::CREATED, self.located(collection, *id), answer).into_response()))
     }
 
     /// The answer to a calibration that was there: `whole`, or as much of it as is wanted, and how it stands where

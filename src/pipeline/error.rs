@@ -30,9 +30,11 @@ impl StorageError {
     pub fn fault(&self) -> StorageFault {
         match &*self.0 {
             StoreError::Full => StorageFault::Full,
-            StoreError::ReadOnly(_) | StoreError::Busy | StoreError::Unreachable(_) | StoreError::NotDurable(_) => {
-                StorageFault::Unwritable
-            }
+            StoreError::ReadOnly(_)
+            | StoreError::Busy
+            | StoreError::Unreachable(_)
+            | StoreError::Overtaken(_)
+            | StoreError::NotDurable(_) => StorageFault::Unwritable,
             StoreError::Unanswered(_) => StorageFault::Unanswered,
             StoreError::Damaged(_) => StorageFault::Damaged,
             StoreError::Refused(_)

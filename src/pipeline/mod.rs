@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! read      bytes -> Calibration | Bench | Event      whatever can be refused is refused here, by the caller's task
-//! submit    a bounded queue to the one writer          full: 503 with Retry-After
-//! admit     new, the same again, or in conflict        ┐
+//! submit    a bounded queue to a writer                full: 503 with Retry-After
+//! hold      the cells of its IMU and gyros             ┐
+//! admit     new, the same again, or in conflict        │
 //! judge     each gyro touched, late arrivals in place  │ one group at a time, by the writer
 //! alert     follow the newest verdicts of each gyro    │
 //! commit    one transaction, on disk                   ┘
-//! word      the answer, by the caller's task while the disk works
-//! answer    the verdicts, or what stands in the way, when it is on disk
+//! answer    the verdicts, or what stands in the way
 //! outbox    what hooks are to be told, from the database to their targets
 //! ```
 //!
@@ -38,6 +38,7 @@ use diagnoses::Diagnoser;
 use diagnoses::background::IdleDetector;
 use diagnoses::models::ModelCache;
 use ingest::writer;
+use ingest::writer::Duties;
 use write_queue::{Job, WriteQueue};
 
 pub use crate::alert::HookKind;
@@ -77,7 +78,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Starts the writer. It ends, and closes the database, when the last clone of the pipeline is gone.
+    /// Starts the writers. They end, and the database is closed, when the last clone of the pipeline is gone.
     ///
     /// # Errors
     /// [`StoreError`] where what is stored cannot be read.
@@ -87,21 +88,35 @@ impl Pipeline {
         config: Arc<Config>,
         clock: Clock,
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
-        let (queue, jobs) = WriteQueue::new(config.database.max_waiting_writes);
+        let lanes: Vec<Writer> = (0..config.database.writers).map_while(|_| writer.another()).collect();
+        let (queue, queues) = WriteQueue::new(config.database.max_waiting_writes, lanes.len());
         let pipeline = Self::assemble(store, config, clock, queue).await?;
         let (due, watched) = watch::channel(0);
         let Self { access, diagnoses, hooks, ingest, reader, .. } = &pipeline;
         let (wake, models, guard) = (hooks.wake.clone(), reader.models.clone(), access.guard.clone());
         let after = writer::After { wake, models, due, guard };
-        let (store, config, clock) = (ingest.store.clone(), ingest.config.clone(), ingest.clock.clone());
-        let task = writer::Task::new(store, writer, config, clock, after).await?;
-        // It ends when the writer, who alone tells it of more, is gone.
+        // It ends when the writers, who alone tell it of more, are gone.
         tokio::spawn(diagnoses.diagnoser.clone().run(watched));
-        // On a thread of its own: among other tasks the writer would wait its turn behind all whom it has just
+        let writers = std::iter::once((writer, Duties::Orders)).chain(lanes.into_iter().map(|lane| (lane, Duties::Lane)));
+        // Each on a thread of its own: among other tasks a writer would wait its turn behind all whom it has just
         // answered.
         let runtime = Handle::current();
-        let handle = tokio::task::spawn_blocking(move || runtime.block_on(task.run(jobs)));
-        Ok((pipeline, handle))
+        let at_work = writers.zip(queues).map(|((writer, duties), jobs)| {
+            let (store, config, clock) = (ingest.store.clone(), ingest.config.clone(), ingest.clock.clone());
+            let task = writer::Task::new(store, writer, config, clock, after.clone(), duties);
+            let runtime = runtime.clone();
+            tokio::task::spawn_blocking(move || runtime.block_on(task.run(jobs)))
+        });
+        let (at_work, store): (Vec<_>, _) = (at_work.collect(), ingest.store.clone());
+        drop(after);
+        let ended = tokio::spawn(async move {
+            let ended = futures::future::join_all(at_work).await;
+            store.close().await;
+            if let Some(error) = ended.into_iter().find_map(Result::err) {
+                std::panic::resume_unwind(error.into_panic());
+            }
+        });
+        Ok((pipeline, ended))
     }
 
     /// A pipeline that answers what is asked of it and takes nothing in.
@@ -109,7 +124,7 @@ impl Pipeline {
     /// # Errors
     /// [`StoreError`] where the adopted models or the tokens cannot be read.
     pub async fn to_read(store: Store, config: Arc<Config>, clock: Clock) -> Result<Self, StoreError> {
-        let (queue, _closed) = WriteQueue::new(1);
+        let (queue, _closed) = WriteQueue::new(1, 0);
         Self::assemble(store, config, clock, queue).await
     }
 

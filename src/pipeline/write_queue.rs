@@ -1,4 +1,6 @@
-//! The way to the one writer: what it can be asked to do.
+//! The way to the writers: what they can be asked to do.
+
+use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
 
@@ -9,94 +11,138 @@ use crate::pipeline::alerts::{AlertError, AlertOrder, SilenceOrder};
 use crate::pipeline::diagnoses::{Adoption, DiagnosisError, DiagnosisOrder, Made};
 use crate::pipeline::error::WriteError;
 use crate::pipeline::hooks::{Found, HookError, Order};
-use crate::pipeline::ingest::{Accepted, ReplySender, Submission};
+use crate::pipeline::ingest::{Accepted, Reply, Submission};
+use crate::store;
+use crate::store::Store;
 use crate::wire::alert::AlertBody;
 
 /// Where an answer goes.
-pub(super) type Reply<T, E> = oneshot::Sender<Result<T, E>>;
+pub(super) type ReplyTo<T, E> = oneshot::Sender<Result<T, E>>;
 
 /// What the writer is asked to do.
 #[derive(Debug)]
 pub(super) enum Job {
-    /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them, and
-    /// ahead of the disk; how what is found late is told.
-    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: ReplySender },
+    /// Submissions of one sender that are to be answered together, in order; whether with the verdicts on them; how
+    /// what is found late is told.
+    Store { items: Vec<Submission>, by: Actor, with_verdicts: bool, late: Late, reply: oneshot::Sender<Vec<Reply>> },
     /// A hook or its queue is to change.
-    Hook { order: Order, by: Actor, reply: Reply<Id, HookError> },
+    Hook { order: Order, by: Actor, reply: ReplyTo<Id, HookError> },
     /// How an attempt to tell a hook went, or that its target is back, is to be written down.
-    Found { found: Found, reply: Reply<(), WriteError> },
+    Found { found: Found, reply: ReplyTo<(), WriteError> },
     /// A model is to be in force for an IMU.
-    Model { adoption: Box<Adoption>, by: Actor, reply: Reply<Accepted, DiagnosisError> },
+    Model { adoption: Box<Adoption>, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
     /// Many campaigns are to be diagnosed, or no longer.
-    Diagnoses { order: DiagnosisOrder, by: Actor, reply: Reply<Accepted, DiagnosisError> },
+    Diagnoses { order: DiagnosisOrder, by: Actor, reply: ReplyTo<Accepted, DiagnosisError> },
     /// A diagnosis is to be kept.
-    Diagnosed { made: Made, reply: Reply<(), WriteError> },
+    Diagnosed { made: Made, reply: ReplyTo<(), WriteError> },
     /// What somebody says of an alert.
-    Alert { order: AlertOrder, by: Actor, reply: Reply<AlertBody, AlertError> },
+    Alert { order: AlertOrder, by: Actor, reply: ReplyTo<AlertBody, AlertError> },
     /// A silence of many alerts is to begin or to end.
-    Silence { order: SilenceOrder, by: Actor, reply: Reply<Id, AlertError> },
+    Silence { order: SilenceOrder, by: Actor, reply: ReplyTo<Id, AlertError> },
     /// An import has come to its end: what waits for its digest is told.
-    Digest(Reply<(), WriteError>),
+    Digest(ReplyTo<(), WriteError>),
     /// Who may use the service is to change.
-    Access { order: AccessOrder, by: Actor, reply: Reply<Option<Secret>, AccessError> },
+    Access { order: AccessOrder, by: Actor, reply: ReplyTo<Option<Secret>, AccessError> },
     /// Whether it could.
-    Probe(Reply<(), WriteError>),
+    Probe(ReplyTo<(), WriteError>),
 }
 
-/// Cheap to clone. The writer ends when the last clone is gone.
+/// Cheap to clone. The writers end when the last clone is gone.
 #[derive(Debug, Clone)]
-pub(super) struct WriteQueue(mpsc::Sender<Job>);
+pub(super) struct WriteQueue {
+    /// To the one who carries out orders, and stores where there is nobody else.
+    orders: mpsc::Sender<Job>,
+    /// To those who store: each of them what is at home in its share of the cells.
+    lanes: Arc<[mpsc::Sender<Job>]>,
+}
 
-/// As a [`WriteQueue`], but the writer does not wait for its end.
+/// As a [`WriteQueue`], but the writers do not wait for its end.
 #[derive(Debug, Clone)]
-pub(super) struct WeakWriteQueue(mpsc::WeakSender<Job>);
+pub(super) struct WeakWriteQueue {
+    orders: mpsc::WeakSender<Job>,
+    lanes: Arc<[mpsc::WeakSender<Job>]>,
+}
 
 impl WriteQueue {
-    pub fn new(room: usize) -> (Self, mpsc::Receiver<Job>) {
-        let (jobs, queue) = mpsc::channel(room);
-        (Self(jobs), queue)
+    /// To one writer for orders, and `lanes` others who store; with none, the one does all. Each has `room`.
+    pub fn new(room: usize, lanes: usize) -> (Self, Vec<mpsc::Receiver<Job>>) {
+        let (orders, queue) = mpsc::channel(room);
+        let mut queues = vec![queue];
+        let others = (0..lanes).map(|_| {
+            let (lane, queue) = mpsc::channel(room);
+            queues.push(queue);
+            lane
+        });
+        let lanes: Vec<_> = others.collect();
+        let lanes = if lanes.is_empty() { vec![orders.clone()] } else { lanes };
+        (Self { orders, lanes: lanes.into() }, queues)
     }
 
     pub fn downgrade(&self) -> WeakWriteQueue {
-        WeakWriteQueue(self.0.downgrade())
+        let lanes = self.lanes.iter().map(mpsc::Sender::downgrade).collect();
+        WeakWriteQueue { orders: self.orders.downgrade(), lanes }
     }
 
     /// Writes that wait, and how many may.
     pub fn waiting(&self) -> (usize, usize) {
-        let most = self.0.max_capacity();
-        (most - self.0.capacity(), most)
+        let waiting = |queue: &mpsc::Sender<Job>| queue.max_capacity() - queue.capacity();
+        (self.lanes.iter().map(waiting).sum(), self.lanes.iter().map(mpsc::Sender::max_capacity).sum())
     }
 
-    /// Queues what need not be answered here.
-    pub fn offer(&self, job: Job) -> Result<(), WriteError> {
-        self.0.try_send(job).map_err(|error| match error {
-            mpsc::error::TrySendError::Full(_) => WriteError::Busy,
-            mpsc::error::TrySendError::Closed(_) => WriteError::Stopping,
-        })
+    /// Whose it is to store an item.
+    pub fn lane_of(&self, store: &Store, item: &Submission) -> usize {
+        if self.lanes.len() == 1 {
+            return 0;
+        }
+        let cell = match item {
+            Submission::Calibration(sent) => store::names::cell_of_imu(store, sent.imu.as_str()),
+            Submission::Bench(sent) => store::names::cell_of_gyro(store, sent.result.serial.as_str()),
+            Submission::Event(sent) => store::names::cell_of_gyro(store, sent.serial.as_str()),
+            Submission::Correction(_) | Submission::Confirmation(_) => 0,
+        };
+        usize::from(cell) % self.lanes.len()
     }
 
-    /// As [`WriteQueue::offer`], but waits for room.
+    /// Queues what is to be stored.
+    pub fn offer_to(&self, lane: usize, job: Job) -> Result<(), WriteError> {
+        offer(&self.lanes[lane], job)
+    }
+
+    /// As [`WriteQueue::offer_to`], but waits for room.
+    pub async fn send_to(&self, lane: usize, job: Job) -> Result<(), WriteError> {
+        self.lanes[lane].send(job).await.map_err(|_| WriteError::Stopping)
+    }
+
+    /// Queues an order that need not be answered here; waits for room.
     pub async fn send(&self, job: Job) -> Result<(), WriteError> {
-        self.0.send(job).await.map_err(|_| WriteError::Stopping)
+        self.orders.send(job).await.map_err(|_| WriteError::Stopping)
     }
 
     /// Has the writer do something; returns its answer.
-    pub async fn ask<T, E: From<WriteError>>(&self, job: impl FnOnce(Reply<T, E>) -> Job) -> Result<T, E> {
+    pub async fn ask<T, E: From<WriteError>>(&self, job: impl FnOnce(ReplyTo<T, E>) -> Job) -> Result<T, E> {
         let (reply, answer) = oneshot::channel();
-        self.offer(job(reply))?;
+        offer(&self.orders, job(reply))?;
         answer.await.map_err(|_| WriteError::Stopping)?
     }
 
     /// As [`WriteQueue::ask`], but waits for room.
-    pub async fn ask_in_turn<T, E: From<WriteError>>(&self, job: impl FnOnce(Reply<T, E>) -> Job) -> Result<T, E> {
+    pub async fn ask_in_turn<T, E: From<WriteError>>(&self, job: impl FnOnce(ReplyTo<T, E>) -> Job) -> Result<T, E> {
         let (reply, answer) = oneshot::channel();
         self.send(job(reply)).await?;
         answer.await.map_err(|_| WriteError::Stopping)?
     }
 }
 
+fn offer(queue: &mpsc::Sender<Job>, job: Job) -> Result<(), WriteError> {
+    queue.try_send(job).map_err(|error| match error {
+        mpsc::error::TrySendError::Full(_) => WriteError::Busy,
+        mpsc::error::TrySendError::Closed(_) => WriteError::Stopping,
+    })
+}
+
 impl WeakWriteQueue {
     pub fn upgrade(&self) -> Option<WriteQueue> {
-        self.0.upgrade().map(WriteQueue)
+        let lanes = self.lanes.iter().map(mpsc::WeakSender::upgrade).collect::<Option<Vec<_>>>()?;
+        Some(WriteQueue { orders: self.orders.upgrade()?, lanes: lanes.into() })
     }
 }

@@ -8,10 +8,11 @@ use tokio::sync::Mutex;
 use tokio::task::JoinHandle;
 
 use super::batch::{Batch, Rows};
-use super::db::{cell, insert};
+use super::db::{Sql, cell, insert};
 use super::error::StoreError;
 use super::id::IdSource;
-use super::postgres::{Missed, ServerWriter};
+use super::cells::Cells;
+use super::postgres::{CellWriter, Missed};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::packed::verdicts::VerdictSheet;
@@ -40,6 +41,7 @@ use crate::store::tables::keys;
 use crate::store::tables::keys::KeyRow;
 use crate::store::tables::model;
 use crate::store::tables::model::ModelRow;
+use crate::store::tables::names::{NamesOf, NewName};
 use crate::store::tables::record;
 use crate::store::tables::record::RecordRow;
 use crate::store::tables::set_aside;
@@ -50,9 +52,9 @@ use crate::store::tables::silence::SilenceRow;
 /// Everything that one transaction writes. Rows may refer to names of the same group.
 #[derive(Debug, Default)]
 pub struct Changes {
-    pub imus: Vec<(u32, String)>,
-    pub stations: Vec<(u32, String)>,
-    pub gyros: Vec<(u32, String)>,
+    pub imus: Vec<NewName>,
+    pub stations: Vec<NewName>,
+    pub gyros: Vec<NewName>,
     pub records: Vec<RecordRow>,
     pub history: Vec<HistoryRow>,
     /// Stored rows that are judged anew.
@@ -91,6 +93,15 @@ pub struct Rejudged {
 }
 
 impl Changes {
+    /// New names.
+    pub fn names_mut(&mut self, of: NamesOf) -> &mut Vec<NewName> {
+        match of {
+            NamesOf::Imus => &mut self.imus,
+            NamesOf::Stations => &mut self.stations,
+            NamesOf::Gyros => &mut self.gyros,
+        }
+    }
+
     /// Rows of the history in the order in which they hold: the last of a gyro and instant.
     pub(super) fn history_rows(&self) -> impl Iterator<Item = &HistoryRow> {
         self.history.iter().chain(&self.rejudged.history)
@@ -116,7 +127,7 @@ impl Changes {
     }
 }
 
-/// The only one of this process who writes.
+/// Who writes: of a file the only one, of a database server one of many.
 #[derive(Debug)]
 pub struct Writer {
     ids: IdSource,
@@ -126,7 +137,7 @@ pub struct Writer {
 #[derive(Debug)]
 enum Engine {
     File(Arc<Mutex<FileWriter>>),
-    Server(Box<ServerWriter>),
+    Server(Box<CellWriter>),
 }
 
 impl Writer {
@@ -136,11 +147,24 @@ impl Writer {
     }
 
     /// Of a database that other processes may write as well.
-    pub(super) fn of_server(writer: ServerWriter) -> Self {
+    pub(super) fn of_server(writer: CellWriter) -> Self {
         Self { ids: IdSource::after(0), engine: Engine::Server(Box::new(writer)) }
     }
 
-    /// An identifier greater than every one before. To be asked during a turn.
+    /// Another writer on the same database; none where there can be but one.
+    pub fn another(&self) -> Option<Self> {
+        match &self.engine {
+            Engine::File(_) => None,
+            Engine::Server(writer) => Some(Self::of_server(writer.another())),
+        }
+    }
+
+    /// Whether others may write too, so that what is written has to be held.
+    pub fn is_one_of_many(&self) -> bool {
+        matches!(self.engine, Engine::Server(_))
+    }
+
+    /// An identifier greater than every one before in what is held. To be asked during a turn.
     pub fn next_id(&mut self, now: UtcMicros) -> Id {
         self.ids.next(now)
     }
@@ -150,17 +174,18 @@ impl Writer {
         &mut self.ids
     }
 
-    /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes: what is read is what holds when
-    /// this is committed. Says what others have written since the last turn; names are known already.
+    /// From here to [`Writer::commit`] or [`Writer::give_back`] nobody else writes what is at home in `cells`: what is
+    /// read of it is what holds when this is committed. Says what others have written since these cells were held
+    /// last; names that are at home in them are known.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn take_turn(&mut self) -> Result<Missed, StoreError> {
+    pub async fn take_turn(&mut self, cells: &Cells) -> Result<Missed, StoreError> {
         match &mut self.engine {
             Engine::File(_) => Ok(Missed::default()),
             Engine::Server(writer) => {
-                let missed = writer.take_turn().await?;
-                self.ids.go_on_after(writer.last_id());
+                let (missed, ids) = writer.take_turn(cells).await?;
+                self.ids = ids;
                 Ok(missed)
             }
         }
@@ -262,16 +287,17 @@ impl Committer {
 
 pub(super) fn batch_of(changes: &Changes) -> Batch {
     let mut batch = Batch::default();
-    for (sql, names) in [
-        (insert!("imu (id, name)", [int 0, words 1 2]), &changes.imus),
-        (insert!("station (id, name)", [int 0, words 1 2]), &changes.stations),
-        (insert!("gyro (id, serial)", [int 0, words 1 2]), &changes.gyros),
+    // A file knows of no cells.
+    for (file, server, names) in [
+        (insert!("imu (id, name)", [int 0, words 2 3]), insert!("imu (id, cell, name)", [int 0, int 1, words 2 3]), &changes.imus),
+        (insert!("station (id, name)", [int 0, words 2 3]), insert!("station (id, cell, name)", [int 0, int 1, words 2 3]), &changes.stations),
+        (insert!("gyro (id, serial)", [int 0, words 2 3]), insert!("gyro (id, cell, serial)", [int 0, int 1, words 2 3]), &changes.gyros),
     ] {
         let mut rows = Rows::default();
-        for (number, name) in names {
-            rows.row().integer(i64::from(*number)).bytes(name.as_bytes());
+        for NewName { number, cell, name } in names {
+            rows.row().integer(i64::from(*number)).integer(i64::from(*cell)).bytes(name.as_bytes());
         }
-        batch.add(sql, rows);
+        batch.add(Sql { sqlite: file.sqlite, postgres: server.postgres }, rows);
     }
     correction::withdraw(&changes.withdrawn, &mut batch);
     record::insert(&changes.records, &mut batch);

@@ -229,17 +229,13 @@ async fn release(target: &mut PgConnection) -> Result<(), StoreError> {
     let newest: Vec<String> =
         newest.map(|table| format!("coalesce((SELECT max(id) FROM {}), 0)", table.name)).collect();
     let sql = format!(
-        "UPDATE turn SET version = version + 1, stamp = {}, records = version + 1, marks = version + 1, alerts = version + 1,
-             outbox = version + 1, models = version + 1, diagnoses = version + 1, access = version + 1,
+        "UPDATE cell SET stamp = $1, names = $1, settings = $1, outbox = $1, models = $1, diagnoses = $1, access = $1,
              last_id = greatest({})",
-        rand::random_range(1..i64::MAX),
         newest.join(", ")
     );
     let mut whole = target.begin().await?;
-    sqlx::query(AssertSqlSafe(sql)).execute(&mut *whole).await?;
-    sqlx::query("INSERT INTO turn_commit (version, stamp) SELECT version, stamp FROM turn")
-        .execute(&mut *whole)
-        .await?;
+    let stamp = rand::random_range(1..i64::MAX);
+    sqlx::query(AssertSqlSafe(sql)).bind(stamp).execute(&mut *whole).await?;
     release_mark(&mut whole).await?;
     Ok(whole.commit().await?)
 }

@@ -135,17 +135,17 @@ pub(crate) trait Cell:
 impl<T> Cell for T where T: Type<Sqlite> + for<'r> Decode<'r, Sqlite> + Type<Postgres> + for<'r> Decode<'r, Postgres> {}
 
 /// A row of either database.
-pub(crate) trait Cells {
+pub(crate) trait AnyRow {
     fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error>;
 }
 
-impl Cells for SqliteRow {
+impl AnyRow for SqliteRow {
     fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error> {
         self.try_get(column)
     }
 }
 
-impl Cells for PgRow {
+impl AnyRow for PgRow {
     fn cell<T: Cell>(&self, column: &str) -> Result<T, sqlx::Error> {
         self.try_get(column)
     }

@@ -32,6 +32,9 @@ pub enum StoreError {
     /// A database server broke off in the middle of a commit and cannot be asked what became of it.
     #[error("a commit was not answered, and the database cannot be asked what became of it: {0}")]
     Unanswered(String),
+    /// Another writer has just written what this one was about to, such as the same new name; nothing was stored.
+    #[error("overtaken by another writer: {0}")]
+    Overtaken(String),
     /// A rule of the schema was broken: what was to be written contradicts what is stored.
     #[error("refused by the database: {0}")]
     Refused(String),
@@ -79,6 +82,8 @@ fn of_server(code: &str, message: &str) -> Option<StoreError> {
         ("53100", _) => StoreError::Full,
         // Files of the server's that it cannot read or write.
         ("25006", _) | (_, "58") => StoreError::ReadOnly(message),
+        // A key that is there by now, or one that was lost with the commit that brought it.
+        ("23503" | "23505", _) => StoreError::Overtaken(message),
         (_, "21" | "22" | "23") => StoreError::Refused(message),
         // Connections; transactions that were broken off; resources; locks not had in time; a server on its way up or
         // down.

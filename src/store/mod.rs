@@ -4,6 +4,7 @@
 //! them to and from the core's types and the wire's is the pipeline's and the edge's work.
 
 mod batch;
+mod cells;
 mod commit;
 mod copy;
 mod db;
@@ -38,10 +39,11 @@ pub use crate::store::tables::history::HistoryRow;
 pub use crate::store::tables::hook::HookRow;
 pub use crate::store::tables::keys::KeyRow;
 pub use crate::store::tables::model::ModelRow;
-pub use crate::store::tables::names::{Names, Table, Tables};
+pub use crate::store::tables::names::{Names, NamesOf, NewName, Table, Tables};
 pub use crate::store::tables::record::{RecordAt, RecordHead, RecordRow};
 pub use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
 pub use crate::store::tables::silence::SilenceRow;
+pub use cells::{Cells, cell_of};
 pub use commit::{Changes, Committer, Rejudged, Writer, Written};
 pub use copy::{Copied, copy};
 pub use error::StoreError;
@@ -50,7 +52,7 @@ pub use open::{Options, Store, open};
 pub use postgres::{Duty, Missed, Moves};
 pub use secrets::Secrets;
 
-pub use postgres::{claim, other_servers, standing};
+pub use postgres::{claim, other_servers};
 pub use tables::{
     access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro, histories, history,
     hook, keys, model, names, outbox, record, set_aside, silence,

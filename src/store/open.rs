@@ -212,7 +212,7 @@ async fn load_table(connection: &mut SqliteConnection, sql: &'static str) -> Res
     let rows: Vec<(u32, String)> = sqlx::query_as(sql).fetch_all(connection).await?;
     let mut table = Table::default();
     for (number, name) in rows {
-        if !table.add(number, &name) {
+        if !table.add(number, 0, &name) {
             return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
         }
     }

@@ -85,11 +85,15 @@ pub(super) fn history(record: Id, gyro: u32, at: i64, d_i: f64) -> HistoryRow {
     HistoryRow { gyro, figures }
 }
 
+pub(super) fn name(number: u32, name: &str) -> NewName {
+    NewName { number, cell: 0, name: name.to_owned() }
+}
+
 pub(super) fn first_names() -> Changes {
     Changes {
-        imus: vec![(1, "IMU-07".into())],
-        stations: vec![(1, "站-2 'quoted'".into())],
-        gyros: vec![(1, "LFG-0101".into()), (2, "LFG-0102".into())],
+        imus: vec![name(1, "IMU-07")],
+        stations: vec![name(1, "站-2 'quoted'")],
+        gyros: vec![name(1, "LFG-0101"), name(2, "LFG-0102")],
         ..Changes::default()
     }
 }
@@ -160,7 +164,7 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     assert_eq!(store::keys::get(&store, "k-1").await.unwrap(), Some((ids[0], vec![7; 32])));
     let there = RecordAt { id: ids[1], hash: vec![7; 32], voided: false };
     assert_eq!(store::record::at(&store, 1, UtcMicros(100)).await.unwrap(), [there]);
-    assert_eq!(store::record::newest_of_imus(&store).await.unwrap(), [(1, UtcMicros(200))]);
+    assert_eq!(store::record::newest_of_imu(&store, 1).await.unwrap(), Some(UtcMicros(200)));
 }
 
 #[tokio::test]

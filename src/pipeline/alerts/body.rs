@@ -5,7 +5,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Severity, State, Status, Verdict};
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
-use crate::store::{AlertRow, Changes, StoreError, Tables};
+use crate::store::{AlertRow, Changes, NewName, StoreError, Tables};
 use crate::wire::alert::{AcknowledgementBody, AlertBody, FindingBody, SilenceBody};
 use crate::wire::reason::Reason;
 use crate::wire::time;
@@ -133,6 +133,6 @@ pub fn status_of(row: &AlertRow, finding: &FindingBody) -> Status {
     Status::of(row.rule, State::Exceeded, finding.value, finding.limit, finding.sd, confirmed)
 }
 
-fn added(names: &[(u32, String)], number: u32) -> Option<&str> {
-    names.iter().find(|(added, _)| *added == number).map(|(_, name)| name.as_str())
+fn added(names: &[NewName], number: u32) -> Option<&str> {
+    names.iter().find(|added| added.number == number).map(|added| added.name.as_str())
 }

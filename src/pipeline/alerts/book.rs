@@ -1,4 +1,4 @@
-//! The alerts in memory, and what is to be written about them.
+//! The alerts of gyros that are looked at, and what is to be written about them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,10 +13,14 @@ use crate::pipeline::ingest::judge::Undone;
 use crate::store;
 use crate::store::{AlertRow, Changes, Remark, StepRow, Store, StoreError, Writer};
 
-/// Every alert by gyro, and those that the transaction under construction changes.
+/// Gyros from which on everything is forgotten.
+const MOST_GYROS: usize = 20_000;
+
+/// The alerts of the gyros that have been looked at, and those that the transaction under construction changes.
 #[derive(Debug)]
 pub(crate) struct AlertCache {
     policy: Policy,
+    /// A gyro that has none is known to have none.
     pub(super) alerts: BTreeMap<u32, Vec<AlertRow>>,
     /// Gyro and place of what has changed since the last [`AlertCache::write`].
     pub(super) changed: BTreeSet<(u32, usize)>,
@@ -25,8 +29,8 @@ pub(crate) struct AlertCache {
     pub(super) news: Vec<News>,
     /// Those of many alerts that are in force.
     pub(super) silences: Silences,
-    /// What is in memory is ahead of what is stored.
-    stale: bool,
+    /// They are to be read again before they are used.
+    silences_moved: bool,
 }
 
 /// Who said something that became a step, and why.
@@ -57,47 +61,65 @@ pub(crate) struct News {
 }
 
 impl AlertCache {
-    pub async fn load(store: &Store, policy: Policy, now: UtcMicros) -> Result<Self, StoreError> {
-        let mut cache = Self {
+    pub fn new(policy: Policy) -> Self {
+        Self {
             policy,
             alerts: BTreeMap::new(),
             changed: BTreeSet::new(),
             steps: Vec::new(),
             news: Vec::new(),
             silences: Silences::default(),
-            stale: true,
-        };
-        cache.refresh(store, now).await?;
-        Ok(cache)
+            silences_moved: true,
+        }
     }
 
-    /// What was noted is not what was committed: it is read again before it is used.
+    /// What was noted is not what was committed: all of it is read again before it is used.
     pub fn forget(&mut self) {
-        self.stale = true;
+        (self.alerts, self.changed, self.steps, self.news) = Default::default();
+        self.silences_moved = true;
     }
 
-    /// Reads everything again, where it was forgotten.
-    pub async fn refresh(&mut self, store: &Store, now: UtcMicros) -> Result<(), StoreError> {
-        if self.stale {
-            let rows = store::alerts::all(store).await?;
+    /// Others have written about the gyros that `lost` names.
+    pub fn forget_where(&mut self, lost: impl Fn(u32) -> bool) {
+        self.alerts.retain(|gyro, _| !lost(*gyro));
+    }
+
+    /// Others have begun or ended silences.
+    pub fn forget_silences(&mut self) {
+        self.silences_moved = true;
+    }
+
+    /// Keeps the memory within its bounds, when all that was noted is stored.
+    pub fn tidy(&mut self) {
+        if self.alerts.len() > MOST_GYROS {
+            self.alerts.clear();
+        }
+    }
+
+    /// Reads the alerts of those of these gyros that have not been looked at.
+    pub async fn recall(
+        &mut self,
+        store: &Store,
+        gyros: impl IntoIterator<Item = u32>,
+        now: UtcMicros,
+    ) -> Result<(), StoreError> {
+        if self.silences_moved {
             self.silences = Silences::load(store, now).await?;
-            (self.alerts, self.changed, self.steps, self.news) = Default::default();
+            self.silences_moved = false;
+        }
+        let unknown: BTreeSet<u32> = gyros.into_iter().filter(|gyro| !self.alerts.contains_key(gyro)).collect();
+        if !unknown.is_empty() {
+            let unknown: Vec<u32> = unknown.into_iter().collect();
+            let rows = store::alerts::of_gyros(store, &unknown).await?;
+            self.alerts.extend(unknown.into_iter().map(|gyro| (gyro, Vec::new())));
             rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));
-            self.stale = false;
         }
         Ok(())
     }
 
-    /// Reads the alerts of some gyros again, and the silences: others have changed them.
-    pub async fn refresh_of(&mut self, gyros: &[u32], store: &Store, now: UtcMicros) -> Result<(), StoreError> {
-        if self.stale {
-            return Ok(());
-        }
-        let rows = store::alerts::of_gyros(store, gyros).await?;
-        self.silences = Silences::load(store, now).await?;
-        gyros.iter().for_each(|gyro| drop(self.alerts.remove(gyro)));
-        rows.into_iter().for_each(|row| self.alerts.entry(row.gyro).or_default().push(row));
-        Ok(())
+    /// What the clock makes of an alert, where that changes anything.
+    pub fn is_moved_by_clock(&self, row: &AlertRow, now: UtcMicros) -> bool {
+        alert_decision::tick(&row.alert, now, &self.policy).alert.is_some_and(|after| after != row.alert)
     }
 
     /// Puts what has changed into a transaction; returns what hooks may have to be told.
@@ -108,14 +130,9 @@ impl AlertCache {
         std::mem::take(&mut self.news)
     }
 
-    /// Every alert.
-    pub fn all(&self) -> impl Iterator<Item = &AlertRow> {
-        self.alerts.values().flatten()
-    }
-
     /// Whether a gyro has ever had an alert.
     pub fn knows(&self, gyro: u32) -> bool {
-        self.alerts.contains_key(&gyro)
+        self.alerts.get(&gyro).is_some_and(|rows| !rows.is_empty())
     }
 
     pub fn firing(&self, gyro: u32) -> impl Iterator<Item = &AlertRow> {
@@ -189,10 +206,10 @@ impl AlertCache {
         }
     }
 
-    /// Follows the clock: repeats, and tells what a silence has held back.
-    pub fn tick(&mut self, pen: &mut Pen<'_>) {
+    /// Lets the alerts of these gyros follow the clock: repeats, and tells what a silence has held back.
+    pub fn tick(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) {
         self.silences.pass(pen.now);
-        for at in self.places() {
+        for at in self.places(gyros) {
             let before = self.alerts[&at.0][at.1].alert;
             let decision = alert_decision::tick(&before, pen.now, &self.policy);
             let Some(after) = decision.alert.filter(|after| *after != before) else { continue };
@@ -208,10 +225,10 @@ impl AlertCache {
         }
     }
 
-    /// What waits for the digest of an import is told; true where something did.
-    pub fn tell_digest(&mut self, pen: &mut Pen<'_>) -> bool {
+    /// What waits of these gyros for the digest of an import is told; true where something did.
+    pub fn tell_digest(&mut self, gyros: &BTreeSet<u32>, pen: &mut Pen<'_>) -> bool {
         let mut any = false;
-        for at in self.places() {
+        for at in self.places(gyros) {
             let Some(decision) = alert_decision::digest(&self.alerts[&at.0][at.1].alert, pen.now) else { continue };
             any = true;
             self.enter(at, decision, false, (None, None), pen);
@@ -224,14 +241,9 @@ impl AlertCache {
         any
     }
 
-    /// When something last came to wait for the digest of an import; none where nothing does.
-    pub fn digest_waits_since(&self) -> Option<UtcMicros> {
-        let waits = |row: &AlertRow| row.alert.hushed.filter(|hushed| hushed.digest).map(|hushed| hushed.at);
-        self.all().filter_map(waits).max()
-    }
-
-    pub(super) fn places(&self) -> Vec<(u32, usize)> {
-        self.alerts.iter().flat_map(|(gyro, rows)| (0..rows.len()).map(|place| (*gyro, place))).collect()
+    pub(super) fn places(&self, gyros: &BTreeSet<u32>) -> Vec<(u32, usize)> {
+        let of = |gyro: &u32| (0..self.alerts.get(gyro).map_or(0, Vec::len)).map(|place| (*gyro, place)).collect::<Vec<_>>();
+        gyros.iter().flat_map(of).collect()
     }
 
     /// What a person said of an alert: applies `change`, and notes it as a step. None where there is no such alert.

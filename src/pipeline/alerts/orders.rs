@@ -1,5 +1,7 @@
 //! What people say of alerts, done by the one writer.
 
+use std::collections::BTreeSet;
+
 use super::book::{AlertCache, Pen};
 use super::error::AlertError;
 use super::silences::{MOST_SILENCES, body};
@@ -118,7 +120,8 @@ impl AlertCache {
                 (Some(row.clone()), SilenceRow { ended, ..row }, "end silence")
             }
         };
-        for at in self.places() {
+        let gyros: BTreeSet<u32> = self.alerts.keys().copied().collect();
+        for at in self.places(&gyros) {
             let row = &self.alerts[&at.0][at.1];
             let was_muted = row.alert.muted_until.is_some();
             let muting = self.silences.of_row(row, &pen.naming, pen.now);
@@ -131,7 +134,7 @@ impl AlertCache {
                 self.changed.insert(at);
             }
         }
-        self.tick(pen);
+        self.tick(&gyros, pen);
         changes.access.audit.push(audited(pen, by, action, before.as_ref(), &after));
         let id = after.id;
         changes.silences.push(after);

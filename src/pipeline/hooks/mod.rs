@@ -12,7 +12,7 @@ mod show;
 
 pub use crate::pipeline::hooks::commands::Order;
 pub(super) use crate::pipeline::hooks::commands::{Attempted, Found, HookHandler};
-pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, Standing};
+pub(super) use crate::pipeline::hooks::registry::{HookCache, OutboxContext, Standing, heard_by};
 pub use delivery::{Outbox, OutboxError};
 pub use error::HookError;
 pub use read::{HookPatch, NewHook};

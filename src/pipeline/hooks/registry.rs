@@ -1,7 +1,7 @@
-//! What each hook has heard, and what it is to be told. The writer keeps it in memory: it alone changes it.
+//! What each hook has heard, and what it is to be told.
 
 use std::cmp::Reverse;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::show;
 use super::show::DIGEST;
@@ -19,14 +19,16 @@ use crate::wire::hook::{DigestBody, FilterBody};
 /// Alerts of one message; more of them are several messages.
 const MOST_OF_A_MESSAGE: usize = 1000;
 
-/// The enabled hooks, what each wants to hear, and what it has heard.
+/// Alerts from which on it is forgotten what has been heard of them.
+const MOST_ALERTS: usize = 10_000;
+
+/// The enabled hooks, what each wants to hear, and what it has heard of the alerts that are looked at.
 #[derive(Debug, Default)]
 pub(crate) struct HookCache {
-    hooks: Vec<Subscription>,
-    /// By hook and alert: that it fires, with this severity.
-    heard: HashMap<(Id, Id), Severity>,
-    /// What is in memory is ahead of what is stored.
-    stale: bool,
+    /// None before they are read.
+    hooks: Option<Vec<Subscription>>,
+    /// By alert: the hooks that have heard that it fires, with which severity.
+    heard: HashMap<Id, HashMap<Id, Severity>>,
 }
 
 /// A hook that listens.
@@ -59,37 +61,53 @@ pub(crate) struct OutboxContext<'a> {
 }
 
 impl HookCache {
-    pub async fn load(store: &Store) -> Result<Self, StoreError> {
-        let enabled = store::hook::all(store).await?.into_iter().filter(|hook| hook.enabled);
-        let hooks = enabled.map(|hook| Subscription::of(&hook)).collect::<Result<_, _>>()?;
-        let heard = store::hook::heard(store).await?.into_iter();
-        let unknown = |hook| StoreError::Damaged(format!("what hook {hook} has heard: unknown severity"));
-        let heard = heard.map(|(hook, alert, severity)| {
-            Ok(((hook, alert), Severity::from_name(&severity).ok_or_else(|| unknown(hook))?))
-        });
-        Ok(Self { hooks, heard: heard.collect::<Result<_, StoreError>>()?, stale: false })
-    }
-
-    /// What was noted is not what was committed: it is read again before it is used.
+    /// What was noted is not what was committed, or hooks have changed: all is read again before it is used.
     pub fn forget(&mut self) {
-        self.stale = true;
+        *self = Self::default();
     }
 
-    /// Reads everything again, where it was forgotten.
-    pub async fn refresh(&mut self, store: &Store) -> Result<(), StoreError> {
-        if self.stale {
-            *self = Self::load(store).await?;
+    /// Others have written about alerts.
+    pub fn forget_heard(&mut self) {
+        self.heard.clear();
+    }
+
+    /// Keeps the memory within its bounds, when all that was noted is stored.
+    pub fn tidy(&mut self) {
+        if self.heard.len() > MOST_ALERTS {
+            self.heard.clear();
+        }
+    }
+
+    /// Reads the hooks, where they are not known, and what they have heard of these alerts.
+    pub async fn recall(&mut self, store: &Store, news: &[News]) -> Result<(), StoreError> {
+        if self.hooks.is_none() {
+            let enabled = store::hook::all(store).await?.into_iter().filter(|hook| hook.enabled);
+            self.hooks = Some(enabled.map(|hook| Subscription::of(&hook)).collect::<Result<_, _>>()?);
+        }
+        let unknown: BTreeSet<Id> = news.iter().map(|news| news.id).filter(|id| !self.heard.contains_key(id)).collect();
+        if self.subscriptions().is_empty() || unknown.is_empty() {
+            return Ok(());
+        }
+        let unknown: Vec<Id> = unknown.into_iter().collect();
+        let heard = store::hook::heard_of(store, &unknown).await?;
+        self.heard.extend(unknown.into_iter().map(|alert| (alert, HashMap::new())));
+        for (hook, alert, severity) in heard {
+            self.heard.entry(alert).or_default().insert(hook, severity_of(hook, &severity)?);
         }
         Ok(())
+    }
+
+    fn subscriptions(&self) -> &[Subscription] {
+        self.hooks.as_deref().unwrap_or_default()
     }
 
     /// Queues what each hook is to be told of what has become of alerts.
     pub fn tell(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
         let mut bodies = Vec::with_capacity(news.len());
-        for one in news.iter().filter(|_| !self.hooks.is_empty()) {
+        for one in news.iter().filter(|_| !self.subscriptions().is_empty()) {
             bodies.push((one, read(one)?));
         }
-        for subscription in self.hooks.clone() {
+        for subscription in self.subscriptions().to_vec() {
             // All that one record has caused; without batches each change by itself.
             let mut messages: Vec<(Option<Id>, Vec<Notification>)> = Vec::new();
             for (one, body) in &bodies {
@@ -108,10 +126,10 @@ impl HookCache {
     /// Queues the digest of an import: for each hook one message about all that it lets through.
     pub fn tell_digest(&mut self, news: &[News], context: &mut OutboxContext<'_>) -> Result<(), StoreError> {
         let mut bodies = Vec::with_capacity(news.len());
-        for one in news.iter().filter(|_| !self.hooks.is_empty()) {
+        for one in news.iter().filter(|_| !self.subscriptions().is_empty()) {
             bodies.push((one, read(one)?));
         }
-        for subscription in self.hooks.clone() {
+        for subscription in self.subscriptions().to_vec() {
             let mut told: Vec<(&AlertBody, Notification)> = Vec::new();
             for (one, body) in &bodies {
                 let Some(action) = self.hear(&subscription, one, body, context) else { continue };
@@ -146,24 +164,31 @@ impl HookCache {
         body: &AlertBody,
         context: &mut OutboxContext<'_>,
     ) -> Option<Action> {
-        let heard = self.heard.get(&(subscription.hook, news.id)).copied();
-        let action = alert_decision::for_hook(&news.alert, heard, news.action, context.now)?;
+        let heard = self.heard.entry(news.id).or_default();
+        let action = alert_decision::for_hook(&news.alert, heard.get(&subscription.hook).copied(), news.action, context.now)?;
         // Whoever was told that it fires is told that it ends, whatever the filter has become.
         if action != Action::Resolve && !subscription.filter.wants(body) {
             return None;
         }
         let hears = (action != Action::Resolve).then_some(news.alert.severity);
         match hears {
-            Some(severity) => drop(self.heard.insert((subscription.hook, news.id), severity)),
-            None => drop(self.heard.remove(&(subscription.hook, news.id))),
+            Some(severity) => drop(heard.insert(subscription.hook, severity)),
+            None => drop(heard.remove(&subscription.hook)),
         }
         context.outbox.heard.push((subscription.hook, news.id, hears));
         Some(action)
     }
+}
 
-    pub fn has_heard(&self, hook: Id) -> HashMap<Id, Severity> {
-        self.heard.iter().filter(|((of, _), _)| *of == hook).map(|((_, alert), severity)| (*alert, *severity)).collect()
-    }
+/// What a hook has heard last of the alerts that fire, to its knowledge.
+pub(crate) async fn heard_by(store: &Store, hook: Id) -> Result<HashMap<Id, Severity>, StoreError> {
+    let heard = store::hook::heard_by(store, hook).await?.into_iter();
+    heard.map(|(alert, severity)| Ok((alert, severity_of(hook, &severity)?))).collect()
+}
+
+fn severity_of(hook: Id, name: &str) -> Result<Severity, StoreError> {
+    let unknown = || StoreError::Damaged(format!("what hook {hook} has heard: unknown severity"));
+    Severity::from_name(name).ok_or_else(unknown)
 }
 
 /// Tells a hook that begins to listen, or to more than before, how things stand: what fires and it has not heard, and

@@ -9,12 +9,14 @@ mod outcome;
 mod preview;
 mod reader;
 mod refused;
-mod reply;
 mod same_content;
 pub(super) mod submission;
 pub(super) mod writer;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
+
+use tokio::sync::oneshot;
 
 use super::access::Actor;
 use super::diagnoses::background::IdleDetector;
@@ -32,7 +34,6 @@ pub use outcome::{Accepted, Judged, Reply};
 pub use preview::Preview;
 pub use reader::Reader;
 pub use refused::Refused;
-pub(super) use reply::ReplySender;
 pub use same_content::Sent;
 pub use submission::{
     BenchTest, CalibratedGyro, Calibration, Confirmation, Corrected, Correction, GyroEvent, Submission,
@@ -55,55 +56,50 @@ impl Ingest {
     /// [`Refused`]; then nothing of it is stored, but after [`StorageFault::Unanswered`](super::StorageFault) that is
     /// not known.
     pub async fn submit(&self, item: Submission) -> Result<Accepted, Refused> {
-        let (accepted, ()) = self.submit_worded(item, |_| ()).await?;
-        Ok(accepted)
+        self.submit_late(item, Late::Quiet).await
     }
 
-    /// As [`Ingest::submit`], with what `put_into_words` makes of what becomes of the item. It is called while the
-    /// disk works, so what it makes may be told to nobody before this returns; it is called again where something
-    /// else came true.
+    /// As [`Ingest::submit`], with a say in how what is found late is told.
     ///
     /// # Errors
     /// As [`Ingest::submit`].
-    pub async fn submit_worded<T>(
-        &self,
-        item: Submission,
-        put_into_words: impl FnMut(&Accepted) -> T,
-    ) -> Result<(Accepted, T), Refused> {
-        self.submit_late(item, Late::Quiet, put_into_words).await
-    }
-
-    /// As [`Ingest::submit_worded`], with a say in how what is found late is told.
-    ///
-    /// # Errors
-    /// As [`Ingest::submit`].
-    pub async fn submit_late<T>(
-        &self,
-        item: Submission,
-        late: Late,
-        mut put_into_words: impl FnMut(&Accepted) -> T,
-    ) -> Result<(Accepted, T), Refused> {
+    pub async fn submit_late(&self, item: Submission, late: Late) -> Result<Accepted, Refused> {
         self.activity.note_activity();
-        let (reply, listener) = reply::channel();
-        self.queue.offer(Job::Store { items: vec![item], by: Actor::by_caller(), with_verdicts: true, late, reply })?;
-        let heard = listener.hear(|replies| replies.first()?.as_ref().ok().map(&mut put_into_words)).await;
-        let (mut replies, words) = heard.ok_or(WriteError::Stopping)?;
-        let accepted = replies.pop().unwrap_or(Err(WriteError::Stopping.into()))?;
-        Ok((accepted, words.expect("the one reply was accepted, so it was put into words")))
+        let lane = self.queue.lane_of(&self.store, &item);
+        let (reply, answer) = oneshot::channel();
+        let (items, by) = (vec![item], Actor::by_caller());
+        self.queue.offer_to(lane, Job::Store { items, by, with_verdicts: true, late, reply })?;
+        let mut replies = answer.await.map_err(|_| WriteError::Stopping)?;
+        replies.pop().unwrap_or(Err(WriteError::Stopping.into()))
     }
 
     /// As [`Ingest::submit`] for many, each with an answer of its own that leaves out the verdicts. Waits for room in
-    /// the queue; what it then returns waits for the disk, so that the next items can be made ready meanwhile.
+    /// the queues; what it then returns waits for the disk, so that the next items can be made ready meanwhile.
     pub async fn enqueue(&self, items: Vec<Submission>, late: Late) -> impl Future<Output = Vec<Reply>> + use<> {
         self.activity.note_activity();
+        let mut lanes: BTreeMap<usize, (Vec<usize>, Vec<Submission>)> = BTreeMap::new();
         let count = items.len();
-        let (reply, listener) = reply::channel();
-        // Where the writer is gone, the reply is dropped with the job, and the answer says so.
-        let _queued =
-            self.queue.send(Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply }).await;
+        for (place, item) in items.into_iter().enumerate() {
+            let (places, of_lane) = lanes.entry(self.queue.lane_of(&self.store, &item)).or_default();
+            places.push(place);
+            of_lane.push(item);
+        }
+        let mut answers = Vec::with_capacity(lanes.len());
+        for (lane, (places, items)) in lanes {
+            let (reply, answer) = oneshot::channel();
+            let job = Job::Store { items, by: Actor::by_caller(), with_verdicts: false, late, reply };
+            // Where the writer is gone, the reply is dropped with the job, and the answer says so.
+            let _queued = self.queue.send_to(lane, job).await;
+            answers.push((places, answer));
+        }
         async move {
-            let heard = listener.hear(|_| ()).await;
-            heard.map_or_else(|| vec![Err(WriteError::Stopping.into()); count], |(replies, ())| replies)
+            let mut replies: Vec<Reply> = vec![Err(WriteError::Stopping.into()); count];
+            for (places, answer) in answers {
+                for (place, reply) in places.into_iter().zip(answer.await.unwrap_or_default()) {
+                    replies[place] = reply;
+                }
+            }
+            replies
         }
     }
 

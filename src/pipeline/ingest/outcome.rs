@@ -13,8 +13,7 @@ pub type Reply = Result<Accepted, Refused>;
 /// What has become of a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Accepted {
-    /// It is new, and on disk once [`Ingest::submit`](super::Ingest::submit) or
-    /// [`Ingest::submit_worded`](super::Ingest::submit_worded) has returned it.
+    /// It is new, and on disk once [`Ingest::submit`](super::Ingest::submit) has returned it.
     Stored { id: Id, judged: Arc<[Judged]>, notes: Arc<[Note]> },
     /// An item with the same key has been there before; whether it says the same is for
     /// [`Ingest::settle`](super::Ingest::settle) to find out.

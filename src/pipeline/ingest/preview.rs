@@ -38,7 +38,6 @@ impl Ingest {
         let mut admission = Admission {
             store: &self.store,
             ids: &mut ids,
-            newest: None,
             memory: &mut memory,
             ahead: &ahead,
             judging: &self.config.judging,

@@ -1,17 +1,18 @@
 //! PostgreSQL, and what speaks as it does: any number of servers on one database.
 //!
-//! Reading is the same as everywhere. Who writes takes its turn first ([`turn`]); what others have written shows in
-//! the turn's row, which every server looks at a few times a second ([`other_servers`]); work in the background
-//! belongs to whoever holds its lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
+//! Reading is the same as everywhere. Who writes holds the cells of what it writes ([`cell_writer`]); what others have
+//! written shows in the cells' rows, which every server looks at a few times a second ([`other_servers`]); work in the
+//! background belongs to whoever holds its lease ([`lease`]), diagnoses to whoever has claimed them ([`claim`]).
 
 mod bounded;
+mod cell_rows;
+mod cell_writer;
 pub mod claim;
+mod homes;
 mod hosts;
 mod lease;
 pub(in crate::store) mod names;
 pub mod other_servers;
-pub mod standing;
-mod turn;
 
 use std::time::{Duration, Instant};
 
@@ -22,9 +23,9 @@ use sqlx::{PgConnection, Row as _, SqlSafeStr};
 pub(super) use self::bounded::PgReaders;
 use self::bounded::within;
 use self::hosts::Hosts;
+pub use self::cell_rows::Missed;
+pub(super) use self::cell_writer::CellWriter;
 pub use self::lease::Duty;
-pub use self::standing::Missed;
-pub(super) use self::turn::ServerWriter;
 use super::commit::Writer;
 use super::db::Readers;
 use super::error::StoreError;
@@ -36,7 +37,7 @@ use crate::store::sqlite::write_behind::Unplaced;
 use crate::store::tables::names::{Names, Tables};
 
 /// Every migration ever shipped, oldest first; a shipped one is never edited.
-const MIGRATIONS: [(i64, &str, &str); 8] = [
+const MIGRATIONS: [(i64, &str, &str); 9] = [
     (1, "schema", include_str!("../../../migrations/postgres/0001_schema.sql")),
     (2, "claims", include_str!("../../../migrations/postgres/0002_claims.sql")),
     (3, "shared_limits", include_str!("../../../migrations/postgres/0003_shared_limits.sql")),
@@ -45,6 +46,7 @@ const MIGRATIONS: [(i64, &str, &str); 8] = [
     (6, "environmental_tests", include_str!("../../../migrations/postgres/0006_environmental_tests.sql")),
     (7, "senders", include_str!("../../../migrations/postgres/0007_senders.sql")),
     (8, "commit_stamps", include_str!("../../../migrations/postgres/0008_commit_stamps.sql")),
+    (10, "cells", include_str!("../../../migrations/postgres/0010_cells.sql")),
 ];
 
 /// How long a database that does not answer yet is waited for at the start.
@@ -73,8 +75,8 @@ impl Options {
 /// [`StoreError`] where it cannot be reached within seconds, or holds a schema newer than this program.
 pub(super) async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     let (readers, names, writer) = ready(options).await?;
-    let hosts = Hosts::of(&options.url)?;
-    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), writer.number(), options.lease).await?;
+    let (hosts, number) = (Hosts::of(&options.url)?, rand::random_range(1..i64::MAX));
+    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease).await?;
     Ok(opened(readers, names, writer, neighbours))
 }
 
@@ -84,7 +86,7 @@ pub(super) async fn open_beside(options: &Options) -> Result<(Store, Writer), St
     Ok(opened(readers, names, writer, Neighbours::none()))
 }
 
-fn opened(readers: PgReaders, names: Names, writer: ServerWriter, neighbours: Neighbours) -> (Store, Writer) {
+fn opened(readers: PgReaders, names: Names, writer: CellWriter, neighbours: Neighbours) -> (Store, Writer) {
     let place = Place::Server(neighbours);
     let store = Store {
         readers: Readers::Postgres(readers),
@@ -96,19 +98,20 @@ fn opened(readers: PgReaders, names: Names, writer: ServerWriter, neighbours: Ne
     (store, Writer::of_server(writer))
 }
 
-async fn ready(options: &Options) -> Result<(PgReaders, Names, ServerWriter), StoreError> {
+async fn ready(options: &Options) -> Result<(PgReaders, Names, CellWriter), StoreError> {
     let hosts = Hosts::of(&options.url)?;
     patiently(async || {
         let mut connection = hosts.reach(options.busy_timeout).await?;
         refuse_shared(&mut connection, &hosts, options.busy_timeout).await?;
-        migrate(&mut connection).await
+        migrate(&mut connection).await?;
+        homes::give(&mut connection).await
     })
     .await?;
     let readers = pool(&hosts, options, options.readers, options.lease).await?;
     check_copied(&readers).await?;
     let names = Names::new(Tables::default());
-    names::learn_new(&readers, &names).await?;
-    let writer = ServerWriter::new(hosts, options, readers.clone(), names.clone()).await?;
+    names::learn_all(&readers, &names).await?;
+    let writer = CellWriter::new(hosts, options, readers.clone(), names.clone()).await?;
     Ok((readers, names, writer))
 }
 
@@ -147,7 +150,7 @@ pub(super) async fn open_to_read(options: &Options) -> Result<Store, StoreError>
         sqlx::query("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").execute(&mut *connection).await?;
         check_schema(&mut connection, options).await?;
     }
-    names::learn_new(&readers, &names).await?;
+    names::learn_all(&readers, &names).await?;
     let place = Place::Server(Neighbours::none());
     Ok(Store {
         readers: Readers::Postgres(readers),
@@ -180,7 +183,7 @@ async fn check_copied(readers: &PgReaders) -> Result<(), StoreError> {
 async fn check_schema(connection: &mut PgConnection, options: &Options) -> Result<(), StoreError> {
     let wrong = |why: &str| Err(StoreError::File(format!("{}: {why}", options.shown())));
     let ours = "SELECT count(*) FROM information_schema.tables WHERE table_schema = current_schema()
-                AND table_name IN ('_sqlx_migrations', 'record', 'turn')";
+                AND table_name IN ('_sqlx_migrations', 'record', 'cell')";
     if sqlx::query_scalar::<_, i64>(ours).fetch_one(&mut *connection).await? != 3 {
         return wrong("no database of gyrowatch");
     }

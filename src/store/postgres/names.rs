@@ -1,100 +1,126 @@
 //! Names that other servers have given numbers to.
 
+use super::cell_rows::{CellRow, News};
 use crate::store::db::{PgReaders, Readers};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
-use crate::store::tables::names::{Commit, Names, Tables};
+use crate::store::tables::names::{NamesOf, Names};
 use crate::store::tables::record::RecordRow;
 
-/// Names that were committed after `$1`, or all where `$2`; as kind 3 the newest commit; as kind 4 that of `$1`,
-/// where it is known.
-const NEW: &str = "SELECT 0 AS kind, id, name, CAST(0 AS BIGINT) AS stamp FROM imu WHERE since > $1 OR $2
-    UNION ALL SELECT 1, id, name, 0 FROM station WHERE since > $1 OR $2
-    UNION ALL SELECT 2, id, serial, 0 FROM gyro WHERE since > $1 OR $2
-    UNION ALL SELECT 3, version, '', stamp FROM turn
-    UNION ALL SELECT 4, version, '', stamp FROM turn_commit WHERE version = $1";
+/// A name: its kind, number, cell and text.
+type Found = (i32, i64, i64, String);
 
-/// What [`NEW`] finds.
-#[derive(Debug, Default)]
-struct New {
-    names: [Vec<(u32, String)>; 3],
-    newest: Commit,
-    /// The commit up to which names were asked for, as the database has it.
-    seen: Option<Commit>,
+const ALL: &str = "SELECT 0, id, cell, name FROM imu UNION ALL SELECT 1, id, cell, name FROM station
+                   UNION ALL SELECT 2, id, cell, serial FROM gyro";
+const OF_CELLS: &str = "SELECT 0, id, cell, name FROM imu WHERE cell = ANY($1)
+                        UNION ALL SELECT 1, id, cell, name FROM station WHERE cell = ANY($1)
+                        UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE cell = ANY($1)";
+const OF_NAMES: &str = "SELECT 0, id, cell, name FROM imu WHERE name = ANY($1)
+                        UNION ALL SELECT 1, id, cell, name FROM station WHERE name = ANY($2)
+                        UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE serial = ANY($3)";
+const OF_NUMBERS: &str = "SELECT 0, id, cell, name FROM imu WHERE id = ANY($1)
+                          UNION ALL SELECT 1, id, cell, name FROM station WHERE id = ANY($2)
+                          UNION ALL SELECT 2, id, cell, serial FROM gyro WHERE id = ANY($3)";
+
+fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8, String)>, StoreError> {
+    let one = |(kind, number, cell, name): Found| {
+        let kind = usize::try_from(kind).ok().and_then(|kind| NamesOf::ALL.get(kind)).copied();
+        let wrong = || StoreError::Damaged(format!("`{name}` has the number {number} in cell {cell}"));
+        let known = kind.zip(u32::try_from(number).ok()).zip(u8::try_from(cell).ok());
+        let ((kind, number), cell) = known.ok_or_else(wrong)?;
+        Ok((kind, number, cell, name))
+    };
+    found.into_iter().map(one).collect()
 }
 
-impl New {
-    async fn since(readers: &PgReaders, version: i64, all: bool) -> Result<Self, StoreError> {
-        let rows: Vec<(i32, i64, String, i64)> = sqlx::query_as(NEW).bind(version).bind(all).fetch_all(readers).await?;
-        let mut new = Self::default();
-        for (kind, number, name, stamp) in rows {
-            match usize::try_from(kind).ok().and_then(|kind| new.names.get_mut(kind)) {
-                Some(names) => {
-                    let wrong = |_| StoreError::Damaged(format!("`{name}` has the number {number}"));
-                    let number = u32::try_from(number).map_err(wrong)?;
-                    names.push((number, name));
-                }
-                None if kind == 3 => new.newest = Commit { version: number, stamp },
-                None => new.seen = Some(Commit { version: number, stamp }),
-            }
-        }
-        Ok(new)
-    }
-
-    /// Enters the names, and how far they are known.
-    fn enter(self, tables: &mut Tables) -> Result<(), StoreError> {
-        tables.seen = self.newest;
-        for (table, names) in tables.all_mut().into_iter().zip(&self.names) {
-            if let Some((_, name)) = names.iter().find(|(number, name)| !table.add(*number, name)) {
-                return Err(StoreError::Damaged(format!("`{name}` has more than one number")));
-            }
-        }
-        Ok(())
-    }
+/// Every name there is.
+///
+/// # Errors
+/// [`StoreError`].
+pub(super) async fn learn_all(readers: &PgReaders, names: &Names) -> Result<(), StoreError> {
+    let found = read(sqlx::query_as(ALL).fetch_all(readers).await?)?;
+    names.change(|tables| found.iter().try_for_each(|(kind, number, cell, name)| tables.learn(*kind, *number, *cell, name)))
 }
 
-/// Learns the names that came after those that are known; all of them where the database has lost commits that
-/// brought known ones.
+/// The names of cells in which there are new ones, or of which some were lost. Those who hold the cells know them all
+/// then.
 ///
 /// # Errors
 /// [`StoreError`]; then what was known before is known.
-pub(super) async fn learn_new(readers: &PgReaders, names: &Names) -> Result<(), StoreError> {
-    loop {
-        let seen = names.read().seen;
-        let is_first = seen == Commit::default();
-        let mut new = New::since(readers, seen.version, is_first).await?;
-        let is_lost = !is_first && new.seen != Some(seen);
-        if is_lost {
-            tracing::warn!("the database has lost commits: all names are read again");
-            new = New::since(readers, 0, true).await?;
-        }
-        let mut entered = None;
-        names.change(|tables| {
-            // Where somebody else has learned meanwhile, these may be the older ones.
-            if tables.seen == seen {
-                if is_lost {
-                    *tables = Tables::default();
-                }
-                entered = Some(new.enter(tables));
-            }
-        });
-        if let Some(entered) = entered {
-            return entered;
-        }
+pub(super) async fn learn_cells(readers: &PgReaders, names: &Names, found: &[CellRow]) -> Result<(), StoreError> {
+    let seen = |row: &CellRow| names.read().seen[usize::from(row.cell)];
+    let moved: Vec<(CellRow, i64)> =
+        found.iter().map(|row| (*row, seen(row))).filter(|(row, seen)| row.stamp_of(News::Names) != *seen).collect();
+    if moved.is_empty() {
+        return Ok(());
     }
+    let cells: Vec<i64> = moved.iter().map(|(row, _)| i64::from(row.cell)).collect();
+    let of_cells = read(sqlx::query_as(OF_CELLS).bind(cells).fetch_all(readers).await?)?;
+    names.change(|tables| {
+        for (row, seen) in &moved {
+            let place = usize::from(row.cell);
+            // Where somebody else has learned meanwhile, these may be the older ones.
+            if tables.seen[place] != *seen {
+                continue;
+            }
+            let of_cell = of_cells.iter().filter(|(_, _, cell, _)| *cell == row.cell);
+            tables.forget_others(row.cell, of_cell.clone().map(|(kind, number, ..)| (*kind, *number)).collect());
+            for (kind, number, cell, name) in of_cell {
+                tables.learn(*kind, *number, *cell, name)?;
+            }
+            tables.seen[place] = row.stamp_of(News::Names);
+        }
+        Ok(())
+    })
+}
+
+/// Names that may be known to other servers: of IMUs, stations and gyros.
+///
+/// # Errors
+/// [`StoreError`].
+pub(in crate::store) async fn look_up(store: &Store, unknown: [Vec<String>; 3]) -> Result<(), StoreError> {
+    let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
+    if unknown.iter().all(Vec::is_empty) {
+        return Ok(());
+    }
+    let [imus, stations, gyros] = unknown;
+    let query = sqlx::query_as(OF_NAMES).bind(imus).bind(stations).bind(gyros);
+    learn(store, read(query.fetch_all(readers).await?)?)
+}
+
+fn learn(store: &Store, found: Vec<(NamesOf, u32, u8, String)>) -> Result<(), StoreError> {
+    store.names.change(|tables| {
+        found.iter().try_for_each(|(kind, number, cell, name)| tables.learn(*kind, *number, *cell, name))
+    })
 }
 
 /// A row of another server's may be read before the names that came with it were heard of.
 ///
 /// # Errors
-/// As [`learn_new`].
+/// [`StoreError`].
 pub(in crate::store) async fn know_names_of(store: &Store, row: &RecordRow) -> Result<(), StoreError> {
+    let gyros = row.verdicts.0.iter().map(|(gyro, _)| *gyro).collect();
+    look_up_numbers(store, [vec![row.imu], vec![row.station], gyros]).await
+}
+
+/// As [`look_up`], by numbers.
+///
+/// # Errors
+/// [`StoreError`].
+pub(in crate::store) async fn look_up_numbers(store: &Store, numbers: [Vec<u32>; 3]) -> Result<(), StoreError> {
     let Readers::Postgres(readers) = &store.readers else { return Ok(()) };
-    let are_known = {
+    let [imus, stations, gyros] = {
         let tables = store.names.read();
-        tables.imus.name(row.imu).is_some()
-            && tables.stations.name(row.station).is_some()
-            && row.verdicts.0.iter().all(|(gyro, _)| tables.gyros.name(*gyro).is_some())
+        let mut kinds = NamesOf::ALL.into_iter();
+        numbers.map(|numbers| {
+            let table = tables.of(kinds.next().expect("there are three kinds"));
+            let unknown = numbers.into_iter().filter(|number| table.name(*number).is_none());
+            unknown.map(i64::from).collect::<Vec<_>>()
+        })
     };
-    if are_known { Ok(()) } else { learn_new(readers, &store.names).await }
+    if [&imus, &stations, &gyros].iter().all(|unknown| unknown.is_empty()) {
+        return Ok(());
+    }
+    let query = sqlx::query_as(OF_NUMBERS).bind(imus).bind(stations).bind(gyros);
+    learn(store, read(query.fetch_all(readers).await?)?)
 }

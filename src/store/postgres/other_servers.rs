@@ -5,12 +5,12 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::hosts::Hosts;
+use super::cell_rows::{AllCells, Missed};
 use super::lease::{self, Duty, Held};
-use super::standing::{Found, Missed, Standing};
 use super::{PgReaders, claim, names};
 use crate::store::error::StoreError;
 use crate::store::open::{Place, Store};
-use crate::store::tables::names::{Commit, Names};
+use crate::store::tables::names::Names;
 
 /// How soon what others have written is known here.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -18,24 +18,16 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// The other servers, watched as long as a clone is alive.
 #[derive(Debug, Clone)]
 pub(crate) struct Neighbours {
-    seen: watch::Receiver<Seen>,
+    seen: watch::Receiver<AllCells>,
     held: watch::Receiver<Held>,
     /// This server among them, and how long what it takes is its own; none where it takes nothing.
     lease: Option<(i64, Duration)>,
 }
 
-/// The turn's row as it was seen last.
-#[derive(Debug, Clone, Copy, Default)]
-struct Seen {
-    standing: Standing,
-    /// How often the database was found to have lost commits.
-    losses: u32,
-}
-
 impl Neighbours {
     /// Nobody is watched, and nothing is this server's duty.
     pub fn none() -> Self {
-        Self { seen: watch::channel(Seen::default()).1, held: watch::channel(Held::default()).1, lease: None }
+        Self { seen: watch::channel(AllCells::default()).1, held: watch::channel(Held::default()).1, lease: None }
     }
 
     pub async fn watch(
@@ -45,8 +37,7 @@ impl Neighbours {
         number: i64,
         lease: Duration,
     ) -> Result<Self, StoreError> {
-        let standing = Found::look(&readers, Commit::default()).await?.standing;
-        let (told, seen) = watch::channel(Seen { standing, losses: 0 });
+        let (told, seen) = watch::channel(AllCells::look(&readers).await?);
         let (keeper, held) = watch::channel(Held::default());
         tokio::spawn(look_around(readers.clone(), hosts, names, told));
         tokio::spawn(lease::keep(readers, number, lease, keeper));
@@ -67,7 +58,7 @@ impl Neighbours {
     }
 }
 
-async fn look_around(readers: PgReaders, hosts: Hosts, names: Names, told: watch::Sender<Seen>) {
+async fn look_around(readers: PgReaders, hosts: Hosts, names: Names, told: watch::Sender<AllCells>) {
     while !told.is_closed() && !readers.is_closed() {
         if let Err(error) = look(&readers, &names, &told).await {
             tracing::debug!(%error, "what other servers have written cannot be read");
@@ -83,13 +74,11 @@ async fn look_around(readers: PgReaders, hosts: Hosts, names: Names, told: watch
     }
 }
 
-async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<Seen>) -> Result<(), StoreError> {
-    let seen = *told.borrow();
-    let found = Found::look(readers, seen.standing.commit).await?;
-    if seen.standing.commit != found.standing.commit {
-        names::learn_new(readers, names).await?;
-        let losses = seen.losses + u32::from(!found.is_continued);
-        told.send_replace(Seen { standing: found.standing, losses });
+async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<AllCells>) -> Result<(), StoreError> {
+    let found = AllCells::look(readers).await?;
+    if *told.borrow() != found {
+        names::learn_cells(readers, names, &found.0).await?;
+        told.send_replace(found);
     }
     Ok(())
 }
@@ -98,7 +87,7 @@ async fn look(readers: &PgReaders, names: &Names, told: &watch::Sender<Seen>) ->
 #[derive(Debug)]
 pub struct Moves {
     neighbours: Neighbours,
-    seen: Seen,
+    seen: AllCells,
 }
 
 impl Moves {
@@ -113,10 +102,7 @@ impl Moves {
             }
         }
         let found = *self.neighbours.seen.borrow_and_update();
-        let is_continued = found.losses == self.seen.losses;
-        let missed = Found { standing: found.standing, is_continued }.missed(&self.seen.standing);
-        self.seen = found;
-        Some(missed)
+        Some(self.seen.learn(&found.0))
     }
 }
 

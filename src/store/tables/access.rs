@@ -7,8 +7,9 @@ use crate::core::access::Role;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
+use crate::store::cells::{ACCESS_CELL, Cells};
 use crate::store::commit::{Changes, Writer, batch_of, waiting_for_disk};
-use crate::store::db::{Cells, Whole, among, cell, insert, on};
+use crate::store::db::{AnyRow, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::id::IdSource;
 use crate::store::open::{Options, Store, connect_options, last_id, migrate, open_to_write};
@@ -140,12 +141,12 @@ pub(crate) fn apply(changes: &AccessChanges, batch: &mut Batch) {
     );
 }
 
-fn hash(row: &impl Cells) -> Result<[u8; 32], StoreError> {
+fn hash(row: &impl AnyRow) -> Result<[u8; 32], StoreError> {
     let bytes: Vec<u8> = row.cell("secret_sha256")?;
     bytes.try_into().map_err(|_| StoreError::Damaged("the hash of a token has another length".to_owned()))
 }
 
-fn token(row: &impl Cells) -> Result<TokenRow, StoreError> {
+fn token(row: &impl AnyRow) -> Result<TokenRow, StoreError> {
     let id = Id(row.cell("id")?);
     let role: String = row.cell("role")?;
     let damaged = || StoreError::Damaged(format!("token {id} has the role {role:?}, which is none"));
@@ -204,7 +205,7 @@ pub async fn audit(
     })
 }
 
-fn session(row: &impl Cells) -> Result<SessionRow, StoreError> {
+fn session(row: &impl AnyRow) -> Result<SessionRow, StoreError> {
     Ok(SessionRow {
         id: Id(row.cell("id")?),
         token: Id(row.cell("token")?),
@@ -214,7 +215,7 @@ fn session(row: &impl Cells) -> Result<SessionRow, StoreError> {
     })
 }
 
-fn line(row: &impl Cells) -> Result<AuditRow, StoreError> {
+fn line(row: &impl AnyRow) -> Result<AuditRow, StoreError> {
     Ok(AuditRow {
         id: Id(row.cell("id")?),
         at: UtcMicros(row.cell("at")?),
@@ -247,7 +248,7 @@ impl Beside {
     pub async fn open(options: &Options) -> Result<Self, StoreError> {
         if options.is_server() {
             let (store, mut writer) = postgres::open_beside(options).await?;
-            writer.take_turn().await?;
+            writer.take_turn(&Cells::one(ACCESS_CELL)).await?;
             return Ok(Self(Aside::Server { store, writer: Box::new(writer) }));
         }
         let connect = connect_options(options)?;

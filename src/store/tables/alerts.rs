@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Cells, Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -128,7 +128,7 @@ const COLUMNS: &str = "SELECT alert.id, gyro, coefficient, alert.rule, status, s
      muted_by, muted_until, silence.author AS muted_author, silence.reason AS muted_reason, silence.at AS muted_at \
      FROM alert LEFT JOIN silence ON silence.id = alert.muted_by";
 
-fn alert(row: &impl Cells) -> Result<AlertRow, StoreError> {
+fn alert(row: &impl AnyRow) -> Result<AlertRow, StoreError> {
     let id = Id(row.cell("id")?);
     let damaged = |what: &str| StoreError::Damaged(format!("alert {id}: unknown {what}"));
     let text = |column: &str| row.cell::<String>(column);
@@ -203,6 +203,15 @@ pub async fn find(
         .bind(Whole(limit))
         .fetch_all(db)
         .await?.iter().map(alert).collect())
+}
+
+/// Alerts that may change with the clock alone: that fire, or of which somebody is still to be told something.
+pub async fn of_clock(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
+    let sql = sqlx::AssertSqlSafe(format!(
+        "{COLUMNS} WHERE status = 'firing' OR told_at IS NOT NULL OR silenced_until IS NOT NULL
+             OR muted_until IS NOT NULL ORDER BY alert.id"
+    ));
+    on!(store.readers, db => sqlx::query(sql).fetch_all(db).await?.iter().map(alert).collect())
 }
 
 /// Every alert, in the order in which they first fired: as many as there are troubled gyros, not records.

@@ -120,13 +120,6 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<BenchRow>, StoreError> 
     found.map(row).transpose()
 }
 
-/// Gyros that a bench has measured.
-pub async fn gyros_on_benches(store: &Store) -> Result<Vec<u32>, StoreError> {
-    let sql = "SELECT DISTINCT gyro FROM bench_result";
-    let gyros: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).fetch_all(db).await?);
-    Ok(gyros.into_iter().map(|gyro| gyro.0).collect())
-}
-
 /// Those of `gyros` that have bench results.
 pub async fn on_benches(store: &Store, gyros: &[u32]) -> Result<Vec<u32>, StoreError> {
     let sql = store.readers.words(Sql {

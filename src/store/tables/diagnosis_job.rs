@@ -8,7 +8,7 @@ use crate::core::id::Id;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Cells, Sql, Whole, among, cell, insert, on};
+use crate::store::db::{AnyRow, Sql, Whole, among, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -215,7 +215,7 @@ fn cancel(canceled: &[(Id, UtcMicros)], batch: &mut Batch) {
     );
 }
 
-fn job(row: &impl Cells) -> Result<JobRow, StoreError> {
+fn job(row: &impl AnyRow) -> Result<JobRow, StoreError> {
     Ok(JobRow {
         id: Id(row.cell("id")?),
         asked_at: UtcMicros(row.cell("asked_at")?),

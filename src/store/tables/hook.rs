@@ -3,8 +3,9 @@
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
+use crate::store::cells::Cells;
 use crate::store::commit::{Changes, Writer};
-use crate::store::db::{Cells, cell, insert, on};
+use crate::store::db::{AnyRow, Sql, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 use crate::store::secrets::Secrets;
@@ -81,7 +82,7 @@ pub(crate) fn upsert(hooks: &[HookRow], batch: &mut Batch) {
 const COLUMNS: &str = "SELECT id, name, kind, url, \"authorization\", secret, old_secret, old_secret_until, filter, enabled, \
                        disabled_because, created_at, changed_at, deleted_at, batch, expect FROM hook";
 
-fn hook(row: &impl Cells) -> Result<HookRow, StoreError> {
+fn hook(row: &impl AnyRow) -> Result<HookRow, StoreError> {
     let instant = |column: &str| Ok::<_, sqlx::Error>(row.cell::<Option<i64>>(column)?.map(UtcMicros));
     let old_secret: Option<String> = row.cell("old_secret")?;
     Ok(HookRow {
@@ -121,7 +122,7 @@ pub fn hide(store: &Store, hooks: &mut [HookRow]) -> Result<(), StoreError> {
 /// # Errors
 /// [`StoreError::Key`] where something is encrypted, and not with this key.
 pub async fn hide_stored(store: &Store, writer: &mut Writer) -> Result<usize, StoreError> {
-    writer.take_turn().await?;
+    writer.take_turn(&Cells::all()).await?;
     let hidden = hide_in_turn(store, writer).await;
     writer.give_back().await;
     hidden
@@ -145,7 +146,7 @@ async fn hide_in_turn(store: &Store, writer: &mut Writer) -> Result<usize, Store
     Ok(count)
 }
 
-fn shown(store: &Store, row: &impl Cells) -> Result<HookRow, StoreError> {
+fn shown(store: &Store, row: &impl AnyRow) -> Result<HookRow, StoreError> {
     let mut hook = hook(row)?;
     store.secrets.show(&mut hook)?;
     Ok(hook)
@@ -163,11 +164,24 @@ pub async fn get(store: &Store, id: Id) -> Result<Option<HookRow>, StoreError> {
     on!(store.readers, db => sqlx::query(sql).bind(id.0).fetch_optional(db).await?.as_ref().map(|row| shown(store, row)).transpose())
 }
 
-/// What hooks have heard last of alerts that fire: hook, alert, severity.
-pub async fn heard(store: &Store) -> Result<Vec<(Id, Id, String)>, StoreError> {
-    let sql = "SELECT hook, alert, severity FROM hook_heard";
-    let rows: Vec<(i64, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).fetch_all(db).await?);
+/// What hooks have heard last of these alerts, where that is that they fire: hook, alert, severity.
+pub async fn heard_of(store: &Store, alerts: &[Id]) -> Result<Vec<(Id, Id, String)>, StoreError> {
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT hook, alert, severity FROM hook_heard WHERE alert IN (SELECT value FROM json_each($1))",
+        postgres: "SELECT hook, alert, severity FROM hook_heard WHERE alert IN
+                   (SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value))",
+    });
+    let alerts: Vec<i64> = alerts.iter().map(|alert| alert.0).collect();
+    let alerts = serde_json::json!(alerts).to_string();
+    let rows: Vec<(i64, i64, String)> = on!(store.readers, db => sqlx::query_as(sql).bind(alerts).fetch_all(db).await?);
     Ok(rows.into_iter().map(|(hook, alert, severity)| (Id(hook), Id(alert), severity)).collect())
+}
+
+/// What a hook has heard last of the alerts that fire, to its knowledge: alert, severity.
+pub async fn heard_by(store: &Store, hook: Id) -> Result<Vec<(Id, String)>, StoreError> {
+    let sql = "SELECT alert, severity FROM hook_heard WHERE hook = $1";
+    let rows: Vec<(i64, String)> = on!(store.readers, db => sqlx::query_as(sql).bind(hook.0).fetch_all(db).await?);
+    Ok(rows.into_iter().map(|(alert, severity)| (Id(alert), severity)).collect())
 }
 
 /// The alerts of which the last message that a hook took was not that they are resolved.

@@ -3,7 +3,7 @@
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Cells, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, Whole, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -44,7 +44,7 @@ pub(crate) fn insert_uses(uses: &[(Id, Id)], batch: &mut Batch) {
     batch.add(insert!("campaign_model (record, model)", [int 0, int 1]), rows);
 }
 
-fn row(row: &impl Cells) -> Result<ModelRow, StoreError> {
+fn row(row: &impl AnyRow) -> Result<ModelRow, StoreError> {
     Ok(ModelRow {
         id: Id(row.cell("id")?),
         imu: row.cell::<Whole<u32>>("imu")?.0,

@@ -4,11 +4,11 @@ use super::delivery::{AttemptRow, DeliveryRow, DueDelivery, QueueState, Subject}
 use crate::core::delivery::DeliveryState;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::db::{Cells, Sql, Whole, on};
+use crate::store::db::{AnyRow, Readers, Sql, Whole, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
-fn subject(row: &impl Cells) -> Result<Subject, sqlx::Error> {
+fn subject(row: &impl AnyRow) -> Result<Subject, sqlx::Error> {
     let (step, alert): (Option<i64>, Option<i64>) = (row.cell("step")?, row.cell("alert")?);
     Ok(match (step.zip(alert), row.cell::<Option<String>>("action")?) {
         (Some((step, alert)), _) => Subject::Step { step: Id(step), alert: Id(alert) },
@@ -55,7 +55,7 @@ const PARTS: &str = "SELECT part.action, coalesce(part.body, step.body)
                      FROM delivery_part AS part LEFT JOIN alert_step AS step ON step.id = part.step
                      WHERE part.delivery = $1 ORDER BY part.place";
 
-fn due(row: &impl Cells) -> Result<DueDelivery, sqlx::Error> {
+fn due(row: &impl AnyRow) -> Result<DueDelivery, sqlx::Error> {
     let at: Option<i64> = row.cell("at")?;
     let (action, body): (Option<String>, Option<String>) = (row.cell("action")?, row.cell("body")?);
     Ok(DueDelivery {
@@ -161,7 +161,7 @@ fn attempts(delivery: Id, made: Vec<Attempt>) -> Vec<AttemptRow> {
     made.into_iter().map(attempt).collect()
 }
 
-fn delivery(row: &impl Cells) -> Result<DeliveryRow, StoreError> {
+fn delivery(row: &impl AnyRow) -> Result<DeliveryRow, StoreError> {
     let id = Id(row.cell("id")?);
     let state: String = row.cell("state")?;
     Ok(DeliveryRow {
@@ -177,4 +177,22 @@ fn delivery(row: &impl Cells) -> Result<DeliveryRow, StoreError> {
         finished_at: row.cell::<Option<i64>>("finished_at")?.map(UtcMicros),
         attempts: Vec::new(),
     })
+}
+
+/// The gyros of whose alerts these deliveries tell.
+pub async fn gyros_of(store: &Store, deliveries: &[Id]) -> Result<Vec<u32>, StoreError> {
+    let sql = store.readers.words(Sql {
+        sqlite: "SELECT DISTINCT alert.gyro FROM json_each($1) AS j JOIN alert ON alert.id IN
+                     (SELECT alert FROM delivery WHERE id = j.value UNION ALL SELECT alert FROM delivery_part WHERE delivery = j.value)",
+        postgres: "SELECT DISTINCT alert.gyro FROM alert WHERE alert.id IN
+                       (SELECT delivery.alert FROM delivery WHERE delivery.id = ANY(CAST($1 AS BIGINT[])) UNION ALL
+                        SELECT delivery_part.alert FROM delivery_part WHERE delivery_part.delivery = ANY(CAST($1 AS BIGINT[])))",
+    });
+    let ids: Vec<String> = deliveries.iter().map(|id| id.0.to_string()).collect();
+    let array = match &store.readers {
+        Readers::Sqlite(_) => format!("[{}]", ids.join(",")),
+        Readers::Postgres(_) => format!("{{{}}}", ids.join(",")),
+    };
+    let found: Vec<Whole<u32>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(array).fetch_all(db).await?);
+    Ok(found.into_iter().map(|gyro| gyro.0).collect())
 }

@@ -256,7 +256,7 @@ async fn what_a_hook_has_heard_is_kept_and_forgotten_and_known_from_what_it_took
     let heard = vec![(HOOK, Id(1), warning), (HOOK, Id(2), warning), (HOOK, Id(1), critical), (Id(21), Id(1), warning)];
     bench.change(OutboxChanges { heard, ..OutboxChanges::default() }).await;
     let all = async |bench: &Bench| {
-        let mut all = store::hook::heard(&bench.store).await.unwrap();
+        let mut all = store::hook::heard_of(&bench.store, &[Id(1), Id(2)]).await.unwrap();
         all.sort();
         all
     };

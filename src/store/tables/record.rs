@@ -185,7 +185,8 @@ pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<V
     let Readers::Postgres(db) = &store.readers else {
         let mut all = Vec::with_capacity(places.len());
         for (imu, time) in places {
-            all.push(at(store, *imu, *time).await?);
+            let is_new = store.unplaced.calendar.read().newest_of(*imu).is_none_or(|newest| newest < *time);
+            all.push(if is_new { Vec::new() } else { at(store, *imu, *time).await? });
         }
         return Ok(all);
     };
@@ -205,26 +206,29 @@ pub async fn at_many(store: &Store, places: &[(u32, UtcMicros)]) -> Result<Vec<V
     Ok(all)
 }
 
-/// The newest record's instant of each IMU.
-pub async fn newest_of_imus(store: &Store) -> Result<Vec<(u32, UtcMicros)>, StoreError> {
-    let Readers::Postgres(db) = &store.readers else { return Ok(store.unplaced.calendar.read().newest().collect()) };
-    let sql = "SELECT id, (SELECT max(calibrated_at) FROM record WHERE record.imu = imu.id) FROM imu";
-    let rows: Vec<(Whole<u32>, Option<i64>)> = sqlx::query_as(sql).fetch_all(db).await?;
-    Ok(rows.into_iter().filter_map(|(Whole(imu), at)| Some((imu, UtcMicros(at?)))).collect())
+/// When the newest record of an IMU was made, whether it counts or not.
+pub async fn newest_of_imu(store: &Store, imu: u32) -> Result<Option<UtcMicros>, StoreError> {
+    let Readers::Postgres(db) = &store.readers else { return Ok(store.unplaced.calendar.read().newest_of(imu)) };
+    let sql = "SELECT max(calibrated_at) FROM record WHERE imu = $1";
+    let newest: Option<i64> = sqlx::query_scalar(sql).bind(Whole(imu)).fetch_one(db).await?;
+    Ok(newest.map(UtcMicros))
 }
 
-/// The records after `after` in the order of storing, at most `limit`: IMU, instant, gyros; none of what does not
-/// count.
-pub async fn since(store: &Store, after: Id, limit: u32) -> Result<Vec<(u32, UtcMicros, Vec<u32>)>, StoreError> {
-    let sql = "SELECT id, imu, calibrated_at, verdicts, voided <> 0 FROM record WHERE id > $1 ORDER BY id LIMIT $2";
-    let rows: Vec<(i64, Whole<u32>, i64, Vec<u8>, bool)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(after.0).bind(Whole(limit)).fetch_all(db).await?);
-    let seen = |(id, Whole(imu), at, verdicts, voided): (i64, Whole<u32>, i64, Vec<u8>, bool)| {
-        let sheet = VerdictSheet::unpack(Id(id), &verdicts)?;
-        let gyros = sheet.0.into_iter().map(|(gyro, _)| gyro);
-        Ok((imu, UtcMicros(at), gyros.filter(|_| !voided).collect()))
+/// As [`newest_of_imu`], of a database in a file.
+pub fn newest_in_file(store: &Store, imu: u32) -> Option<UtcMicros> {
+    store.unplaced.calendar.read().newest_of(imu)
+}
+
+/// Which IMU and gyros a record is of, where there is such a record.
+pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, StoreError> {
+    let sql = "SELECT imu, verdicts FROM record WHERE id = $1";
+    let found: Option<(Whole<u32>, Vec<u8>)> =
+        on!(store.readers, db => sqlx::query_as(sql).bind(id.0).fetch_optional(db).await?);
+    let whose = |(Whole(imu), verdicts): (Whole<u32>, Vec<u8>)| {
+        let sheet = VerdictSheet::unpack(id, &verdicts)?;
+        Ok((imu, sheet.0.into_iter().map(|(gyro, _)| gyro).collect()))
     };
-    rows.into_iter().map(seen).collect()
+    found.map(whose).transpose()
 }
 
 pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>, StoreError> {

@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::Rule;
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{Cells, cell, insert, on};
+use crate::store::db::{AnyRow, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -49,7 +49,7 @@ pub(crate) fn upsert(silences: &[SilenceRow], batch: &mut Batch) {
     );
 }
 
-fn silence(row: &impl Cells) -> Result<SilenceRow, StoreError> {
+fn silence(row: &impl AnyRow) -> Result<SilenceRow, StoreError> {
     let id = Id(row.cell("id")?);
     let rule: Option<String> = row.cell("rule")?;
     let unknown = || StoreError::Damaged(format!("silence {id}: unknown rule"));

@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::newest::Newest;
+use super::memory::Memory;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::time::Span;
@@ -25,7 +25,7 @@ pub(crate) struct Ahead {
 impl Ahead {
     pub async fn read<'a>(
         store: &Store,
-        newest: &Newest,
+        memory: &Memory,
         items: impl Iterator<Item = &'a Submission>,
     ) -> Result<Self, StoreError> {
         let sent: Vec<&Calibration> = items.filter_map(Submission::calibration).collect();
@@ -36,10 +36,9 @@ impl Ahead {
             let tables = store.names().read();
             for sent in &sent {
                 let at = sent.calibrated_at;
-                let imu = tables.imus.number(sent.imu.as_str());
-                at_imus.extend(imu.filter(|imu| !newest.is_new(*imu, at)).map(|imu| (imu, at)));
+                at_imus.extend(tables.imus.number(sent.imu.as_str()).map(|imu| (imu, at)));
                 let gyros = sent.gyros.iter().filter_map(|gyro| tables.gyros.number(gyro.serial.as_str()));
-                at_gyros.extend(gyros.filter(|gyro| !newest.is_new_of(*gyro, at)).map(|gyro| (gyro, at)));
+                at_gyros.extend(gyros.filter(|gyro| !memory.is_newer(*gyro, at)).map(|gyro| (gyro, at)));
             }
         }
         let keys: Vec<&str> = keys.into_iter().collect();

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::context::Admission;
-use super::group::{Group, Table};
+use super::group::Group;
 use crate::core::id::Id;
 use crate::pipeline::ingest::same_content::benches_agree;
 use crate::pipeline::ingest::submission::BenchTest;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{BenchRow, StoreError};
+use crate::store::{BenchRow, NamesOf, StoreError};
 
 impl Admission<'_> {
     pub(super) async fn bench(&mut self, sent: &BenchTest, group: &mut Group) -> Result<Accepted, Refused> {
@@ -18,7 +18,7 @@ impl Admission<'_> {
         }
         let result = &sent.result;
         let (at, method) = (result.measured_at, result.method);
-        if let Some(gyro) = self.number(Table::Gyros, result.serial.as_str(), group) {
+        if let Some(gyro) = self.number(NamesOf::Gyros, result.serial.as_str(), group) {
             let mut counting = None;
             if let Some((id, hash)) = group.benches.get(&(gyro, at, method)) {
                 if *hash == sent.body_sha256 {
@@ -40,8 +40,9 @@ impl Admission<'_> {
             }
         }
         let id = self.ids.next(self.now);
-        let gyro = self.take_number(Table::Gyros, result.serial.as_str(), group);
-        let station = self.take_number(Table::Stations, result.station.as_str(), group);
+        let home = store::names::cell_of_gyro(self.store, result.serial.as_str());
+        let gyro = self.take_number(NamesOf::Gyros, result.serial.as_str(), home, group);
+        let station = self.take_number(NamesOf::Stations, result.station.as_str(), home, group);
         let sent_by = Some(self.sent("bench-results", id, group));
         group.benches.insert((gyro, at, method), (id, sent.body_sha256));
         group.take_key(sent.idempotency_key.as_deref(), id, sent.body_sha256);

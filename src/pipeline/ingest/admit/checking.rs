@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::context::Admission;
-use super::group::{Group, Table};
+use super::group::Group;
 use super::memory::{Around, Remembered};
 use crate::core::history_note::{FAR_DAYS, HistoryNote, NameKind, Named, Seat, TimeDoubt, doubt};
 use crate::core::id::Id;
@@ -15,7 +15,7 @@ use crate::core::own_history::{Looked, Shown, against_histories};
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{CalibratedGyro, Calibration};
 use crate::store;
-use crate::store::StoreError;
+use crate::store::{NamesOf, StoreError};
 use crate::wire::history_note;
 
 /// A clock may be ahead of the service's by so much without a word, days.
@@ -78,7 +78,7 @@ impl Admission<'_> {
         let at = sent.calibrated_at;
         let mut gyros = Vec::with_capacity(sent.gyros.len());
         for gyro in &sent.gyros {
-            let number = self.number(Table::Gyros, gyro.serial.as_str(), group);
+            let number = self.number(NamesOf::Gyros, gyro.serial.as_str(), group);
             let around = match number {
                 Some(number) => self.memory.around(self.store, number, at, group).await?,
                 None => Around::default(),
@@ -86,10 +86,10 @@ impl Admission<'_> {
             let budget = self.judging.budget_of(sent.imu.as_str(), gyro.serial.as_str());
             gyros.push(Known { sent: gyro, number, around, budget });
         }
-        let imu = self.number(Table::Imus, sent.imu.as_str(), group);
+        let imu = self.number(NamesOf::Imus, sent.imu.as_str(), group);
         let mut notes = Vec::new();
         let nearest = gyros.iter().filter_map(|gyro| gyro.around.nearest(at)).min_by_key(|it| it.0.abs_diff(at.0));
-        let in_doubt = self.doubt(at, imu, nearest);
+        let in_doubt = self.doubt(at, imu, nearest).await?;
         notes.extend(in_doubt.map(HistoryNote::TimeInDoubt));
         if nearest.is_some_and(|nearest| at.days_since(nearest) > FAR_DAYS) {
             let records = self.doubt_earlier(&gyros, at, group).await?;
@@ -107,10 +107,21 @@ impl Admission<'_> {
         Ok(Checked { notes, set_aside: in_doubt.is_some() })
     }
 
-    fn doubt(&self, at: UtcMicros, imu: Option<u32>, of_gyros: Option<UtcMicros>) -> Option<TimeDoubt> {
-        // What is set aside is among the IMU's records: it is no company.
-        let of_imu = || self.newest?.imus.get(&imu?).copied().filter(|newest| newest.days_since(at) > FAR_DAYS);
-        doubt(at, self.epochs, of_gyros.or_else(of_imu))
+    async fn doubt(
+        &self,
+        at: UtcMicros,
+        imu: Option<u32>,
+        of_gyros: Option<UtcMicros>,
+    ) -> Result<Option<TimeDoubt>, StoreError> {
+        let nearest = match (of_gyros, imu) {
+            // What is set aside is among the IMU's records: it is no company.
+            (None, Some(imu)) => {
+                let newest = store::record::newest_of_imu(self.store, imu).await?;
+                newest.filter(|newest| newest.days_since(at) > FAR_DAYS)
+            }
+            (of_gyros, _) => of_gyros,
+        };
+        Ok(doubt(at, self.epochs, nearest))
     }
 
     /// New names: what they look like, and who was in the slot before.
@@ -122,16 +133,16 @@ impl Admission<'_> {
         notes: &mut Vec<HistoryNote>,
         group: &Group,
     ) -> Result<(), StoreError> {
-        let station = self.number(Table::Stations, sent.station.as_str(), group);
+        let station = self.number(NamesOf::Stations, sent.station.as_str(), group);
         for (of, table, name, number) in
-            [(NameKind::Imu, Table::Imus, &sent.imu, imu), (NameKind::Station, Table::Stations, &sent.station, station)]
+            [(NameKind::Imu, NamesOf::Imus, &sent.imu, imu), (NameKind::Station, NamesOf::Stations, &sent.station, station)]
         {
             let known = if number.is_none() { self.look_alike(table, name.as_str(), group) } else { None };
             notes.extend(known.map(|known| HistoryNote::LookAlike { of, name: name.to_string(), known }));
         }
         for Known { sent: gyro, .. } in gyros.iter().filter(|gyro| gyro.number.is_none()) {
             let serial = gyro.serial.to_string();
-            let alike = self.look_alike(Table::Gyros, &serial, group);
+            let alike = self.look_alike(NamesOf::Gyros, &serial, group);
             if let Some(known) = alike.clone() {
                 notes.push(HistoryNote::LookAlike { of: NameKind::Serial, name: serial.clone(), known });
             }
@@ -139,7 +150,7 @@ impl Admission<'_> {
                 Some(imu) => self.occupant(imu, gyro.slot, sent.calibrated_at, group).await?,
                 None => None,
             };
-            if let Some(had) = had.map(|had| self.name_of(Table::Gyros, had, group)) {
+            if let Some(had) = had.map(|had| self.name_of(NamesOf::Gyros, had, group)) {
                 let nearest = alike.or_else(|| self.nearest(&serial, &had, group));
                 notes.push(HistoryNote::NewSerial { slot: gyro.slot, serial, had, nearest });
             }
@@ -195,7 +206,7 @@ impl Admission<'_> {
         for gyro in gyros.iter().filter(|gyro| !exchanged.iter().any(|serial| *serial == *gyro.sent.serial.as_str())) {
             let Some(last) = gyro.around.before.last() else { continue };
             if (Some(last.imu), last.slot) != (imu, gyro.sent.slot) {
-                let from = Seat { imu: self.name_of(Table::Imus, last.imu, group), slot: last.slot };
+                let from = Seat { imu: self.name_of(NamesOf::Imus, last.imu, group), slot: last.slot };
                 let to = Seat { imu: sent.imu.to_string(), slot: gyro.sent.slot };
                 notes.push(HistoryNote::Moved { serial: gyro.sent.serial.to_string(), from, to });
             }
@@ -239,8 +250,8 @@ impl Admission<'_> {
         Ok(None)
     }
 
-    fn look_alike(&self, table: Table, name: &str, group: &Group) -> Option<String> {
-        let stored = table.of_store(&self.store.names().read()).look_alike(name).map(ToString::to_string);
+    fn look_alike(&self, table: NamesOf, name: &str, group: &Group) -> Option<String> {
+        let stored = self.store.names().read().of(table).look_alike(name).map(ToString::to_string);
         stored.or_else(|| {
             let known = look_keys(name).into_iter().find_map(|key| group.looks.get(&(table, key)));
             known.filter(|known| *known != name).cloned()
@@ -257,9 +268,9 @@ impl Admission<'_> {
         near.min_by_key(|(slips, _)| *slips).map(|(_, known)| known.to_owned())
     }
 
-    pub(super) fn name_of(&self, table: Table, number: u32, group: &Group) -> String {
-        let stored = table.of_store(&self.store.names().read()).name(number).map(ToString::to_string);
-        let new = || table.of(group).iter().find(|(_, other)| **other == number).map(|(name, _)| name.clone());
+    pub(super) fn name_of(&self, table: NamesOf, number: u32, group: &Group) -> String {
+        let stored = self.store.names().read().of(table).name(number).map(ToString::to_string);
+        let new = || group.names(table).iter().find(|(_, other)| **other == number).map(|(name, _)| name.clone());
         stored.or_else(new).unwrap_or_default()
     }
 

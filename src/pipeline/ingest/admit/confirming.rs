@@ -8,7 +8,7 @@ use crate::core::time::Span;
 use crate::pipeline::ingest::submission::Confirmation;
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{ConfirmationRow, HistoryRow};
+use crate::store::{ConfirmationRow, HistoryRow, NamesOf};
 
 impl Admission<'_> {
     pub(super) async fn confirmation(&mut self, sent: &Confirmation, group: &mut Group) -> Result<Accepted, Refused> {
@@ -31,7 +31,7 @@ impl Admission<'_> {
         let mut rows = Vec::new();
         for (index, &(gyro, _)) in record.verdicts.0.iter().enumerate() {
             if let Some(existing) = self.row_at(Some(gyro), at, group).await? {
-                let serial = self.name_of(super::group::Table::Gyros, gyro, group);
+                let serial = self.name_of(NamesOf::Gyros, gyro, group);
                 return Err(Refused::GyroElsewhere { existing, index, serial });
             }
             let aside = store::history::voided(self.store, gyro, Span { from: at, to: at }).await?;

@@ -2,7 +2,6 @@
 
 use super::ahead::Ahead;
 use super::memory::Memory;
-use super::newest::Newest;
 use crate::config::Judging;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
@@ -12,8 +11,6 @@ use crate::store::{IdSource, Store};
 pub(crate) struct Admission<'a> {
     pub store: &'a Store,
     pub ids: &'a mut IdSource,
-    /// None where the database is to be asked each time.
-    pub newest: Option<&'a Newest>,
     pub memory: &'a mut Memory,
     pub ahead: &'a Ahead,
     pub judging: &'a Judging,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::context::Admission;
-use super::group::{Group, Table};
+use super::group::Group;
 use crate::core::id::Id;
 use crate::core::kind::Kind;
 use crate::core::note::Note;
@@ -15,7 +15,7 @@ use crate::pipeline::ingest::same_content::says_the_same;
 use crate::pipeline::ingest::submission::{Calibration, Corrected, Correction};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{CorrectionRow, HistoryRow, RecordRow, StoreError};
+use crate::store::{CorrectionRow, HistoryRow, NamesOf, RecordRow, StoreError};
 
 impl Admission<'_> {
     pub(super) async fn correction(&mut self, sent: &Correction, group: &mut Group) -> Result<Accepted, Refused> {
@@ -89,7 +89,7 @@ impl Admission<'_> {
         new: &Calibration,
         group: &mut Group,
     ) -> Result<(Id, Arc<[Note]>), Refused> {
-        if self.number(Table::Imus, new.imu.as_str(), group) != Some(old.imu) {
+        if self.number(NamesOf::Imus, new.imu.as_str(), group) != Some(old.imu) {
             return Err(Refused::AnotherImu);
         }
         if let Some((existing, _)) = self.counting_at(Some(old.imu), new.calibrated_at, group).await? {
@@ -151,9 +151,6 @@ impl Admission<'_> {
         if let Some((id, hash)) = group.records.get(&(imu, at)) {
             return Ok(Some((*id, hash.to_vec())));
         }
-        if self.newest.is_some_and(|newest| newest.is_new(imu, at)) {
-            return Ok(None);
-        }
         let mut stored = self.ahead.records_at(imu, at, self.store).await?.into_iter();
         let counts = stored.find(|record| !record.voided && !group.withdraws(record.id));
         Ok(counts.map(|record| (record.id, record.hash)))
@@ -169,8 +166,7 @@ impl Admission<'_> {
         standing: Option<Id>,
         group: &Group,
     ) -> Result<Option<Id>, StoreError> {
-        let is_new = |imu: &u32| self.newest.is_some_and(|newest| newest.is_new(*imu, sent.calibrated_at));
-        let Some(imu) = imu.filter(|imu| !is_new(imu)) else { return Ok(None) };
+        let Some(imu) = imu else { return Ok(None) };
         let mut others = self.ahead.records_at(imu, sent.calibrated_at, self.store).await?;
         others.retain(|record| Some(record.id) != standing);
         if let Some(same) = others.iter().find(|record| record.hash == sent.body_sha256) {

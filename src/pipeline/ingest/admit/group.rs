@@ -9,7 +9,7 @@ use crate::core::history_note::HistoryNote;
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
 use crate::pipeline::access::Actor;
-use crate::store::{Changes, KeyRow, Tables};
+use crate::store::{Changes, KeyRow, NamesOf};
 use crate::wire::history_note;
 
 /// A group under construction: what is to be written, and what it already holds besides what is stored.
@@ -20,13 +20,13 @@ pub(crate) struct Group {
     pub(super) stations: HashMap<String, u32>,
     pub(super) gyros: HashMap<String, u32>,
     /// Of new names.
-    pub(super) numbers: HashSet<(Table, u32)>,
+    pub(super) numbers: HashSet<(NamesOf, u32)>,
     pub(super) records: HashMap<(u32, UtcMicros), (Id, [u8; 32])>,
     pub(super) rows: HashMap<(u32, UtcMicros), Id>,
     pub(super) benches: HashMap<(u32, UtcMicros, BenchMethod), (Id, [u8; 32])>,
     pub(super) keys: HashMap<String, (Id, [u8; 32])>,
     /// New names by what they look like.
-    pub(super) looks: HashMap<(Table, String), String>,
+    pub(super) looks: HashMap<(NamesOf, String), String>,
     pub(super) sendings: Vec<Sending>,
 }
 
@@ -43,6 +43,22 @@ pub(super) struct Sending {
 }
 
 impl Group {
+    pub(super) fn names(&self, of: NamesOf) -> &HashMap<String, u32> {
+        match of {
+            NamesOf::Imus => &self.imus,
+            NamesOf::Stations => &self.stations,
+            NamesOf::Gyros => &self.gyros,
+        }
+    }
+
+    pub(super) fn names_mut(&mut self, of: NamesOf) -> &mut HashMap<String, u32> {
+        match of {
+            NamesOf::Imus => &mut self.imus,
+            NamesOf::Stations => &mut self.stations,
+            NamesOf::Gyros => &mut self.gyros,
+        }
+    }
+
     pub(super) fn take_key(&mut self, key: Option<&str>, item: Id, body_sha256: [u8; 32]) {
         if let Some(key) = key {
             self.keys.insert(key.to_owned(), (item, body_sha256));
@@ -79,47 +95,6 @@ impl Group {
             let subject = if count == 1 { subject } else { "records".to_owned() };
             let after = json!({ "stored": count, "first": first.to_string(), "last": last.to_string() });
             self.changes.access.audit.push(by.line(line, now, ("store", subject), None::<&()>, Some(&after)));
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Table {
-    Imus,
-    Stations,
-    Gyros,
-}
-
-impl Table {
-    pub fn of_store(self, tables: &Tables) -> &crate::store::Table {
-        match self {
-            Self::Imus => &tables.imus,
-            Self::Stations => &tables.stations,
-            Self::Gyros => &tables.gyros,
-        }
-    }
-
-    pub fn of(self, group: &Group) -> &HashMap<String, u32> {
-        match self {
-            Self::Imus => &group.imus,
-            Self::Stations => &group.stations,
-            Self::Gyros => &group.gyros,
-        }
-    }
-
-    pub fn of_mut(self, group: &mut Group) -> &mut HashMap<String, u32> {
-        match self {
-            Self::Imus => &mut group.imus,
-            Self::Stations => &mut group.stations,
-            Self::Gyros => &mut group.gyros,
-        }
-    }
-
-    pub fn new_rows(self, changes: &mut Changes) -> &mut Vec<(u32, String)> {
-        match self {
-            Self::Imus => &mut changes.imus,
-            Self::Stations => &mut changes.stations,
-            Self::Gyros => &mut changes.gyros,
         }
     }
 }

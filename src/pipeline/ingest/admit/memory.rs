@@ -96,6 +96,21 @@ impl Memory {
         }
     }
 
+    /// As [`Memory::forget_of`], of those that `lost` names.
+    pub fn forget_where(&mut self, lost: impl Fn(u32) -> bool) {
+        self.gyros.retain(|gyro, _| !lost(*gyro));
+    }
+
+    /// When a gyro's newest record that counts was made, where that is remembered and there is one.
+    pub fn newest_of(&self, gyro: u32) -> Option<UtcMicros> {
+        self.gyros.get(&gyro)?.rows.last().map(|row| row.at)
+    }
+
+    /// Whether a gyro is known to have no record at `at` or after it that counts.
+    pub(super) fn is_newer(&self, gyro: u32, at: UtcMicros) -> bool {
+        self.gyros.get(&gyro).is_some_and(|ring| ring.rows.last().map_or(ring.whole, |row| row.at < at))
+    }
+
     pub fn knows(&self, gyro: u32) -> bool {
         self.gyros.contains_key(&gyro)
     }
@@ -110,7 +125,7 @@ impl Memory {
             Entry::Occupied(seen) => return Ok(seen.into_mut()),
             Entry::Vacant(unseen) => unseen,
         };
-        let is_new = group.changes.gyros.iter().any(|(number, _)| *number == gyro);
+        let is_new = group.changes.gyros.iter().any(|new| new.number == gyro);
         let stored =
             if is_new { Vec::new() } else { store::history::newest(store, gyro, Span::EVER, REMEMBERED).await? };
         let whole = stored.len() < REMEMBERED;

@@ -8,7 +8,6 @@ mod context;
 pub(crate) mod correction;
 mod group;
 mod memory;
-mod newest;
 mod sending;
 
 use std::sync::Arc;
@@ -25,16 +24,14 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::submission::{Calibration, GyroEvent, Submission};
 use crate::pipeline::{Accepted, Refused};
 use crate::store;
-use crate::store::{EventRow, HistoryRow, RecordRow, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{EventRow, HistoryRow, NamesOf, NewName, RecordRow, StoreError, StoredVerdict, VerdictSheet};
 use crate::wire::{history_note, time};
 pub(crate) use ahead::Ahead;
 use checking::Checked;
 pub(crate) use context::Admission;
 pub(crate) use group::Group;
-use group::Table;
 pub(crate) use memory::Memory;
 use memory::Remembered;
-pub(crate) use newest::Newest;
 
 impl Admission<'_> {
     /// Takes one item into the group. Verdicts are added when the whole group is judged.
@@ -52,7 +49,7 @@ impl Admission<'_> {
         if let Some(there) = self.by_key(sent.idempotency_key.as_deref(), &sent.body_sha256, group).await? {
             return Ok(there);
         }
-        let imu = self.number(Table::Imus, sent.imu.as_str(), group);
+        let imu = self.number(NamesOf::Imus, sent.imu.as_str(), group);
         let standing = self.counting_at(imu, sent.calibrated_at, group).await?;
         if let Some((id, hash)) = &standing
             && *hash == sent.body_sha256
@@ -74,7 +71,7 @@ impl Admission<'_> {
     async fn enter(&mut self, sent: &Calibration, group: &mut Group) -> Result<(Id, Arc<[Note]>), Refused> {
         let at = sent.calibrated_at;
         for gyro in &sent.gyros {
-            let known = self.number(Table::Gyros, gyro.serial.as_str(), group);
+            let known = self.number(NamesOf::Gyros, gyro.serial.as_str(), group);
             if let Some(existing) = self.row_at(known, at, group).await? {
                 let (index, serial) = (gyro.place, gyro.serial.to_string());
                 return Err(Refused::GyroElsewhere { existing, index, serial });
@@ -82,11 +79,12 @@ impl Admission<'_> {
         }
         let Checked { notes, set_aside } = self.check(sent, group).await?;
         let id = self.ids.next(self.now);
-        let imu = self.take_number(Table::Imus, sent.imu.as_str(), group);
-        let station = self.take_number(Table::Stations, sent.station.as_str(), group);
+        let home = store::names::cell_of_imu(self.store, sent.imu.as_str());
+        let imu = self.take_number(NamesOf::Imus, sent.imu.as_str(), home, group);
+        let station = self.take_number(NamesOf::Stations, sent.station.as_str(), home, group);
         let mut sheet = VerdictSheet::default();
         for gyro in &sent.gyros {
-            let number = self.take_number(Table::Gyros, gyro.serial.as_str(), group);
+            let number = self.take_number(NamesOf::Gyros, gyro.serial.as_str(), home, group);
             let figures = figures_of(&gyro.separation, id, at, imu, station);
             if set_aside {
                 group.changes.set_aside.history.push(HistoryRow { gyro: number, figures });
@@ -121,7 +119,7 @@ impl Admission<'_> {
 
     async fn event(&mut self, sent: &GyroEvent, group: &mut Group) -> Result<Accepted, Refused> {
         let unknown = || Refused::UnknownGyro { serial: sent.serial.to_string() };
-        let gyro = self.number(Table::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
+        let gyro = self.number(NamesOf::Gyros, sent.serial.as_str(), group).ok_or_else(unknown)?;
         let stored = store::event::of_gyro(self.store, gyro).await?;
         let there = stored
             .iter()
@@ -174,30 +172,30 @@ impl Admission<'_> {
         if let Some(id) = group.rows.get(&(gyro, at)) {
             return Ok(Some(*id));
         }
-        if self.newest.is_some_and(|newest| newest.is_new_of(gyro, at)) {
+        if self.memory.is_newer(gyro, at) {
             return Ok(None);
         }
         let held = self.ahead.row_at(gyro, at, self.store).await?;
         Ok(held.filter(|record| !group.withdraws(*record)))
     }
 
-    fn number(&self, table: Table, name: &str, group: &Group) -> Option<u32> {
-        table.of_store(&self.store.names().read()).number(name).or_else(|| table.of(group).get(name).copied())
+    fn number(&self, table: NamesOf, name: &str, group: &Group) -> Option<u32> {
+        self.store.names().read().of(table).number(name).or_else(|| group.names(table).get(name).copied())
     }
 
-    /// The name's number; a new one where it has none yet.
-    fn take_number(&self, table: Table, name: &str, group: &mut Group) -> u32 {
+    /// The name's number; a new one, at home in `cell`, where it has none yet.
+    fn take_number(&self, table: NamesOf, name: &str, cell: u8, group: &mut Group) -> u32 {
         if let Some(number) = self.number(table, name, group) {
             return number;
         }
-        let (new, is_new) = (table.of(group).len(), |number| group.numbers.contains(&(table, number)));
-        let number = store::names::new_number(self.store, table.of_store(&self.store.names().read()), new, is_new);
+        let (new, is_new) = (group.names(table).len(), |number| group.numbers.contains(&(table, number)));
+        let number = store::names::new_number(self.store, self.store.names().read().of(table), new, is_new);
         group.numbers.insert((table, number));
-        table.of_mut(group).insert(name.to_owned(), number);
+        group.names_mut(table).insert(name.to_owned(), number);
         for key in look_keys(name) {
             group.looks.entry((table, key)).or_insert_with(|| name.to_owned());
         }
-        table.new_rows(&mut group.changes).push((number, name.to_owned()));
+        group.changes.names_mut(table).push(NewName { number, cell, name: name.to_owned() });
         number
     }
 }

@@ -110,9 +110,9 @@ impl Judge {
         self.lines.clear();
     }
 
-    /// Forgets some gyros: others have written to their histories.
-    pub fn forget_of(&mut self, gyros: &[u32]) {
-        gyros.iter().for_each(|gyro| drop(self.lines.remove(gyro)));
+    /// Forgets those gyros that `lost` names: others have written to their histories.
+    pub fn forget_where(&mut self, lost: impl Fn(u32) -> bool) {
+        self.lines.retain(|gyro, _| !lost(*gyro));
     }
 
     /// Keeps the memory within its bounds; when all that was judged is stored.
@@ -135,7 +135,7 @@ impl Judge {
         if self.lines.contains_key(&gyro) {
             return Ok(());
         }
-        let is_new = changes.gyros.iter().any(|(number, _)| *number == gyro);
+        let is_new = changes.gyros.iter().any(|new| new.number == gyro);
         let need = Need::of(&self.limits(None));
         let line = if is_new {
             GyroWindow::default()

@@ -1,15 +1,16 @@
 //! The writer's part in alerts: they follow what a group's judging finds, the clock, and what people say.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::time::Duration;
 
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
 use super::state::Task;
-use crate::core::alert_decision::Late;
+use crate::core::alert_decision::{Late, Status};
+use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::Rule;
-use crate::core::time::UtcMicros;
+use crate::core::judge::{Rule, State, overdue};
+use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
 use crate::pipeline::error::WriteError;
@@ -18,25 +19,40 @@ use crate::pipeline::ingest::judge::Judged;
 use crate::pipeline::ingest::submission::Calibration;
 use crate::pipeline::queries::agreement::{Agreement, agreement_after};
 use crate::store;
-use crate::store::{AlertRow, Changes, Duty, StoreError};
+use crate::store::{AlertRow, Cells, Changes, Duty, StoreError};
 use crate::wire::alert::AlertBody;
+
+/// Gyros that the clock may have something to do with, in one place.
+#[derive(Debug, Default)]
+struct OfClock {
+    /// With alerts of which it changes something.
+    alerted: BTreeSet<u32>,
+    /// Those that may begin or end to be overdue.
+    overdue: BTreeSet<u32>,
+}
 
 impl Task {
     /// How the methods agree on the gyros of a group that benches have measured.
-    pub(super) async fn agreements(&self, changes: &Changes) -> Result<Vec<Agreement>, StoreError> {
+    pub(super) async fn agreements(&mut self, changes: &Changes) -> Result<Vec<Agreement>, StoreError> {
         let withdrawn = changes.withdrawn.benches.iter().map(|(_, gyro)| *gyro);
         let measured: BTreeSet<u32> = changes.benches.iter().map(|bench| bench.gyro).chain(withdrawn).collect();
         let touched = changes.history.iter().map(|row| row.gyro).chain(changes.events.iter().map(|event| event.gyro));
-        let known = touched.chain(changes.withdrawn.gyros()).filter(|gyro| self.benched.contains(gyro));
+        let touched: BTreeSet<u32> = touched.chain(changes.withdrawn.gyros()).collect();
+        let unknown: Vec<u32> = touched.iter().copied().filter(|gyro| !self.benched.contains_key(gyro)).collect();
+        if !unknown.is_empty() {
+            let on_benches: HashSet<u32> = store::bench::on_benches(&self.store, &unknown).await?.into_iter().collect();
+            self.benched.extend(unknown.into_iter().map(|gyro| (gyro, on_benches.contains(&gyro))));
+        }
+        let known = touched.into_iter().filter(|gyro| self.benched[gyro]);
         let mut agreements = Vec::new();
-        for gyro in known.chain(measured.iter().copied()).collect::<BTreeSet<_>>() {
+        for gyro in known.chain(measured).collect::<BTreeSet<_>>() {
             agreements.extend(agreement_after(&self.store, &self.config.judging, gyro, changes).await?);
         }
         Ok(agreements)
     }
 
     /// Lets the alerts follow the verdicts; what becomes of them goes into the same transaction.
-    pub(super) fn follow(
+    pub(super) async fn follow(
         &mut self,
         sent: &HashMap<Id, &Calibration>,
         changes: &mut Changes,
@@ -49,25 +65,27 @@ impl Task {
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Quiet };
             follow_group(&mut self.alerts, &self.judge, found, sent, agreements, causes, &mut pen);
         }
-        self.note(changes, now)
+        self.note(changes, now).await
     }
 
     /// Enters what has become of alerts into a transaction, with a delivery for each hook that is to be told.
-    fn note(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
+    async fn note(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
         let news = self.alerts.write(changes);
         if news.is_empty() {
             return Ok(());
         }
+        self.hooks.recall(&self.store, &news).await?;
         self.hooks.tell(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
     /// Every alert as it stands.
-    pub(super) fn standings(&self, now: UtcMicros) -> Vec<Standing> {
+    pub(super) async fn standings(&self, now: UtcMicros) -> Result<Vec<Standing>, StoreError> {
+        let rows = store::alerts::all(&self.store).await?;
         let naming = Naming { tables: &self.store.names().read(), new: None };
         // One that cannot be read is told to nobody; the next look at it names the damage.
         let standing =
             |row: &AlertRow| Some(Standing { id: row.id, alert: row.alert, body: naming.alert(row, now).ok()? });
-        self.alerts.all().filter_map(standing).collect()
+        Ok(rows.iter().filter_map(standing).collect())
     }
 
     /// Commits, and wakes the worker where that gave it something to do.
@@ -95,64 +113,113 @@ impl Task {
         if !store::other_servers::is_on_duty(&self.store, Duty::Clock) {
             return;
         }
-        let followed = match self.begin().await {
-            Ok(()) => self.try_tick().await,
-            Err(error) => Err(error),
-        };
+        let followed = self.try_tick().await;
         self.writer.give_back().await;
         if let Err(error) = followed {
-            self.alerts.forget();
-            self.hooks.forget();
+            self.start_over();
             tracing::error!(%error, "alerts could not follow the clock; the next tick tries again");
         }
     }
 
+    /// A transaction for each cell in which the clock changes something; in a file, one.
     async fn try_tick(&mut self) -> Result<(), StoreError> {
-        let (now, mut changes) = (self.clock.now(), Changes::default());
+        let (now, rows) = (self.clock.now(), store::alerts::of_clock(&self.store).await?);
+        let mut by_cell: BTreeMap<u8, OfClock> = BTreeMap::new();
+        let overdue = self.may_be_overdue(&rows, now).await?;
+        let alerted: BTreeSet<u32> =
+            rows.iter().filter(|row| self.alerts.is_moved_by_clock(row, now)).map(|row| row.gyro).collect();
+        store::names::look_up_gyros(&self.store, overdue.iter().chain(&alerted).copied().collect()).await?;
+        {
+            let tables = self.store.names().read();
+            let home = |gyro: &u32| tables.gyros.cell(*gyro).unwrap_or_default();
+            overdue.iter().for_each(|gyro| _ = by_cell.entry(home(gyro)).or_default().overdue.insert(*gyro));
+            alerted.iter().for_each(|gyro| _ = by_cell.entry(home(gyro)).or_default().alerted.insert(*gyro));
+        }
+        for (cell, found) in by_cell {
+            self.begin(&Cells::one(cell)).await?;
+            self.tick_in_turn(&found, now).await?;
+            self.writer.give_back().await;
+        }
+        let digest = rows.iter().filter_map(|row| row.alert.hushed.filter(|hushed| hushed.digest)).map(|it| it.at).max();
+        if digest.is_some_and(|since| is_over(since, now)) {
+            self.begin(&Cells::all()).await?;
+            let mut changes = Changes::default();
+            self.digest(&mut changes, now).await?;
+            if !changes.is_empty() {
+                self.commit(&changes).await?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Gyros of which the clock may begin or end that they are overdue.
+    async fn may_be_overdue(&self, rows: &[AlertRow], now: UtcMicros) -> Result<BTreeSet<u32>, StoreError> {
+        let is_firing = |row: &&AlertRow| row.rule == Rule::Overdue && row.alert.status == Status::Firing;
+        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).map(|row| row.gyro).collect();
+        if !self.judge.has_intervals() {
+            return Ok(BTreeSet::new());
+        }
+        let out_of_use = store::event::out_of_use(&self.store).await?;
+        let newest = store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?;
+        let naming = Naming { tables: &self.store.names().read(), new: None };
+        let changes = |gyro: u32, newest: &Figures| {
+            let in_use = out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
+            let interval = self.judge.interval_days(gyro, newest.at, newest.imu, &naming).filter(|_| in_use);
+            let is_over = interval.is_some_and(|days| overdue(newest.at, now, days).state == State::Exceeded);
+            is_over != firing.contains(&gyro)
+        };
+        let seen = newest.iter().filter_map(|(gyro, newest)| Some((*gyro, newest.as_ref()?)));
+        Ok(seen.filter(|(gyro, newest)| changes(*gyro, newest)).map(|(gyro, _)| gyro).collect())
+    }
+
+    async fn tick_in_turn(&mut self, found: &OfClock, now: UtcMicros) -> Result<(), StoreError> {
+        let mut changes = Changes::default();
+        self.alerts.recall(&self.store, found.alerted.iter().chain(&found.overdue).copied(), now).await?;
+        let gyros: Vec<u32> = found.overdue.iter().copied().collect();
         let out_of_use =
-            if self.judge.has_intervals() { store::event::out_of_use(&self.store).await? } else { HashMap::new() };
-        self.alerts.refresh(&self.store, now).await?;
-        self.hooks.refresh(&self.store).await?;
+            if gyros.is_empty() { HashMap::new() } else { store::event::out_of_use(&self.store).await? };
+        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        let newest = store::histories::newest(&self.store, &ever, 1).await?;
         {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            if self.judge.has_intervals() {
-                for (gyro, last, imu) in self.newest.gyros() {
-                    if out_of_use.get(&gyro).is_some_and(|(at, _)| *at >= last) {
-                        self.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen);
-                        continue;
+            for (gyro, newest) in gyros.into_iter().zip(newest) {
+                let in_use = |newest: &&Figures| out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
+                match newest.last().filter(in_use) {
+                    Some(newest) => {
+                        follow_clock(&mut self.alerts, &self.judge, gyro, newest.at, newest.imu, &mut pen);
                     }
-                    follow_clock(&mut self.alerts, &self.judge, gyro, last, imu, &mut pen);
+                    None => self.alerts.reset(gyro, |row| row.rule == Rule::Overdue, &mut pen),
                 }
             }
-            self.alerts.tick(&mut pen);
+            self.alerts.tick(&found.alerted, &mut pen);
         }
-        self.note(&mut changes, now)?;
-        if self.alerts.digest_waits_since().is_some_and(|since| is_over(since, now)) {
-            self.digest(&mut changes, now)?;
-        }
+        self.note(&mut changes, now).await?;
         if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
     }
 
     /// An import has come to its end: what waits for its digest is told.
     pub(super) async fn tell_digest(&mut self) -> Result<(), WriteError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
-        self.alerts.refresh(&self.store, now).await?;
-        self.hooks.refresh(&self.store).await?;
-        let told = self.digest(&mut changes, now);
+        let told = self.digest(&mut changes, now).await;
         self.commit_or_forget(told, &changes).await
     }
 
-    fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
+    async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
+        let waiting = store::alerts::of_clock(&self.store).await?;
+        let waiting = waiting.iter().filter(|row| row.alert.hushed.is_some_and(|hushed| hushed.digest));
+        let waiting: BTreeSet<u32> = waiting.map(|row| row.gyro).collect();
+        self.alerts.recall(&self.store, waiting.iter().copied(), now).await?;
         let any = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
-            self.alerts.tell_digest(&mut pen)
+            self.alerts.tell_digest(&waiting, &mut pen)
         };
         if !any {
             return Ok(());
         }
         let news = self.alerts.write(changes);
+        self.hooks.recall(&self.store, &news).await?;
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
@@ -172,8 +239,8 @@ impl Task {
     /// Begins or ends a silence of many alerts.
     pub(super) async fn order_silence(&mut self, order: &SilenceOrder, by: &Actor) -> Result<Id, AlertError> {
         let now = self.clock.now();
-        self.alerts.refresh(&self.store, now).await?;
-        self.hooks.refresh(&self.store).await?;
+        let all = store::alerts::all(&self.store).await?.into_iter().map(|row| row.gyro);
+        self.alerts.recall(&self.store, all, now).await?;
         let known = match order {
             SilenceOrder::Begin { .. } => None,
             SilenceOrder::End { silence, .. } => store::silence::get(&self.store, *silence).await?,
@@ -183,16 +250,22 @@ impl Task {
             let mut pen = Pen { now, writer: &mut self.writer, naming, cause: None, late: Late::Clock };
             self.alerts.order_silence(order, known, by, &mut pen)?
         };
-        let noted = self.note(&mut changes, now);
+        let noted = self.note(&mut changes, now).await;
         self.commit_or_forget(noted, &changes).await?;
         Ok(id)
+    }
+
+    /// The cells of an alert, which may not exist.
+    pub(super) async fn cells_of_alert(&self, alert: Id) -> Cells {
+        let row = store::alerts::get(&self.store, alert).await.ok().flatten();
+        self.cells_of_alerts(row.map(|row| row.gyro).into_iter().collect()).await.unwrap_or(Cells::one(0))
     }
 
     /// Does what somebody has said of an alert.
     pub(super) async fn obey(&mut self, order: &AlertOrder, by: &Actor) -> Result<AlertBody, AlertError> {
         let now = self.clock.now();
-        self.alerts.refresh(&self.store, now).await?;
-        self.hooks.refresh(&self.store).await?;
+        let gyro = store::alerts::get(&self.store, order.alert).await?.map(|row| row.gyro);
+        self.alerts.recall(&self.store, gyro, now).await?;
         let (before, body) = {
             let naming = Naming { tables: &self.store.names().read(), new: None };
             let before = self.alerts.alert(order.alert).map(|row| naming.alert(row, now)).transpose()?;
@@ -204,7 +277,7 @@ impl Task {
         let (line, action) = (self.writer.next_id(now), order.change.name());
         let audit = by.line(line, now, (action, format!("alerts/{}", order.alert)), before.as_ref(), Some(&body));
         changes.access.audit.push(audit);
-        let noted = self.note(&mut changes, now);
+        let noted = self.note(&mut changes, now).await;
         self.commit_or_forget(noted, &changes).await?;
         Ok(body)
     }

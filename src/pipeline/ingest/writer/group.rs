@@ -1,4 +1,4 @@
-//! A group on its way: admitted, judged and followed by alerts; its answers foretold; then written; then answered.
+//! A group on its way: admitted, judged and followed by alerts; then written; then answered.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::time::Instant;
@@ -24,12 +24,11 @@ impl Task {
         let mut group = Group::default();
         let mut replies = Vec::with_capacity(items.len());
         let (now, service) = (self.clock.now(), Actor::by_caller());
-        let ahead = Ahead::read(&self.store, &self.newest, items.iter().map(|item| item.sent)).await?;
         self.read_histories(items).await?;
+        let ahead = Ahead::read(&self.store, &self.memory, items.iter().map(|item| item.sent)).await?;
         let mut admission = Admission {
             store: &self.store,
             ids: self.writer.ids(),
-            newest: Some(&self.newest),
             memory: &mut self.memory,
             ahead: &ahead,
             judging: &self.config.judging,
@@ -46,17 +45,18 @@ impl Task {
         let mut changes = group.changes;
         let found = self.judge.judge(&mut changes).await?;
         let agreements = self.agreements(&changes).await?;
-        self.alerts.refresh(&self.store, now).await?;
-        self.hooks.refresh(&self.store).await?;
+        let touched = found.newest.iter().map(|newest| newest.gyro).chain(found.undone.keys().copied());
+        let touched = touched.chain(agreements.iter().map(|agreement| agreement.gyro));
+        self.alerts.recall(&self.store, touched, now).await?;
         let sent = sent(items, &replies);
         let causes = Causes::of(stored(items, &replies), &changes);
-        self.follow(&sent, &mut changes, (&found, &agreements), &causes, now)?;
+        self.follow(&sent, &mut changes, (&found, &agreements), &causes, now).await?;
         metrics::histogram!(telemetry::JUDGING).record(judging.elapsed());
         let tally = Tally::of(&sent, &changes, &found.verdicts);
         if items.iter().any(|item| item.with_verdicts) {
             self.enter_verdicts(items, &mut replies, &found.verdicts, &changes);
         }
-        Ok(Prepared { changes, newest: found.newest, replies, tally })
+        Ok(Prepared { changes, replies, tally })
     }
 
     /// Reads ahead what is stored of the gyros of a group that are not remembered.
@@ -80,7 +80,7 @@ impl Task {
     fn enter_verdicts(&self, items: &[Item<'_>], replies: &mut [Reply], verdicts: &Verdicts, changes: &Changes) {
         let tables = self.store.names().read();
         // Names that nobody can look up before this group is stored.
-        let new: HashMap<&str, u32> = changes.gyros.iter().map(|(number, serial)| (serial.as_str(), *number)).collect();
+        let new: HashMap<&str, u32> = changes.gyros.iter().map(|new| (new.name.as_str(), new.number)).collect();
         let number = |serial: &str| tables.gyros.number(serial).or_else(|| new.get(serial).copied());
         let judged = |id: Id, gyro: &CalibratedGyro| {
             let by_history = number(gyro.serial.as_str()).and_then(|number| verdicts.get(&(id, number)));
@@ -110,35 +110,13 @@ impl Task {
     }
 }
 
-/// Whether a group's answers have been foretold.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Told {
-    Ahead,
-    Now,
-}
-
-/// Tells those who make words of their answers, with verdicts, what these will be.
-pub(super) fn foretell(jobs: &[StoreJob], mut replies: &[Reply]) {
-    for StoreJob { items, with_verdicts, teller, .. } in jobs {
-        let (own, others) = replies.split_at(items.len());
-        if *with_verdicts {
-            teller.foretell(own.to_vec());
-        }
-        replies = others;
-    }
-}
-
 /// Sends everyone their part of a group's answers.
-pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>, told: Told) {
+pub(super) fn answer(jobs: Vec<StoreJob>, replies: Vec<Reply>) {
     count(jobs.iter().flat_map(items_of), &replies);
     let mut replies = replies.into_iter();
-    for StoreJob { items, with_verdicts, teller, .. } in jobs {
-        let own = replies.by_ref().take(items.len()).collect();
-        if with_verdicts && told == Told::Ahead {
-            teller.hold();
-        } else {
-            teller.tell(own);
-        }
+    for StoreJob { items, reply, .. } in jobs {
+        // Who has gone away is answered when it sends the same again.
+        let _gone = reply.send(replies.by_ref().take(items.len()).collect());
     }
 }
 

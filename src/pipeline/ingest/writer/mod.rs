@@ -1,10 +1,11 @@
-//! The one writer: takes what has queued up as a group, stores it in one transaction, answers everyone.
+//! A writer: takes what has queued up as a group, stores it in one transaction, answers everyone. A file has one; of a
+//! database server a process has several, and one of them carries out orders and follows the clock.
 
 pub(crate) mod alerts;
 mod group;
 pub(crate) mod overlapped;
-pub(crate) mod postgres_turn;
 mod state;
+pub(crate) mod turn;
 
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -13,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::mpsc;
 
-use super::admit::{Memory, Newest};
+use super::admit::Memory;
 use crate::config::Config;
 use crate::core::id::Id;
 use crate::pipeline::access::{AccessHandler, AccessOrder, Actor, Secret};
@@ -21,68 +22,73 @@ use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::adopt;
 use crate::pipeline::diagnoses::{DiagnosisHandler, DiagnosisOrder};
 use crate::pipeline::error::StorageError;
-use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order};
+use crate::pipeline::hooks::{Found, HookCache, HookHandler, Order, heard_by};
 use crate::pipeline::ingest::judge::Judge;
-use crate::pipeline::ingest::writer::postgres_turn::in_turn;
 use crate::pipeline::write_queue;
 use crate::pipeline::write_queue::Job;
 use crate::pipeline::{Accepted, AccessError, DiagnosisError, HookError, Reply, WriteError};
 use crate::store;
-use crate::store::{Store, StoreError, Writer};
+use crate::store::{Cells, Store, StoreError, Writer};
 use crate::system::Clock;
 use crate::telemetry;
-use group::{Told, answer, foretell};
+use group::answer;
 use state::{Item, StoreJob, items_of};
+use turn::in_turn;
 
 pub(crate) use state::{After, Task};
 
-/// How long a transaction may take others' turn, as far as that can be foretold.
+/// How long a transaction may keep others from its cells, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
 /// Items of one transaction, as many as are stored in a [`TURN`].
 const ITEMS: RangeInclusive<usize> = 64..=8192;
 
 /// Orders that concern hooks, and where their answers go.
-type Orders = Vec<(Order, Actor, write_queue::Reply<Id, HookError>)>;
+type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, HookError>)>;
 
-type Findings = Vec<(Found, write_queue::Reply<(), WriteError>)>;
+type Findings = Vec<(Found, write_queue::ReplyTo<(), WriteError>)>;
+
+/// Where a writer stands among those of its process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Duties {
+    /// It stores, and nothing else.
+    Lane,
+    /// It carries out orders and follows the clock; alone, it stores as well.
+    Orders,
+}
 
 impl Task {
-    pub async fn new(
-        store: Store,
-        writer: Writer,
-        config: Arc<Config>,
-        clock: Clock,
-        after: After,
-    ) -> Result<Self, StoreError> {
-        let newest = Newest::load(&store).await?;
-        let hooks = HookCache::load(&store).await?;
-        let judge = Judge::new(store.clone(), config.judging.clone(), config.alerts.policy());
-        let alerts = AlertCache::load(&store, config.alerts.policy(), clock.now()).await?;
-        let benched = store::bench::gyros_on_benches(&store).await?.into_iter().collect();
-        Ok(Self {
+    pub fn new(store: Store, writer: Writer, config: Arc<Config>, clock: Clock, after: After, duties: Duties) -> Self {
+        let mut judging = config.judging.clone();
+        if writer.is_one_of_many() {
+            judging.remembered_records /= config.database.writers;
+        }
+        let judge = Judge::new(store.clone(), judging, config.alerts.policy());
+        let alerts = AlertCache::new(config.alerts.policy());
+        Self {
             store,
             writer,
             clock,
             config,
-            newest,
             memory: Memory::default(),
             judge,
             alerts,
-            benched,
-            hooks,
+            benched: HashMap::new(),
+            hooks: HookCache::default(),
             after,
+            duties,
             under_way: None,
             items_at_once: 1024,
             behind: false,
-        })
+        }
     }
 
-    /// Works until every sender is gone and the queue is empty, then closes the database.
+    /// Works until every sender is gone and the queue is empty, then ends writing in order.
     pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) {
         let max_group = self.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
-        let mut moves = store::other_servers::moves(&self.store);
+        let is_for_orders = self.duties == Duties::Orders;
+        let mut moves = if is_for_orders { store::other_servers::moves(&self.store) } else { None };
         loop {
             let room = max_group.saturating_sub(jobs.len()).max(1);
             tokio::select! {
@@ -93,11 +99,11 @@ impl Task {
                     }
                 },
                 () = overlapped::written(&mut self.under_way), if self.under_way.is_some() => self.finish().await,
-                _ = ticks.tick() => {
+                _ = ticks.tick(), if is_for_orders => {
                     self.finish().await;
                     self.tick().await;
                 }
-                Some(missed) = postgres_turn::next_of(&mut moves) => self.hear_of(&missed).await,
+                Some(missed) = turn::next_of(&mut moves) => self.hear_of(&missed).await,
             }
             if self.is_to_wait(&jobs) {
                 continue;
@@ -113,7 +119,7 @@ impl Task {
             for job in jobs.drain(..) {
                 let job = match job {
                     Job::Store { items, by, with_verdicts, late, reply } => {
-                        StoreJob { items, by, with_verdicts, late, teller: reply }
+                        StoreJob { items, by, with_verdicts, late, reply }
                     }
                     Job::Hook { order, by, reply } => {
                         orders.push((order, by, reply));
@@ -124,7 +130,9 @@ impl Task {
                         continue;
                     }
                     Job::Model { adoption, by, reply } => {
-                        let adopted = in_turn!(self, {
+                        let mut cells = Cells::one(store::names::cell_of_imu(&self.store, &adoption.imu));
+                        cells.insert(0);
+                        let adopted = in_turn!(self, cells, {
                             let (store, models) = (&self.store, &self.after.models);
                             adopt(store, &mut self.writer, &self.clock, models, &adoption, &by)
                         });
@@ -133,22 +141,23 @@ impl Task {
                         continue;
                     }
                     Job::Diagnoses { order, by, reply } => {
-                        let done = in_turn!(self, self.order_diagnoses(&order, &by));
+                        let done = in_turn!(self, Cells::one(0), self.order_diagnoses(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
                     Job::Diagnosed { made, reply } => {
-                        let kept = in_turn!(self, made.keep(&mut self.writer, &self.after.models));
+                        let kept = in_turn!(self, Cells::one(0), made.keep(&mut self.writer, &self.after.models));
                         let _gone = reply.send(kept);
                         continue;
                     }
                     Job::Alert { order, by, reply } => {
-                        let done = in_turn!(self, self.obey(&order, &by));
+                        let cells = self.cells_of_alert(order.alert).await;
+                        let done = in_turn!(self, cells, self.obey(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
                     Job::Silence { order, by, reply } => {
-                        let done = in_turn!(self, self.order_silence(&order, &by));
+                        let done = in_turn!(self, Cells::all(), self.order_silence(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
@@ -157,7 +166,7 @@ impl Task {
                         continue;
                     }
                     Job::Access { order, by, reply } => {
-                        let done = in_turn!(self, self.register(&order, &by));
+                        let done = in_turn!(self, Cells::one(0), self.register(&order, &by));
                         let _gone = reply.send(done);
                         continue;
                     }
@@ -184,12 +193,11 @@ impl Task {
             }
             // After what was queued before.
             for reply in digests {
-                let told = in_turn!(self, self.tell_digest());
+                let told = in_turn!(self, Cells::all(), self.tell_digest());
                 let _gone = reply.send(told);
             }
             self.carry_out(orders, findings).await;
         }
-        self.store.close().await;
         if let Err(error) = self.writer.close().await {
             tracing::error!(%error, "the database could not be closed in order; its log is kept and read at the next start");
         }
@@ -204,39 +212,46 @@ impl Task {
     /// What people order has one transaction each, what delivery queues have found out shares one.
     async fn carry_out(&mut self, orders: Orders, findings: Findings) {
         let is_gone = |found: &Found| matches!(found, Found::Attempted(attempted) if attempted.gone.is_some());
-        let changed = !orders.is_empty() || findings.iter().any(|(found, _)| is_gone(found));
+        let any_gone = findings.iter().any(|(found, _)| is_gone(found));
+        let changed = !orders.is_empty() || any_gone;
         for (order, by, reply) in orders {
-            let done = in_turn!(self, self.order_hook(&order, &by));
+            let done = in_turn!(self, Cells::all(), self.order_hook(&order, &by));
             let _gone = reply.send(done);
         }
         if !findings.is_empty() {
-            let written = in_turn!(self, self.hook_handler(None).write_down(findings.iter().map(|(found, _)| found)));
+            let found: Vec<&Found> = findings.iter().map(|(found, _)| found).collect();
+            let cells = if any_gone { Ok(Cells::all()) } else { self.cells_of_findings(&found).await };
+            let written = match cells {
+                Ok(cells) => in_turn!(self, cells, self.write_down(&found)),
+                Err(error) => Err(error.into()),
+            };
             for (_, reply) in findings {
                 let _gone = reply.send(written.clone());
             }
         }
         if changed {
-            self.look_at_hooks().await;
+            self.look_at_hooks();
         }
     }
 
     async fn order_hook(&mut self, order: &Order, by: &Actor) -> Result<Id, HookError> {
         let now = self.clock.now();
-        self.alerts.refresh(&self.store, now).await?;
-        self.hooks.refresh(&self.store).await?;
-        self.hook_handler(Some(order)).carry_out(order, by).await
+        let (alerts, heard) = match order {
+            Order::Create(_) => (self.standings(now).await?, HashMap::new()),
+            Order::Change(hook, _) => (self.standings(now).await?, heard_by(&self.store, *hook).await?),
+            Order::Delete(_) | Order::Test(_) | Order::Redeliver(_) => Default::default(),
+        };
+        let old_secret_until = self.config.hooks.old_secret_until(now);
+        let (store, writer) = (&self.store, &mut self.writer);
+        HookHandler { store, writer, now, old_secret_until, alerts, heard }.carry_out(order, by).await
     }
 
-    /// `order`: what it is about to carry out; none where no hook is to hear anything new.
-    fn hook_handler(&mut self, order: Option<&Order>) -> HookHandler<'_> {
+    async fn write_down(&mut self, found: &[&Found]) -> Result<(), WriteError> {
         let now = self.clock.now();
         let old_secret_until = self.config.hooks.old_secret_until(now);
-        let (alerts, heard) = match order {
-            Some(Order::Create(_)) => (self.standings(now), HashMap::new()),
-            Some(Order::Change(hook, _)) => (self.standings(now), self.hooks.has_heard(*hook)),
-            Some(Order::Delete(_) | Order::Test(_) | Order::Redeliver(_)) | None => Default::default(),
-        };
-        HookHandler { store: &self.store, writer: &mut self.writer, now, old_secret_until, alerts, heard }
+        let (store, writer, alerts, heard) = (&self.store, &mut self.writer, Vec::new(), HashMap::new());
+        let mut handler = HookHandler { store, writer, now, old_secret_until, alerts, heard };
+        handler.write_down(found.iter().copied()).await
     }
 
     /// Begins or cancels an order of diagnoses, and has what is new worked off.
@@ -255,11 +270,8 @@ impl Task {
     }
 
     /// Hooks have changed, or have something new to be told.
-    async fn look_at_hooks(&mut self) {
-        match HookCache::load(&self.store).await {
-            Ok(hooks) => self.hooks = hooks,
-            Err(error) => tracing::error!(%error, "the hooks cannot be read; those known before are told"),
-        }
+    fn look_at_hooks(&mut self) {
+        self.hooks.forget();
         self.after.wake.send_modify(|moved| *moved += 1);
     }
 
@@ -268,15 +280,15 @@ impl Task {
         let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
         let mut replies = Vec::with_capacity(items.len());
         let begun = Instant::now();
-        let stored = self.store_group(&items, &jobs).await;
+        let stored = self.store_group(&items).await;
         let a_turn = items.len() as f64 * TURN.as_secs_f64() / begun.elapsed().as_secs_f64();
         self.items_at_once = (a_turn as usize).clamp(*ITEMS.start(), *ITEMS.end());
         match stored {
-            Ok(stored) => return answer(jobs, stored, Told::Ahead),
-            Err(StoreError::Refused(why)) if items.len() > 1 => {
+            Ok(stored) => replies = stored,
+            Err(StoreError::Refused(why) | StoreError::Overtaken(why)) if items.len() > 1 => {
                 tracing::warn!(%why, items = items.len(), "a group was refused; its items are stored one by one");
                 for item in &items {
-                    let reply = self.store_group(&[*item], &[]).await;
+                    let reply = self.store_group(&[*item]).await;
                     replies.extend(reply.unwrap_or_else(|error| vec![Err(error.into())]));
                 }
             }
@@ -286,29 +298,25 @@ impl Task {
                 replies.resize(items.len(), Err(error.into()));
             }
         }
-        answer(jobs, replies, Told::Now);
+        answer(jobs, replies);
     }
 
-    /// Stores `items`: those of `to_foretell`, who are told what will be answered, or any, while nobody is.
-    async fn store_group(&mut self, items: &[Item<'_>], to_foretell: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
+    async fn store_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
         let mut tries = 0;
         loop {
-            let stored = match self.begin().await {
-                Ok(()) => self.try_group(items, to_foretell).await,
+            let stored = match self.begin_group(items).await {
+                Ok(()) => self.try_group(items).await,
                 Err(error) => Err(error),
             };
             self.writer.give_back().await;
             match stored {
                 Ok(replies) => {
-                    self.judge.tidy();
-                    if self.memory.is_full() {
-                        self.memory.forget();
-                    }
+                    self.tidy();
                     return Ok(replies);
                 }
                 Err(error) => {
                     self.start_over();
-                    if !postgres_turn::another_try(&error, &mut tries).await {
+                    if !turn::another_try(&error, &mut tries).await {
                         return Err(error);
                     }
                 }
@@ -316,16 +324,25 @@ impl Task {
         }
     }
 
-    async fn try_group(&mut self, items: &[Item<'_>], to_foretell: &[StoreJob]) -> Result<Vec<Reply>, StoreError> {
+    /// Keeps what is remembered within its bounds; when all of it is stored.
+    fn tidy(&mut self) {
+        self.judge.tidy();
+        self.alerts.tidy();
+        self.hooks.tidy();
+        if self.memory.is_full() {
+            self.memory.forget();
+            self.benched.clear();
+        }
+    }
+
+    async fn try_group(&mut self, items: &[Item<'_>]) -> Result<Vec<Reply>, StoreError> {
         let prepared = self.prepare(items).await?;
-        foretell(to_foretell, &prepared.replies);
         let changes = &prepared.changes;
         if !changes.is_empty() {
             let committing = Instant::now();
             self.commit(changes).await?;
             metrics::histogram!(telemetry::COMMIT).record(committing.elapsed());
-            self.newest.learn(changes, &prepared.newest);
-            self.benched.extend(changes.benches.iter().map(|bench| bench.gyro));
+            self.benched.extend(changes.benches.iter().map(|bench| (bench.gyro, true)));
         }
         Ok(self.settle(items, prepared))
     }

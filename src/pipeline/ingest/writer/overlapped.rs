@@ -5,10 +5,14 @@
 //! everything first. (What it is asked of very many records that are no longer remembered one by one, it has long
 //! held.) A small group is not worth it: while it waited, more would come that can share its transaction.
 
-use super::group::{Told, answer, foretell};
+use std::collections::HashMap;
+
+use super::group::answer;
 use super::state::{Item, Prepared, StoreJob, Task, UnderWay, items_of};
+use crate::core::history_note::FAR_DAYS;
 use crate::pipeline::ingest::submission::Submission;
 use crate::pipeline::write_queue::Job;
+use crate::store;
 use crate::store::{Committer, Tables, Written};
 use crate::telemetry;
 
@@ -56,10 +60,6 @@ impl Task {
         if let (Ok(prepared), true, Some(committer)) = (prepared, holds, self.writer.committer()) {
             self.under_way = Some(self.begin_beside(jobs, prepared, committer));
             self.conclude(before).await;
-            // Not sooner: what has been written is answered before others are woken to make words.
-            if let Some(UnderWay { jobs, prepared, .. }) = &self.under_way {
-                foretell(jobs, &prepared.replies);
-            }
             return None;
         }
         self.conclude(before).await;
@@ -69,10 +69,13 @@ impl Task {
 
     fn begin_beside(&mut self, jobs: Vec<StoreJob>, mut prepared: Prepared, committer: Committer) -> UnderWay {
         let changes = std::mem::take(&mut prepared.changes);
-        let newest_before = self.newest.of(&changes);
-        self.newest.learn(&changes, &prepared.newest);
+        let mut newest = HashMap::new();
+        for record in &changes.records {
+            let newest = newest.entry(record.imu).or_insert(record.calibrated_at);
+            *newest = record.calibrated_at.max(*newest);
+        }
         let writing = committer.commit(changes);
-        UnderWay { jobs, prepared, newest_before, writing, written: None }
+        UnderWay { jobs, prepared, newest, writing, written: None }
     }
 
     fn can_go_beside(&self, items: &[Item<'_>]) -> bool {
@@ -81,13 +84,24 @@ impl Task {
         room && items.len() >= MANY && items.iter().all(|item| self.asks_nothing(item, &tables))
     }
 
-    /// Whether an item can be judged by what is remembered, and by what has long been stored.
+    /// Whether an item can be judged by what is remembered, and by what has long been stored: a calibration of a known
+    /// IMU, station and gyros that is newer than all there is of them, but not by decades.
     fn asks_nothing(&self, item: &Item<'_>, tables: &Tables) -> bool {
         let Submission::Calibration(sent) = item.sent else { return false };
-        let benched = |serial| tables.gyros.number(serial).is_some_and(|gyro| self.benched.contains(&gyro));
+        let at = sent.calibrated_at;
+        let newest_of_imu = |imu: u32| {
+            let under_way = self.under_way.as_ref().and_then(|group| group.newest.get(&imu)).copied();
+            under_way.max(store::record::newest_in_file(&self.store, imu))
+        };
+        let follows = |gyro: u32| {
+            let newest = self.memory.newest_of(gyro);
+            newest.is_some_and(|newest| newest < at && at.days_since(newest) <= FAR_DAYS)
+                && self.benched.get(&gyro) == Some(&false)
+        };
         sent.idempotency_key.is_none()
-            && self.newest.passed_by(sent, tables)
-            && (self.benched.is_empty() || !sent.gyros.iter().any(|gyro| benched(gyro.serial.as_str())))
+            && tables.stations.number(sent.station.as_str()).is_some()
+            && tables.imus.number(sent.imu.as_str()).and_then(newest_of_imu).is_some_and(|newest| newest < at)
+            && sent.gyros.iter().all(|gyro| tables.gyros.number(gyro.serial.as_str()).is_some_and(follows))
     }
 
     /// Waits for what is under way, and answers it.
@@ -100,7 +114,7 @@ impl Task {
     /// Answers a group that has been written. One that could not be is tried once more, by itself: nothing else is
     /// under way then.
     async fn conclude(&mut self, group: Option<UnderWay>) {
-        let Some(UnderWay { jobs, mut prepared, newest_before, written, .. }) = group else { return };
+        let Some(UnderWay { jobs, mut prepared, written, .. }) = group else { return };
         match written {
             Some(Written { changes, outcome: Ok(()), took }) => {
                 metrics::histogram!(telemetry::COMMIT).record(took);
@@ -108,10 +122,9 @@ impl Task {
                 prepared.changes = changes;
                 let items: Vec<Item<'_>> = jobs.iter().flat_map(items_of).collect();
                 let replies = self.settle(&items, prepared);
-                answer(jobs, replies, Told::Ahead);
+                answer(jobs, replies);
             }
             _ => {
-                self.newest.unlearn(newest_before);
                 self.start_over();
                 self.store_all(jobs).await;
             }
@@ -123,6 +136,7 @@ impl Task {
         self.judge.forget();
         self.memory.forget();
         self.alerts.forget();
+        self.benched.clear();
         self.hooks.forget();
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use tokio::sync::watch;
+use tokio::sync::{oneshot, watch};
 use tokio::task::JoinHandle;
 
 use crate::config::Config;
@@ -14,14 +14,14 @@ use crate::pipeline::access::{Actor, Guard};
 use crate::pipeline::alerts::AlertCache;
 use crate::pipeline::diagnoses::models::ModelCache;
 use crate::pipeline::hooks::HookCache;
-use crate::pipeline::ingest::admit::{Memory, Newest};
-use crate::pipeline::ingest::judge;
+use crate::core::time::UtcMicros;
+use crate::pipeline::ingest::admit::Memory;
 use crate::pipeline::ingest::judge::{Judge, Verdicts};
 use crate::pipeline::ingest::outcome::Reply;
-use crate::pipeline::ingest::reply::ReplySender;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store::{Changes, Store, Writer, Written};
 use crate::system::Clock;
+use super::Duties;
 use crate::telemetry;
 
 pub(crate) struct Task {
@@ -29,19 +29,19 @@ pub(crate) struct Task {
     pub(super) writer: Writer,
     pub(super) clock: Clock,
     pub(super) config: Arc<Config>,
-    pub(super) newest: Newest,
     pub(super) memory: Memory,
     pub(super) judge: Judge,
     pub(super) alerts: AlertCache,
-    /// Gyros whose methods are to agree.
-    pub(super) benched: HashSet<u32>,
+    /// Whether a bench has measured a gyro, so that its methods are to agree.
+    pub(super) benched: HashMap<u32, bool>,
     pub(super) hooks: HookCache,
     pub(super) after: After,
+    pub(super) duties: Duties,
     /// A group that is being written while the next is made ready.
     pub(super) under_way: Option<UnderWay>,
-    /// Items from which on no more are added to a transaction among other servers.
+    /// Items from which on no more are added to a transaction among other writers.
     pub(super) items_at_once: usize,
-    /// What others have written could not be read: everything is read again before the next turn is used.
+    /// What others have written could not be read: everything is read again.
     pub(super) behind: bool,
 }
 
@@ -62,6 +62,7 @@ pub(super) fn items_of(job: &StoreJob) -> impl Iterator<Item = Item<'_>> {
 }
 
 /// Who is told of what has been written.
+#[derive(Clone)]
 pub(crate) struct After {
     /// Moves when a hook has changed or has something new to be told.
     pub wake: watch::Sender<u64>,
@@ -75,17 +76,16 @@ pub(crate) struct After {
 pub(super) struct StoreJob {
     pub(super) items: Vec<Submission>,
     pub(super) by: Actor,
-    /// Whether they are answered with verdicts, and ahead of the disk.
+    /// Whether they are answered with verdicts.
     pub(super) with_verdicts: bool,
     /// How what is found late is told.
     pub(super) late: Late,
-    pub(super) teller: ReplySender,
+    pub(super) reply: oneshot::Sender<Vec<Reply>>,
 }
 
 /// What a group comes to, before it is written.
 pub(super) struct Prepared {
     pub changes: Changes,
-    pub newest: Vec<judge::Newest>,
     /// One an item; they hold when the changes are on disk.
     pub replies: Vec<Reply>,
     pub(super) tally: Tally,
@@ -96,8 +96,8 @@ pub(super) struct UnderWay {
     pub(super) jobs: Vec<StoreJob>,
     /// Without its changes, which are with the thread that writes them.
     pub(super) prepared: Prepared,
-    /// What was the newest of its gyros and IMUs before it.
-    pub(super) newest_before: Newest,
+    /// When the newest record of each of its IMUs was made.
+    pub(super) newest: HashMap<u32, UtcMicros>,
     pub(super) writing: JoinHandle<Written>,
     pub(super) written: Option<Written>,
 }

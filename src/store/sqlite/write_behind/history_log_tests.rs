@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 use crate::core::time::UtcMicros;
 use crate::store;
-use crate::store::tests::{first_names, history, opened, options, record, url};
+use crate::store::tests::{first_names, history, name, opened, options, record, url};
 use crate::store::*;
 
 const GYROS: u32 = 60;
@@ -23,7 +23,7 @@ const ROWS: usize = 1_500;
 type Expected = BTreeMap<(u32, i64), Figures>;
 
 fn names() -> Changes {
-    Changes { gyros: (1..=GYROS).map(|k| (k, format!("LFG-{k:02}"))).collect(), ..first_names() }
+    Changes { gyros: (1..=GYROS).map(|k| name(k, &format!("LFG-{k:02}"))).collect(), ..first_names() }
 }
 
 /// New rows at any instants, some of which are there already and are judged again.

@@ -89,9 +89,9 @@ impl Calendar {
         entries.binary_search_by_key(&at, |entry| entry.at).ok().map(|place| entries[place].record)
     }
 
-    /// The newest instant of each IMU.
-    pub fn newest(&self) -> impl Iterator<Item = (u32, UtcMicros)> {
-        self.newest.iter().map(|(imu, at)| (*imu, *at))
+    /// The newest instant of an IMU, whether what was calibrated then counts or not.
+    pub fn newest_of(&self, imu: u32) -> Option<UtcMicros> {
+        self.newest.get(&imu).copied()
     }
 
     /// What is to be entered with `changes`.

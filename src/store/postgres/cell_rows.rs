@@ -1,0 +1,137 @@
+//! How far the cells have been written, and what is new since they were looked at.
+
+use sqlx::Row as _;
+use sqlx::postgres::PgRow;
+
+use super::PgReaders;
+use crate::core::kind::Kind;
+use crate::store::cells::CELLS;
+use crate::store::commit::Changes;
+use crate::store::error::StoreError;
+
+/// What a commit may bring that others want to hear of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum News {
+    Names,
+    /// Hooks and silences.
+    Settings,
+    Outbox,
+    Models,
+    Diagnoses,
+    Access,
+}
+
+impl News {
+    pub const ALL: [Self; 6] =
+        [Self::Names, Self::Settings, Self::Outbox, Self::Models, Self::Diagnoses, Self::Access];
+
+    /// Its column.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Names => "names",
+            Self::Settings => "settings",
+            Self::Outbox => "outbox",
+            Self::Models => "models",
+            Self::Diagnoses => "diagnoses",
+            Self::Access => "access",
+        }
+    }
+
+    pub fn is_in(self, changes: &Changes) -> bool {
+        let (outbox, access) = (&changes.outbox, &changes.access);
+        match self {
+            Self::Names => [changes.imus.len(), changes.stations.len(), changes.gyros.len()] != [0; 3],
+            Self::Settings => !changes.hooks.is_empty() || !changes.silences.is_empty(),
+            Self::Outbox => {
+                let moved = [outbox.queued.len(), outbox.replayed.len(), outbox.dropped.len(), outbox.hastened.len()];
+                moved != [0; 4] || !changes.hooks.is_empty()
+            }
+            Self::Models => !changes.models.is_empty(),
+            Self::Diagnoses => {
+                !(changes.models.is_empty() && changes.diagnosis_jobs.started.is_empty())
+                    || changes.records.iter().any(|record| record.kind == Kind::Campaign)
+            }
+            Self::Access => [access.tokens.len(), access.sessions.len(), access.ended.len()] != [0; 3],
+        }
+    }
+}
+
+/// A cell's row: stamps are random, and differ where anything has been written in between, or lost.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct CellRow {
+    pub cell: u8,
+    pub stamp: i64,
+    /// The greatest identifier that was given out under its lock.
+    pub last_id: i64,
+    pub(super) news: [i64; News::ALL.len()],
+}
+
+pub(super) const COLUMNS: &str = "SELECT cell, stamp, last_id, names, settings, outbox, models, diagnoses, access FROM cell";
+
+impl CellRow {
+    pub fn of(row: &PgRow) -> Result<Self, StoreError> {
+        let cell: i64 = row.try_get(0)?;
+        let mut news = [0; News::ALL.len()];
+        for (stamp, place) in news.iter_mut().zip(3..) {
+            *stamp = row.try_get(place)?;
+        }
+        let cell = u8::try_from(cell).map_err(|_| StoreError::Damaged(format!("there is a cell {cell}")))?;
+        Ok(Self { cell, stamp: row.try_get(1)?, last_id: row.try_get(2)?, news })
+    }
+
+    pub fn stamp_of(&self, news: News) -> i64 {
+        self.news[news as usize]
+    }
+}
+
+/// Every cell's row as it was seen last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct AllCells(pub [CellRow; CELLS]);
+
+impl Default for AllCells {
+    fn default() -> Self {
+        Self([CellRow::default(); CELLS])
+    }
+}
+
+impl AllCells {
+    /// Without locking any.
+    pub async fn look(readers: &PgReaders) -> Result<Self, StoreError> {
+        let mut all = Self::default();
+        for row in sqlx::query(COLUMNS).fetch_all(readers).await? {
+            let row = CellRow::of(&row)?;
+            all.0[usize::from(row.cell)] = row;
+        }
+        Ok(all)
+    }
+
+    /// Takes over what was found; says what is new.
+    pub fn learn(&mut self, found: &[CellRow]) -> Missed {
+        let mut missed = Missed::default();
+        for row in found {
+            let seen = std::mem::replace(&mut self.0[usize::from(row.cell)], *row);
+            if row.stamp != seen.stamp {
+                missed.cells.push(row.cell);
+            }
+            let moved = |news| row.stamp_of(news) != seen.stamp_of(news);
+            missed.settings |= moved(News::Settings);
+            missed.outbox |= moved(News::Outbox);
+            missed.models |= moved(News::Models);
+            missed.diagnoses |= moved(News::Diagnoses);
+            missed.access |= moved(News::Access);
+        }
+        missed
+    }
+}
+
+/// What others have written.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Missed {
+    /// Cells in which something was written: nothing that is remembered of their gyros is known to hold.
+    pub cells: Vec<u8>,
+    pub settings: bool,
+    pub outbox: bool,
+    pub models: bool,
+    pub diagnoses: bool,
+    pub access: bool,
+}

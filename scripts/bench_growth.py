@@ -7,7 +7,7 @@ Every figure is a ratio to the first of its row as well. `--values` is the large
 and calibration): 10^7 take some minutes to import. Standard library only; the client shares the machine, and so does PostgreSQL,
 which is left out where Debian's is not installed.
 """
-import argparse, contextlib, glob, http.client, json, multiprocessing, os, shutil, socket, subprocess, sys, tempfile, time
+import argparse, asyncio, contextlib, glob, http.client, json, multiprocessing, os, shutil, socket, subprocess, sys, tempfile, time
 from datetime import datetime, timedelta, timezone
 
 START = datetime(2000, 1, 1, 8, tzinfo=timezone.utc)
@@ -282,6 +282,51 @@ def with_servers(program):
     row("servers on one PostgreSQL: p99", "ms", tails)
 
 
+async def far(source, target, one_way):
+    """Hands on what arrives at one socket to the other, `one_way` seconds later each way."""
+    loop = asyncio.get_running_loop()
+
+    async def hand_on(reader, writer):
+        try:
+            while data := await reader.read(1 << 16):
+                loop.call_later(one_way, writer.write, data)
+        except OSError:
+            pass
+        loop.call_later(one_way, writer.close)
+
+    async def serve(reader, writer):
+        onward = await asyncio.open_unix_connection(target)
+        await asyncio.gather(hand_on(reader, onward[1]), hand_on(onward[0], writer))
+
+    async with await asyncio.start_unix_server(serve, source) as server:
+        await server.serve_forever()
+
+
+def with_far_servers(program):
+    """Records over 16 connections to each server, and the database a round trip of 10 ms away from all: what a server cannot do faster alone."""
+    bin = newest_postgresql()
+    if bin is None:
+        return print("far servers: postgresql is not installed")
+    rates, tails, seconds = [], [], 5 * SECONDS
+    with PostgreSQL(bin) as cluster:
+        for count in (1, 2, 4):
+            folder = f"{cluster.dir}/far{count}"
+            os.mkdir(folder)
+            sockets = [f"{place}/.s.PGSQL.5432" for place in (folder, cluster.dir)]
+            way = multiprocessing.Process(target=lambda: asyncio.run(far(*sockets, 0.005)), daemon=True)
+            way.start()
+            database = cluster.database(f"far{count}").replace(cluster.dir, folder)
+            with contextlib.ExitStack() as running, multiprocessing.Pool(16 * count) as pool:
+                services = [running.enter_context(Service(program, database=database)) for _ in range(count)]
+                work = [(services[imu % count].port, imu, seconds) for imu in range(16 * count)]
+                times = sorted(sum(pool.starmap(sender, work), []))
+            way.kill()
+            rates.append((str(count), len(times) / seconds))
+            tails.append((str(count), 1e3 * times[int(0.99 * len(times))]))
+    row("servers 10 ms from one PostgreSQL: records over 16 connections each", "/s", rates)
+    row("servers 10 ms from one PostgreSQL: p99", "ms", tails)
+
+
 # Presets of the simulator, and what is changed in them.
 DESIGNS = (("24-bare", {}), ("24-position", {}), ("24-position", {"repeats": 20, "cycles": 3}), ("long", {}))
 
@@ -325,6 +370,7 @@ def main():
     with_connections(asked.program)
     with_processors(asked.program)
     with_servers(asked.program)
+    with_far_servers(asked.program)
     with_gyros(asked.program)
     with_density(asked.program)
     with_history(asked.program, asked.values)

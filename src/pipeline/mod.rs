@@ -112,8 +112,11 @@ impl Pipeline {
         let ended = tokio::spawn(async move {
             let ended = futures::future::join_all(at_work).await;
             store.close().await;
-            if let Some(error) = ended.into_iter().find_map(Result::err) {
-                std::panic::resume_unwind(error.into_panic());
+            for writer in ended {
+                let writer = writer.unwrap_or_else(|error| std::panic::resume_unwind(error.into_panic()));
+                if let Err(error) = writer.close().await {
+                    tracing::error!(%error, "the database could not be closed in order; its log is kept and read at the next start");
+                }
             }
         });
         Ok((pipeline, ended))

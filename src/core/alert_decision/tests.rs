@@ -178,7 +178,9 @@ fn a_silence_holds_back_and_loses_nothing() {
     story.silence(20.0);
     assert_eq!(story.record(5.0, &confirmed()), Action::Silent);
     assert_eq!(story.tick(19.9), Action::Silent);
+    assert!(story.alert.unwrap().silenced_until.is_some());
     assert_eq!(story.tick(20.0), Action::Escalate, "what was escalated under the silence is told at its end");
+    assert_eq!(story.alert.unwrap().silenced_until, None, "it is over");
 
     let mut story = Story::default();
     story.record(0.0, &exceeded());

@@ -97,3 +97,32 @@ impl<'a> History<'a> {
         reset.map_or(0, |reset| upto.partition_point(|sample| sample.at < reset))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::judge::{Event, Measured, Seat};
+
+    fn day(n: i64) -> UtcMicros {
+        UtcMicros(n * UtcMicros::DAY)
+    }
+
+    fn samples(days: std::ops::Range<i64>) -> Vec<Sample> {
+        days.map(|n| Sample { at: day(n), seat: Seat::default(), d: [Measured::exact(n as f64); 3] }).collect()
+    }
+
+    #[test]
+    fn a_baseline_in_one_seat_begins_with_the_record_of_the_mark_and_holds_nothing_older() {
+        let (samples, marks) = (samples(0..9), [Mark::of(day(4), Event::Repair)]);
+        let first = |at| seat_baseline_of(&samples, &marks, day(at)).first().map(|sample| sample.at);
+        assert_eq!(first(8), Some(day(4)));
+        assert_eq!(first(3), Some(day(0)));
+    }
+
+    #[test]
+    fn a_record_of_the_very_instant_of_an_event_belongs_to_what_comes_after_it() {
+        let series = Series::new(samples(0..9), vec![Mark::of(day(4), Event::Repair)]);
+        let first = |k| History::whole(&series, k).first_since_reset(k, Rule::Range);
+        assert_eq!((first(3), first(4), first(8)), (0, 4, 4));
+    }
+}

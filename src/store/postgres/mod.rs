@@ -76,7 +76,7 @@ impl Options {
 pub(super) async fn open(options: &Options) -> Result<(Store, Writer), StoreError> {
     let (readers, names, writer) = ready(options).await?;
     let (hosts, number) = (Hosts::of(&options.url)?, rand::random_range(1..i64::MAX));
-    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease).await?;
+    let neighbours = Neighbours::watch(readers.clone(), hosts, names.clone(), number, options.lease);
     Ok(opened(readers, names, writer, neighbours))
 }
 

@@ -1,10 +1,10 @@
 //! Names that other servers have given numbers to.
 
-use super::cell_rows::{CellRow, News};
+use super::cell_rows::{AllCells, CellRow, News};
 use crate::store::db::{PgReaders, Readers};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
-use crate::store::tables::names::{NamesOf, Names};
+use crate::store::tables::names::{Names, NamesOf, Tables};
 use crate::store::tables::record::RecordRow;
 
 /// A name: its kind, number, cell and text.
@@ -33,13 +33,19 @@ fn read(found: Vec<Found>) -> Result<Vec<(NamesOf, u32, u8, String)>, StoreError
     found.into_iter().map(one).collect()
 }
 
-/// Every name there is.
+/// Every name there is, in place of those that were known.
 ///
 /// # Errors
-/// [`StoreError`].
+/// [`StoreError`]; then what was known before is known.
 pub(super) async fn learn_all(readers: &PgReaders, names: &Names) -> Result<(), StoreError> {
-    let found = read(sqlx::query_as(ALL).fetch_all(readers).await?)?;
-    names.change(|tables| found.iter().try_for_each(|(kind, number, cell, name)| tables.learn(*kind, *number, *cell, name)))
+    // What comes after this look is newer, and is read again.
+    let seen = AllCells::look(readers).await?.0.map(|row| row.stamp_of(News::Names));
+    let mut tables = Tables { seen, ..Tables::default() };
+    for (kind, number, cell, name) in read(sqlx::query_as(ALL).fetch_all(readers).await?)? {
+        tables.learn(kind, number, cell, &name)?;
+    }
+    names.change(|known| *known = tables);
+    Ok(())
 }
 
 /// The names of cells in which there are new ones, or of which some were lost. Those who hold the cells know them all

@@ -30,18 +30,19 @@ impl Neighbours {
         Self { seen: watch::channel(AllCells::default()).1, held: watch::channel(Held::default()).1, lease: None }
     }
 
-    pub async fn watch(
+    pub fn watch(
         readers: PgReaders,
         hosts: Hosts,
         names: Names,
         number: i64,
         lease: Duration,
-    ) -> Result<Self, StoreError> {
-        let (told, seen) = watch::channel(AllCells::look(&readers).await?);
+    ) -> Self {
+        // Whatever there is, is news to the first look.
+        let (told, seen) = watch::channel(AllCells::default());
         let (keeper, held) = watch::channel(Held::default());
         tokio::spawn(look_around(readers.clone(), hosts, names, told));
         tokio::spawn(lease::keep(readers, number, lease, keeper));
-        Ok(Self { seen, held, lease: Some((number, lease)) })
+        Self { seen, held, lease: Some((number, lease)) }
     }
 
     pub fn lease(&self) -> Option<(i64, Duration)> {

@@ -82,8 +82,8 @@ impl Task {
         }
     }
 
-    /// Works until every sender is gone and the queue is empty, then ends writing in order.
-    pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) {
+    /// Works until every sender is gone and the queue is empty; gives back what it has written with.
+    pub async fn run(mut self, mut queue: mpsc::Receiver<Job>) -> Writer {
         let max_group = self.config.database.max_group;
         let mut jobs = Vec::with_capacity(max_group);
         let mut ticks = self.ticks();
@@ -198,9 +198,7 @@ impl Task {
             }
             self.carry_out(orders, findings).await;
         }
-        if let Err(error) = self.writer.close().await {
-            tracing::error!(%error, "the database could not be closed in order; its log is kept and read at the next start");
-        }
+        self.writer
     }
 
     async fn process(&mut self, jobs: Vec<StoreJob>) {

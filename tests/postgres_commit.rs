@@ -81,7 +81,7 @@ async fn hand_on(mut server: TcpStream, mut database: TcpStream, cut: &AtomicU8)
     let takes =
         |when: Cut| cut.compare_exchange(when as u8, Cut::Never as u8, Ordering::SeqCst, Ordering::SeqCst).is_ok();
     let (mut asked, mut answered) = (vec![0; 1 << 16], vec![0; 1 << 16]);
-    // The last statement before a commit changes the one row of the turn, in a transaction that has locked it.
+    // The last statement before a commit changes the rows of the cells, one or all, in a transaction that has locked them.
     let (mut in_turn, mut all_written) = (false, false);
     loop {
         tokio::select! {
@@ -99,7 +99,7 @@ async fn hand_on(mut server: TcpStream, mut database: TcpStream, cut: &AtomicU8)
                 if said.is_empty() || committed && takes(Cut::After) {
                     return Ok(());
                 }
-                all_written = in_turn && has(said, b"UPDATE 1\0");
+                all_written = in_turn && (has(said, b"UPDATE 1\0") || has(said, b"UPDATE 256\0"));
                 in_turn &= !committed;
                 server.write_all(said).await?;
             }

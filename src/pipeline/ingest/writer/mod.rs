@@ -35,7 +35,7 @@ use group::answer;
 use state::{Item, StoreJob, items_of};
 use turn::in_turn;
 
-pub(crate) use state::{After, Task};
+pub(crate) use state::{After, Duties, Task};
 
 /// How long a transaction may keep others from its cells, as far as that can be foretold.
 const TURN: Duration = Duration::from_millis(500);
@@ -46,15 +46,6 @@ const ITEMS: RangeInclusive<usize> = 64..=8192;
 type Orders = Vec<(Order, Actor, write_queue::ReplyTo<Id, HookError>)>;
 
 type Findings = Vec<(Found, write_queue::ReplyTo<(), WriteError>)>;
-
-/// Where a writer stands among those of its process.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Duties {
-    /// It stores, and nothing else.
-    Lane,
-    /// It carries out orders and follows the clock; alone, it stores as well.
-    Orders,
-}
 
 impl Task {
     pub fn new(store: Store, writer: Writer, config: Arc<Config>, clock: Clock, after: After, duties: Duties) -> Self {

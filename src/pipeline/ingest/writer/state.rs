@@ -21,7 +21,6 @@ use crate::pipeline::ingest::outcome::Reply;
 use crate::pipeline::ingest::submission::{Calibration, Submission};
 use crate::store::{Changes, Store, Writer, Written};
 use crate::system::Clock;
-use super::Duties;
 use crate::telemetry;
 
 pub(crate) struct Task {
@@ -43,6 +42,15 @@ pub(crate) struct Task {
     pub(super) items_at_once: usize,
     /// What others have written could not be read: everything is read again.
     pub(super) behind: bool,
+}
+
+/// Where a writer stands among those of its process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Duties {
+    /// It stores, and nothing else.
+    Lane,
+    /// It carries out orders and follows the clock; alone, it stores as well.
+    Orders,
 }
 
 /// A submission of a group.

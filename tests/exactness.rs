@@ -1,0 +1,143 @@
+//! Many writers on several servers judge as one would: what they store at the same time is computed again afterwards,
+//! and the alerts of gyros that have a sender of their own take the steps that they take at a single server.
+
+mod lab;
+mod receiver;
+mod support;
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use lab::record;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+use sqlx::{Connection, PgConnection};
+use support::Server;
+use support::cluster::{self, count};
+
+/// IMUs that all senders share: their records meet in the same cells.
+const IMUS: i64 = 6;
+
+async fn server_on(url: &str) -> Server {
+    let never_late = ("GYROWATCH_ALERTS__BACKFILL_DAYS", "100000");
+    Server::start_with(&[("GYROWATCH_DATABASE_URL", url), never_late]).await
+}
+
+/// An instant, in half days, that no other record of any sender has.
+fn instant(sender: i64, half_day: i64) -> String {
+    jiff::Timestamp::from_second(1_735_732_800 + 43_200 * half_day + sender).unwrap().to_string()
+}
+
+/// What a sender does, one after the other, each at any of the servers: new records, now and then one that is late, is
+/// voided, or is revised. Its own gyros move among the IMUs; a gyro that all share is in every third record.
+async fn send(servers: &[&Server], sender: i64, steps: i64, shared: bool) {
+    let mut chance = ChaCha8Rng::seed_from_u64(20_261_125 + sender.unsigned_abs());
+    let mut stored: Vec<(String, i64)> = Vec::new();
+    let made = |half_day: i64, imu: i64, d_i: f64| {
+        let own = [format!("OWN-{sender}-1"), format!("OWN-{sender}-2")];
+        let mut gyros = vec![("G1", own[0].as_str(), d_i, 2.0), ("G2", own[1].as_str(), 3.0, 2.0 - d_i / 50.0)];
+        if shared && half_day % 3 == 0 {
+            gyros.push(("G3", "SHARED", d_i, 2.0));
+        }
+        record(&format!("IMU-{imu}"), &instant(sender, half_day), &gyros)
+    };
+    let said = |mut body: Value| {
+        body["author"] = json!("Li Wei");
+        body["reason"] = json!("table was not level");
+        body
+    };
+    for step in 0..steps {
+        let server = servers[chance.random_range(0..servers.len())];
+        // It stays in an IMU for a while; what has jumped comes back with the next record but one.
+        let (imu, jumped) = ((sender + step / 5) % IMUS, step % 7 >= 5);
+        let d_i = 1.0 + if jumped { 0.1 } else { 0.0 } + chance.random_range(-1e-3..1e-3);
+        // After every fourth comes one that was made before it.
+        let half_days = if step % 4 == 2 { vec![2 * step, 2 * step - 1] } else { vec![2 * step] };
+        for half_day in half_days {
+            let answer = taken(server, "/v1/records", &made(half_day, imu, d_i)).await;
+            stored.push((answer["id"].as_str().unwrap().to_owned(), half_day));
+        }
+        match chance.random_range(0..8) {
+            0 => {
+                let (id, _) = stored.swap_remove(chance.random_range(0..stored.len()));
+                taken(server, &format!("/v1/records/{id}/void"), &said(json!({}))).await;
+            }
+            1 => {
+                let (id, of) = stored.swap_remove(chance.random_range(0..stored.len()));
+                // In the IMU in which it was.
+                let there = server.get(&format!("/v1/records/{id}")).await.json();
+                let imu: i64 = there["record"]["imu"].as_str().unwrap()["IMU-".len()..].parse().unwrap();
+                let revised = said(json!({"record": made(of, imu, 1.002)}));
+                taken(server, &format!("/v1/records/{id}/revise"), &revised).await;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The answer, once a server has taken it; the same again is no harm.
+async fn taken(server: &Server, path: &str, body: &Value) -> Value {
+    for _ in 0..600 {
+        let answer = server.post_json(path, body).await;
+        match answer.status {
+            200 | 201 => return answer.json(),
+            503 => tokio::time::sleep(Duration::from_millis(50)).await,
+            _ => panic!("{}: {}", answer.status, answer.text()),
+        }
+    }
+    panic!("nobody takes {body}")
+}
+
+/// What became of the alerts of each sender's own gyros, in order.
+async fn steps_of(url: &str) -> BTreeMap<(String, String, String), Vec<String>> {
+    let sql = "SELECT gyro.serial, alert.coefficient, alert.rule, alert_step.action
+               FROM alert_step JOIN alert ON alert.id = alert_step.alert JOIN gyro ON gyro.id = alert.gyro
+               WHERE gyro.serial LIKE 'OWN-%' ORDER BY alert_step.id";
+    let mut connection = PgConnection::connect(url).await.unwrap();
+    let rows: Vec<(String, String, String, String)> = sqlx::query_as(sql).fetch_all(&mut connection).await.unwrap();
+    let mut steps: BTreeMap<_, Vec<String>> = BTreeMap::new();
+    for (serial, coefficient, rule, action) in rows {
+        steps.entry((serial, coefficient, rule)).or_default().push(action);
+    }
+    steps
+}
+
+async fn sent_by_all(servers: &[&Server], senders: i64, steps: i64, shared: bool) {
+    let all = (0..senders).map(|sender| send(servers, sender, steps, shared));
+    futures::future::join_all(all).await;
+}
+
+fn verified(url: &str) {
+    let output = support::gyrowatch().arg("verify").env("GYROWATCH_DATABASE_URL", url).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+}
+
+/// `scripts/soak exactness` does it with many more records.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn sixteen_senders_at_four_servers_are_judged_as_by_one() {
+    if !cluster::is_there() {
+        return;
+    }
+    const SENDERS: i64 = 16;
+    let steps = support::asked("GYROWATCH_SOAK_STEPS", 16) as i64;
+    let alone = cluster::fresh_database().await;
+    sent_by_all(&[&server_on(&alone).await], SENDERS, steps, false).await;
+    verified(&alone);
+
+    let url = cluster::fresh_database().await;
+    let servers = [server_on(&url).await, server_on(&url).await, server_on(&url).await, server_on(&url).await];
+    sent_by_all(&servers.each_ref(), SENDERS, steps, true).await;
+    verified(&url);
+    let (found, expected) = (steps_of(&url).await, steps_of(&alone).await);
+    assert!(expected.len() > 8, "{expected:?}");
+    let differing: Vec<_> =
+        expected.keys().chain(found.keys()).filter(|key| expected.get(*key) != found.get(*key)).collect();
+    assert!(differing.is_empty(), "{:?}", differing.iter().map(|key| (key, expected.get(*key), found.get(*key))).collect::<Vec<_>>());
+    // What all share is judged in the order in which it came; whatever that was, an alert fires and ends by turns.
+    let twice = "SELECT count(*) FROM (SELECT alert_step.action, lag(alert_step.action) OVER (PARTITION BY alert ORDER BY alert_step.id) AS before
+                     FROM alert_step WHERE action IN ('fire', 'resolve')) AS steps WHERE action = before";
+    assert_eq!(count(&url, twice).await, 0);
+    assert!(count(&url, "SELECT count(*) FROM history JOIN gyro ON gyro.id = gyro WHERE serial = 'SHARED'").await > 50);
+}

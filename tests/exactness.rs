@@ -32,7 +32,8 @@ fn instant(sender: i64, half_day: i64) -> String {
 /// What a sender does, one after the other, each at any of the servers: new records, now and then one that is late, is
 /// voided, or is revised. Its own gyros move among the IMUs; a gyro that all share is in every third record.
 async fn send(servers: &[&Server], sender: i64, steps: i64, shared: bool) {
-    let mut chance = ChaCha8Rng::seed_from_u64(20_261_125 + sender.unsigned_abs());
+    let seed = support::seed(0).wrapping_add(sender.unsigned_abs());
+    let (mut chance, mut choice) = (ChaCha8Rng::seed_from_u64(seed), ChaCha8Rng::seed_from_u64(!seed));
     let mut stored: Vec<(String, i64)> = Vec::new();
     let made = |half_day: i64, imu: i64, d_i: f64| {
         let own = [format!("OWN-{sender}-1"), format!("OWN-{sender}-2")];
@@ -48,7 +49,7 @@ async fn send(servers: &[&Server], sender: i64, steps: i64, shared: bool) {
         body
     };
     for step in 0..steps {
-        let server = servers[chance.random_range(0..servers.len())];
+        let server = servers[choice.random_range(0..servers.len())];
         // It stays in an IMU for a while; what has jumped comes back with the next record but one.
         let (imu, jumped) = ((sender + step / 5) % IMUS, step % 7 >= 5);
         let d_i = 1.0 + if jumped { 0.1 } else { 0.0 } + chance.random_range(-1e-3..1e-3);

@@ -17,7 +17,16 @@ use crate::store::sqlite::checksum::Summing;
 
 /// A transaction under construction.
 #[derive(Debug, Default)]
-pub(crate) struct Batch(Vec<(Sql, Rows)>);
+pub(crate) struct Batch(Vec<Statement>);
+
+/// A statement with its rows.
+#[derive(Debug)]
+struct Statement {
+    sql: Sql,
+    rows: Rows,
+    /// It is to find what each of its rows is about: where it does not, somebody else has changed that.
+    finds_all: bool,
+}
 
 /// SQLite's page size.
 const PAGE: usize = 4096;
@@ -27,13 +36,20 @@ impl Batch {
     /// bytes, `$C0`, `$C1` and so on in SQLite's for the cells of one row, by their places.
     pub fn add(&mut self, sql: Sql, rows: Rows) {
         if !rows.ends.is_empty() {
-            self.0.push((sql, rows));
+            self.0.push(Statement { sql, rows, finds_all: false });
+        }
+    }
+
+    /// As [`Batch::add`], where nothing may be committed unless the statement changes something for each row.
+    pub fn add_to_all(&mut self, sql: Sql, rows: Rows) {
+        if !rows.ends.is_empty() {
+            self.0.push(Statement { sql, rows, finds_all: true });
         }
     }
 
     /// Roughly how many pages of SQLite's log it takes.
     pub fn pages(&self) -> u32 {
-        self.0.iter().map(|(_, rows)| (rows.ends.len() + rows.bytes.len() / PAGE) as u32).sum()
+        self.0.iter().map(|Statement { rows, .. }| (rows.ends.len() + rows.bytes.len() / PAGE) as u32).sum()
     }
 
     /// Runs everything and commits; after an error nothing of it remains. Waits for the disk.
@@ -49,7 +65,7 @@ impl Batch {
     fn run_and_commit(&self, connection: &Summing) -> rusqlite::Result<()> {
         connection.begin();
         connection.prepare_cached("BEGIN IMMEDIATE")?.execute(())?;
-        for (sql, rows) in &self.0 {
+        for Statement { sql, rows, .. } in &self.0 {
             rows.run(&mut connection.prepare_cached(sql.sqlite)?)?;
         }
         connection.write()?;
@@ -59,10 +75,14 @@ impl Batch {
 
     /// Runs everything within the transaction that is open.
     pub async fn run(self, connection: &mut PgConnection) -> Result<(), StoreError> {
-        for (sql, rows) in self.0 {
+        for Statement { sql, rows, finds_all } in self.0 {
+            let wanted = rows.ends.len() as u64;
             let query = sqlx::query(sql.postgres).bind(rows.json());
             let query = if sql.postgres.contains("$2") { query.bind(rows.bytes) } else { query };
-            query.execute(&mut *connection).await?;
+            let found = query.execute(&mut *connection).await?.rows_affected();
+            if finds_all && found != wanted {
+                return Err(StoreError::Overtaken(format!("{found} of {wanted} rows are as they were read")));
+            }
         }
         Ok(())
     }

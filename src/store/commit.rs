@@ -15,7 +15,6 @@ use super::cells::Cells;
 use super::postgres::{CellWriter, Missed};
 use crate::core::id::Id;
 use crate::core::time::UtcMicros;
-use crate::store::packed::verdicts::VerdictSheet;
 use crate::store::sqlite::writer::FileWriter;
 use crate::store::tables::access;
 use crate::store::tables::access::AccessChanges;
@@ -43,7 +42,7 @@ use crate::store::tables::model;
 use crate::store::tables::model::ModelRow;
 use crate::store::tables::names::{NamesOf, NewName};
 use crate::store::tables::record;
-use crate::store::tables::record::RecordRow;
+use crate::store::tables::record::{RecordRow, RejudgedSheet};
 use crate::store::tables::set_aside;
 use crate::store::tables::set_aside::{ConfirmationRow, SetAside};
 use crate::store::tables::silence;
@@ -87,7 +86,7 @@ pub struct Changes {
 #[derive(Debug, Default)]
 pub struct Rejudged {
     pub history: Vec<HistoryRow>,
-    pub sheets: Vec<(Id, VerdictSheet)>,
+    pub sheets: Vec<(Id, RejudgedSheet)>,
     /// What is noted about them.
     pub notes: Vec<(Id, String)>,
 }

@@ -192,16 +192,16 @@ async fn judging_again_changes_states_and_verdicts_and_nothing_else() {
         .commit(&Changes { records: vec![record(id, 5, "a")], history: vec![row.clone()], ..first_names() })
         .await
         .unwrap();
-    let mut sheet = store::record::verdict_sheet(&store, id).await.unwrap().unwrap();
-    assert!(sheet.replace(1, vec![]));
-    assert!(!sheet.replace(2, vec![]));
+    let mut sheet = store::record::sheet_to_rejudge(&store, id).await.unwrap().unwrap();
+    assert!(sheet.sheet.replace(1, vec![]));
+    assert!(!sheet.sheet.replace(2, vec![]));
     let mut anew = row.clone();
     anew.figures.states = States([Some(State::Exceeded), None, None]);
     let rejudged = Rejudged { history: vec![anew.clone()], sheets: vec![(id, sheet.clone())], ..Rejudged::default() };
     writer.commit(&Changes { rejudged, ..Changes::default() }).await.unwrap();
     assert_eq!(store::history::oldest(&store, 1, Span::EVER, 9).await.unwrap(), [anew.figures]);
     let stored = store::record::get(&store, id).await.unwrap().unwrap();
-    assert_eq!((stored.verdicts, stored.body), (sheet, record(id, 5, "a").body));
+    assert_eq!((stored.verdicts, stored.body), (sheet.sheet, record(id, 5, "a").body));
 }
 
 #[tokio::test]

@@ -89,17 +89,26 @@ pub(crate) fn insert(records: &[RecordRow], batch: &mut Batch) {
     );
 }
 
-pub(crate) fn update_verdicts(sheets: &[(Id, VerdictSheet)], batch: &mut Batch) {
+/// The verdicts of a stored record, some of them new, beside those that were there. They are of several gyros, which
+/// may be at home in different cells: whoever changes those of one must not undo what others have made of another.
+#[derive(Debug, Clone)]
+pub struct RejudgedSheet {
+    pub sheet: VerdictSheet,
+    packed_before: Vec<u8>,
+}
+
+pub(crate) fn update_verdicts(sheets: &[(Id, RejudgedSheet)], batch: &mut Batch) {
     let mut rows = Rows::default();
-    for (id, sheet) in sheets {
-        rows.row().integer(id.0).written(|out| sheet.pack(*id, out));
+    for (id, RejudgedSheet { sheet, packed_before }) in sheets {
+        rows.row().integer(id.0).written(|out| sheet.pack(*id, out)).bytes(packed_before);
     }
-    batch.add(
+    batch.add_to_all(
         Sql {
             sqlite: "UPDATE record SET verdicts = $C1 WHERE id = $C0",
             postgres: "UPDATE record SET verdicts = substr($2, CAST(j.value->>1 AS INT), CAST(j.value->>2 AS INT))
                        FROM jsonb_array_elements(CAST($1 AS JSONB)) AS j(value)
-                       WHERE record.id = CAST(j.value->>0 AS BIGINT)",
+                       WHERE record.id = CAST(j.value->>0 AS BIGINT)
+                           AND record.verdicts = substr($2, CAST(j.value->>3 AS INT), CAST(j.value->>4 AS INT))",
         },
         rows,
     );
@@ -232,9 +241,17 @@ pub async fn whose(store: &Store, id: Id) -> Result<Option<(u32, Vec<u32>)>, Sto
 }
 
 pub async fn verdict_sheet(store: &Store, id: Id) -> Result<Option<VerdictSheet>, StoreError> {
+    Ok(sheet_to_rejudge(store, id).await?.map(|found| found.sheet))
+}
+
+/// As [`verdict_sheet`], to be changed.
+pub async fn sheet_to_rejudge(store: &Store, id: Id) -> Result<Option<RejudgedSheet>, StoreError> {
     let sql = "SELECT verdicts FROM record WHERE id = $1";
     let found: Option<Vec<u8>> = on!(store.readers, db => sqlx::query_scalar(sql).bind(id.0).fetch_optional(db).await?);
-    found.map(|bytes| VerdictSheet::unpack(id, &bytes)).transpose()
+    let sheet = |packed_before: Vec<u8>| {
+        Ok(RejudgedSheet { sheet: VerdictSheet::unpack(id, &packed_before)?, packed_before })
+    };
+    found.map(sheet).transpose()
 }
 
 /// The verdict sheets of several records.

@@ -14,7 +14,7 @@ use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::ingest::judge::gyro_window::{GyroWindow, Source, load_marks, mark_of, sample_of};
 use crate::store;
-use crate::store::{Changes, HistoryRow, StoreError, StoredVerdict, VerdictSheet};
+use crate::store::{Changes, HistoryRow, RejudgedSheet, StoreError, StoredVerdict};
 
 /// A gyro's history as it now is, before what has been altered in it is judged again.
 #[derive(Debug)]
@@ -116,7 +116,7 @@ impl Judge {
         remembered: Option<(GyroWindow, UtcMicros)>,
         changes: &mut Changes,
         found: &mut Judged,
-        sheets: &mut HashMap<Id, VerdictSheet>,
+        sheets: &mut HashMap<Id, RejudgedSheet>,
     ) -> Result<(), StoreError> {
         let need = Need::of(&self.limits(None));
         let Reopened { mut line, stored, altered, shrunk } = match remembered {
@@ -225,7 +225,7 @@ impl Judge {
         &self,
         verdicts: &Verdicts,
         changes: &Changes,
-        sheets: &mut HashMap<Id, VerdictSheet>,
+        sheets: &mut HashMap<Id, RejudgedSheet>,
     ) -> Result<(), StoreError> {
         let is_confirmed = |id: Id| changes.confirmed.iter().any(|confirmed| confirmed.record == id);
         for HistoryRow { gyro, figures } in changes.history.iter().filter(|row| is_confirmed(row.figures.record)) {
@@ -242,19 +242,19 @@ impl Judge {
         gyro: u32,
         record: Id,
         judged: &[Verdict],
-        sheets: &mut HashMap<Id, VerdictSheet>,
+        sheets: &mut HashMap<Id, RejudgedSheet>,
     ) -> Result<(), StoreError> {
         let sheet = match sheets.remove(&record) {
             Some(sheet) => Some(sheet),
-            None => store::record::verdict_sheet(&self.store, record).await?,
+            None => store::record::sheet_to_rejudge(&self.store, record).await?,
         };
         let Some(mut sheet) = sheet else {
             return Err(StoreError::Damaged(format!("record {record} of gyro number {gyro} is missing")));
         };
-        let old = sheet.0.iter().find(|(number, _)| *number == gyro).map(|(_, verdicts)| verdicts.as_slice());
+        let old = sheet.sheet.0.iter().find(|(number, _)| *number == gyro).map(|(_, verdicts)| verdicts.as_slice());
         let stays = old.unwrap_or_default().iter().filter(|verdict| verdict.rule == Rule::Requirement).copied();
         let new = judged.iter().map(StoredVerdict::from).chain(stays).collect();
-        sheet.replace(gyro, new);
+        sheet.sheet.replace(gyro, new);
         sheets.insert(record, sheet);
         Ok(())
     }

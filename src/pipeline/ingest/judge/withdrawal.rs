@@ -56,7 +56,7 @@ impl Judge {
         records.sort_unstable();
         let mut sheets: HashMap<Id, VerdictSheet> =
             store::record::verdict_sheets(&self.store, records.iter().map(|(_, id)| *id)).await?.into_iter().collect();
-        sheets.extend(changes.rejudged.sheets.iter().cloned());
+        sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, again.sheet.clone())));
         sheets.extend(changes.records.iter().map(|record| (record.id, record.verdicts.clone())));
         let mut alerts: HashMap<(Coefficient, Rule), Alert> = HashMap::new();
         for (at, id) in records {

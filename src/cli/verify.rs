@@ -44,13 +44,17 @@ impl Verify {
 }
 
 fn report(verified: &Verified) -> anyhow::Result<()> {
-    let Verified { records, separations, verdicts, bench_results, not_compared, faults } = verified;
+    let Verified { records, separations, verdicts, bench_results, heads, not_compared, faults } = verified;
     for fault in faults.iter().take(MOST_SHOWN) {
         document::print(fault)?;
     }
     document::print(&format!(
         "{records} records, {separations} separations, {verdicts} verdicts, {bench_results} bench results computed again"
     ))?;
+    match heads {
+        Some(gyros) => document::print(&format!("{gyros} gyros stand in lists as what is stored says, but for those named"))?,
+        None => document::print("how gyros stand in lists was entered with other limits: not compared; a start enters it anew")?,
+    }
     if *not_compared > 0 {
         document::print(&format!(
             "{not_compared} verdicts were decided with other limits than those in force, or on records that count no more: not compared"

@@ -33,6 +33,7 @@ pub use crate::store::tables::diagnosis_job::{
     CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts,
 };
 pub use crate::store::tables::event::EventRow;
+pub use crate::store::tables::head::{HeadChanges, HeadRow, HeadsMade, NewestRow};
 pub use crate::store::tables::histories::Stretch;
 pub use crate::store::tables::history::HistoryRow;
 pub use crate::store::tables::hook::HookRow;
@@ -52,7 +53,7 @@ pub use secrets::Secrets;
 
 pub use postgres::{claim, other_servers, standing};
 pub use tables::{
-    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro, histories, history,
+    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro, head, histories, history,
     hook, keys, model, names, outbox, record, set_aside, silence,
 };
 

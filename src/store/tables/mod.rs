@@ -11,6 +11,7 @@ pub mod diagnosis_digest;
 pub mod diagnosis_job;
 pub mod event;
 pub mod gyro;
+pub mod head;
 pub mod histories;
 pub mod history;
 pub mod hook;

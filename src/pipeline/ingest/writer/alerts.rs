@@ -131,6 +131,7 @@ impl Task {
         if self.alerts.digest_waits_since().is_some_and(|since| is_over(since, now)) {
             self.digest(&mut changes, now)?;
         }
+        self.enter_heads(&mut changes).await?;
         if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
     }
 
@@ -140,7 +141,7 @@ impl Task {
         self.alerts.refresh(&self.store, now).await?;
         self.hooks.refresh(&self.store).await?;
         let told = self.digest(&mut changes, now);
-        self.commit_or_forget(told, &changes).await
+        self.commit_or_forget(told, &mut changes).await
     }
 
     fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
@@ -156,8 +157,16 @@ impl Task {
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
-    async fn commit_or_forget(&mut self, noted: Result<(), StoreError>, changes: &Changes) -> Result<(), WriteError> {
-        let written = match noted {
+    async fn commit_or_forget(
+        &mut self,
+        noted: Result<(), StoreError>,
+        changes: &mut Changes,
+    ) -> Result<(), WriteError> {
+        let entered = match noted {
+            Ok(()) => self.enter_heads(changes).await,
+            Err(error) => Err(error),
+        };
+        let written = match entered {
             Ok(()) if changes.is_empty() => Ok(()),
             Ok(()) => self.commit(changes).await,
             Err(error) => Err(error),
@@ -184,7 +193,7 @@ impl Task {
             self.alerts.order_silence(order, known, by, &mut pen)?
         };
         let noted = self.note(&mut changes, now);
-        self.commit_or_forget(noted, &changes).await?;
+        self.commit_or_forget(noted, &mut changes).await?;
         Ok(id)
     }
 
@@ -205,7 +214,7 @@ impl Task {
         let audit = by.line(line, now, (action, format!("alerts/{}", order.alert)), before.as_ref(), Some(&body));
         changes.access.audit.push(audit);
         let noted = self.note(&mut changes, now);
-        self.commit_or_forget(noted, &changes).await?;
+        self.commit_or_forget(noted, &mut changes).await?;
         Ok(body)
     }
 }

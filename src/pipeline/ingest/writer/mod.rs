@@ -2,6 +2,7 @@
 
 pub(crate) mod alerts;
 mod group;
+mod heads;
 pub(crate) mod overlapped;
 pub(crate) mod postgres_turn;
 mod state;
@@ -34,6 +35,7 @@ use crate::telemetry;
 use group::{Told, answer, foretell};
 use state::{Item, StoreJob, items_of};
 
+pub(crate) use heads::make_missing;
 pub(crate) use state::{After, Task};
 
 /// How long a transaction may take others' turn, as far as that can be foretold.

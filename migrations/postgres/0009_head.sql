@@ -1,7 +1,8 @@
--- How each gyro stands: one row a gyro, written in the transaction of whatever changes it. Nothing in it is known from here alone: it
--- follows from history, record, alert, event and the configuration, and `gyrowatch verify` compares. Instants are microseconds UTC, drifts
--- deg/(h g0). For lists, and for whoever asks in SQL:
---     SELECT serial, imu.name, status, load, d_i, d_s FROM head JOIN imu ON imu.id = head.imu ORDER BY rank DESC, load DESC LIMIT 20
+-- How each gyro stands: one row a gyro, written in the transaction of whatever changes it. Nothing in it is known from
+-- here alone: it follows from history, record, alert, event and the configuration, and `gyrowatch verify` compares.
+-- Instants are microseconds UTC, drifts deg/(h g0). For lists, and for whoever asks in SQL:
+--     SELECT serial, imu.name, status, load, d_i, d_s FROM head JOIN imu ON imu.id = head.imu
+--     ORDER BY rank DESC, load DESC LIMIT 20
 CREATE TABLE head (
     gyro          BIGINT PRIMARY KEY REFERENCES gyro (id),
     serial        TEXT NOT NULL,
@@ -22,11 +23,11 @@ CREATE TABLE head (
     d_s_sd        DOUBLE PRECISION,
     -- The worst of what the rules say of it: within, indeterminate, exceeded.
     state         TEXT,
-    -- The worst of its verdicts and of what its alerts know besides, in the words of /v1/gyros; but never overdue, which time alone brings:
-    -- see overdue_at.
+    -- The worst of its verdicts and of what its alerts know besides, in the words of /v1/gyros; but never overdue,
+    -- which time alone brings: see overdue_at.
     status        TEXT,
-    -- The status as a number, the worst the greatest: 0 without one, 1 in_tolerance, 2 not_enough_data, 3 too_uncertain, 4 borderline,
-    -- 6 drifting, 7 unconfirmed, 8 out_of_tolerance, 9 confirmed; 10 more for a gyro in use.
+    -- The status as a number, the worst the greatest: 0 without one, 1 in_tolerance, 2 not_enough_data,
+    -- 3 too_uncertain, 4 borderline, 6 drifting, 7 unconfirmed, 8 out_of_tolerance, 9 confirmed; 10 more for a gyro in use.
     rank          BIGINT NOT NULL,
     -- The largest figure over its limit.
     load          DOUBLE PRECISION NOT NULL,
@@ -48,7 +49,8 @@ CREATE INDEX head_imu ON head (imu);
 CREATE INDEX head_overdue ON head (overdue_at) WHERE overdue_at IS NOT NULL;
 CREATE INDEX head_calibrated ON head (calibrated_at);
 
--- Up to which serial all rows have been made, and a checksum of the limits in force then; null: up to the last. The start makes the rest.
+-- Up to which serial all rows have been made, and a checksum of the limits in force then; null: up to the last. The
+-- start makes the rest.
 CREATE TABLE head_made (
     id      BIGINT PRIMARY KEY CHECK (id = 1),
     limits  TEXT NOT NULL,

@@ -51,10 +51,10 @@ fn report(verified: &Verified) -> anyhow::Result<()> {
     document::print(&format!(
         "{records} records, {separations} separations, {verdicts} verdicts, {bench_results} bench results computed again"
     ))?;
-    match heads {
-        Some(gyros) => document::print(&format!("{gyros} gyros stand in lists as what is stored says, but for those named"))?,
-        None => document::print("how gyros stand in lists was entered with other limits: not compared; a start enters it anew")?,
-    }
+    document::print(&heads.map_or_else(
+        || "lists of gyros were made with other limits: not compared, a start makes them anew".to_owned(),
+        |gyros| format!("{gyros} gyros compared in lists with what is stored of them"),
+    ))?;
     if *not_compared > 0 {
         document::print(&format!(
             "{not_compared} verdicts were decided with other limits than those in force, or on records that count no more: not compared"

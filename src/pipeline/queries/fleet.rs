@@ -342,3 +342,111 @@ pub(crate) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>)
     let first: Vec<Measured> = baseline.get(..BASELINE_RECORDS)?.iter().map(|sample| sample.d[column]).collect();
     Measured::median(&first).map(|median| median.value)
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::pipeline::Pipeline;
+    use crate::store::{Changes, HeadChanges, HeadRow, Options};
+
+    #[test]
+    fn the_order_of_the_fleet_holds_every_gyro_once() {
+        for place in 0..2 * 10 {
+            for is_overdue in [false, true] {
+                let tally = Tally { rank: place, is_overdue, station: None, gyros: 1, last_calibrated: None };
+                let held = in_order().iter().filter(|ranks| is_of(&tally, ranks)).count();
+                // No verdict says so, and what is not in use never is.
+                let never = is_overdue && place < 10 || place == 15 && !is_overdue;
+                assert_eq!(held, usize::from(!never), "{place}, {is_overdue}");
+            }
+        }
+    }
+
+    fn drawn(gyro: u32, rng: &mut ChaCha8Rng, now: UtcMicros) -> HeadRow {
+        let statuses: Vec<Status> = Status::ALL.into_iter().filter(|status| *status != Status::Overdue).collect();
+        let status = Some(statuses[rng.random_range(0..statuses.len())]).filter(|_| rng.random_bool(0.95));
+        let in_use = rng.random_bool(0.8);
+        let overdue_at = UtcMicros(now.0 + rng.random_range(-3..3));
+        let serial = format!("S-{:03}", gyro * 37 % 251);
+        HeadRow {
+            gyro,
+            sought: format!("{}\nimu-{}\nst-1", serial.to_lowercase(), gyro % 13),
+            serial: serial.into(),
+            newest: None,
+            state: Some(State::Within),
+            status,
+            rank: rank(in_use, status),
+            // Many are alike.
+            load: f64::from(rng.random_range(0..4_u8)),
+            ahead: [None; 2],
+            overdue_at: Some(overdue_at).filter(|_| in_use && rng.random_bool(0.7)),
+            out_of_use: None,
+            firing: 0,
+            severity: None,
+        }
+    }
+
+    /// Against the order of the whole fleet, sorted at once.
+    #[tokio::test]
+    async fn pages_are_cut_out_of_the_fleet_as_if_it_had_been_sorted_whole() {
+        let (dir, now) = (tempfile::tempdir().unwrap(), UtcMicros(1_000_000_000_000));
+        let mut config = Config::defaults();
+        config.database.url = format!("sqlite://{}", dir.path().join("fleet.db").display());
+        let options: Options = config.database.options();
+        let (store, mut writer) = store::open(&options).await.unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
+        let gyros = rows.iter().map(|row| (row.gyro, row.serial.to_string())).collect();
+        let heads = HeadChanges { rows: rows.clone(), made: None };
+        writer.commit(&Changes { gyros, heads, ..Changes::default() }).await.unwrap();
+        let pipeline = Pipeline::to_read(store, Arc::new(config), Clock::manual(now)).await.unwrap();
+        let fleet = &pipeline.queries.fleet;
+
+        let is_overdue = |row: &HeadRow| row.overdue_at.is_some_and(|at| at < now);
+        let status = |row: &HeadRow| row.status.max(is_overdue(row).then_some(Status::Overdue));
+        let urgency = |row: &HeadRow| (row.rank >= 10, status(row), is_overdue(row));
+        let mut sorted: Vec<&HeadRow> = rows.iter().collect();
+        sorted.sort_by(|a, b| a.serial.cmp(&b.serial));
+        sorted.sort_by(|a, b| urgency(b).cmp(&urgency(a)).then(b.load.total_cmp(&a.load)));
+        let all: [Option<&[Status]>; 5] =
+            [None, Some(&[Status::Overdue]), Some(&[Status::Drifting]), Some(&[Status::InTolerance]), Some(&BEYOND)];
+        let mut cut = 0;
+        for statuses in all {
+            for text in ["", " S-1", "IMU-12\n", "nobody"] {
+                let wanted = text.trim().to_lowercase();
+                let fits = |row: &&&HeadRow| {
+                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
+                    row.sought.contains(&wanted) && statuses.is_none_or(|statuses| statuses.iter().any(is))
+                };
+                let expected: Vec<u32> = sorted.iter().filter(fits).map(|row| row.gyro).collect();
+                let filter = FleetFilter { text, station: "", statuses };
+                let mut found = Vec::new();
+                for number in 0..=expected.len().saturating_sub(1) / 17 {
+                    let page = fleet.page(&filter, number, 17).await.unwrap();
+                    assert_eq!((page.number, page.found, page.total), (number, expected.len(), 250), "{filter:?}");
+                    found.extend(page.gyros.iter().map(|standing| standing.number));
+                    cut += 1;
+                }
+                assert_eq!(found, expected, "{filter:?}");
+            }
+        }
+        assert!(cut > 40, "{cut}");
+        let counts = fleet.page(&FleetFilter { text: "", station: "", statuses: None }, 0, 1).await.unwrap().of_status;
+        for (of, count) in Status::ALL.into_iter().zip(counts) {
+            let is = |row: &&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
+            assert_eq!(count, rows.iter().filter(is).count(), "{of:?}");
+        }
+        for of in Status::ALL {
+            let filter = StandingFilter { status: Some(of), state: None };
+            let (found, more) = fleet.by_serial(0, 1000, filter).await.unwrap();
+            let is = |row: &&&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
+            let mut expected: Vec<&HeadRow> = sorted.iter().filter(is).copied().collect();
+            expected.sort_by(|a, b| a.serial.cmp(&b.serial));
+            let expected: Vec<u32> = expected.iter().map(|row| row.gyro).collect();
+            assert!(!more && found.iter().map(|standing| standing.number).eq(expected), "{of:?}");
+        }
+    }
+}

@@ -51,9 +51,8 @@ pub(crate) async fn stored_rows(store: &Store, judging: &Judging, gyros: &[u32])
     let stored = StoredFacts::of(store, &newest).await?;
     let (tables, nothing_new) = (store.names().read(), Changes::default());
     let names = HeadNames::new(&tables, &nothing_new);
-    let row = |(gyro, newest): &(u32, Option<Figures>)| {
-        names.row(&stored.facts(*gyro, names.gyro(*gyro), *newest), judging)
-    };
+    let row =
+        |(gyro, newest): &(u32, Option<Figures>)| names.row(&stored.facts(*gyro, names.gyro(*gyro), *newest), judging);
     Ok(newest.iter().map(row).collect())
 }
 

@@ -1,5 +1,5 @@
-//! How one gyro stands: what follows from its newest calibration, the verdicts on it, its alerts and what was done to it,
-//! for a page of now and for the row that lists are made of.
+//! How one gyro stands: what follows from its newest calibration, the verdicts on it, its alerts and what was done to
+//! it, for a page of now and for the row that lists are made of.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -153,8 +153,7 @@ impl Facts<'_> {
         let standing = self.standing(&limits, self.newest.map_or(UtcMicros(0), |figures| figures.at));
         let Standing { number: gyro, serial, newest, state, status, load, out_of_use, .. } = standing;
         let in_use = newest.filter(|_| out_of_use.is_none());
-        let overdue_at =
-            in_use.zip(limits.interval_days).map(|(figures, days)| figures.at.plus_days(days.value));
+        let overdue_at = in_use.zip(limits.interval_days).map(|(figures, days)| figures.at.plus_days(days.value));
         let ahead = [Coefficient::DI, Coefficient::DS].map(|coefficient| {
             let is_it = |verdict: &&StoredVerdict| (verdict.rule, verdict.coefficient) == (Rule::Trend, coefficient);
             self.verdicts.iter().find(is_it).and_then(|verdict| verdict.value)

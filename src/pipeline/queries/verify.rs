@@ -25,7 +25,8 @@ pub struct Verified {
     pub separations: usize,
     pub verdicts: usize,
     pub bench_results: usize,
-    /// Gyros whose row in the table `head` was compared; none where those were made with other limits than are in force.
+    /// Gyros whose row in the table `head` was compared; none where those were made with other limits than those in
+    /// force.
     pub heads: Option<usize>,
     /// Verdicts that were decided with other limits than those in force, or on records that count no more.
     pub not_compared: usize,

@@ -222,8 +222,7 @@ pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, Sto
 /// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
     let those = store.readers.words(LISTED);
-    let sql =
-        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND status = $2 ORDER BY alert.id"));
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND status = $2 ORDER BY alert.id"));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => sqlx::query(sql)
         .bind(gyros)

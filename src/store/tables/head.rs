@@ -93,10 +93,10 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
     }
     batch.add(
         insert!(
-            "head (gyro, serial, sought, calibrated_at, record, imu, station, slot, d_i, d_i_sd, d_s, d_s_sd, state, status,
-             rank, load, d_i_ahead, d_s_ahead, overdue_at, out_of_use, firing, severity)",
-            [int 0, text 1, text 2, int 3, int 4, int 5, int 6, text 7, real 8, real 9, real 10, real 11, text 12, text 13,
-             int 14, real 15, real 16, real 17, int 18, text 19, int 20, text 21],
+            "head (gyro, serial, sought, calibrated_at, record, imu, station, slot, d_i, d_i_sd, d_s, d_s_sd, state,
+             status, rank, load, d_i_ahead, d_s_ahead, overdue_at, out_of_use, firing, severity)",
+            [int 0, text 1, text 2, int 3, int 4, int 5, int 6, text 7, real 8, real 9, real 10, real 11, text 12,
+             text 13, int 14, real 15, real 16, real 17, int 18, text 19, int 20, text 21],
             "ON CONFLICT (gyro) DO UPDATE SET version = head.version + 1, sought = excluded.sought,
              calibrated_at = excluded.calibrated_at, record = excluded.record, imu = excluded.imu,
              station = excluded.station, slot = excluded.slot, d_i = excluded.d_i, d_i_sd = excluded.d_i_sd,
@@ -124,8 +124,7 @@ pub(crate) fn upsert(heads: &HeadChanges, batch: &mut Batch) {
 /// How far the rows of all gyros have been made.
 pub async fn made(store: &Store) -> Result<HeadsMade, StoreError> {
     let sql = "SELECT limits, through FROM head_made WHERE id = 1";
-    let row: Option<(String, Option<String>)> =
-        on!(store.readers, db => sqlx::query_as(sql).fetch_optional(db).await?);
+    let row: Option<(String, Option<String>)> = on!(store.readers, db => sqlx::query_as(sql).fetch_optional(db).await?);
     let (limits, through) = row.ok_or_else(|| StoreError::Damaged("the table head_made is empty".to_owned()))?;
     Ok(HeadsMade { limits, through })
 }
@@ -161,10 +160,12 @@ pub struct Tally {
 /// Counts the gyros as they stand at `now`.
 pub async fn tallies(store: &Store, narrowed: Narrowed<'_>, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
     let sql = store.readers.words(Sql {
-        sqlite: "SELECT rank, overdue_at IS NOT NULL AND overdue_at < $1 AS is_overdue, station, count(*), max(calibrated_at) FROM head
+        sqlite: "SELECT rank, overdue_at IS NOT NULL AND overdue_at < $1 AS is_overdue, station, count(*),
+                     max(calibrated_at) FROM head
                  WHERE ($2 IS NULL OR instr(sought, $2) > 0) AND ($3 IS NULL OR station = $3) GROUP BY 1, 2, 3",
-        postgres: "SELECT rank, overdue_at IS NOT NULL AND overdue_at < $1 AS is_overdue, station, count(*), max(calibrated_at) FROM head
-                   WHERE ($2 IS NULL OR strpos(sought, $2) > 0) AND ($3 IS NULL OR station = $3) GROUP BY 1, 2, 3",
+        postgres: "SELECT rank, overdue_at IS NOT NULL AND overdue_at < $1 AS is_overdue, station, count(*),
+                     max(calibrated_at) FROM head
+                 WHERE ($2 IS NULL OR strpos(sought, $2) > 0) AND ($3 IS NULL OR station = $3) GROUP BY 1, 2, 3",
     });
     let rows: Vec<(i64, bool, Option<Whole<u32>>, i64, Option<i64>)> = on!(store.readers, db => sqlx::query_as(sql)
         .bind(now.0)
@@ -229,8 +230,8 @@ pub struct Standings {
     pub state: Option<State>,
 }
 
-/// Gyros by serial, from the first after that of gyro number `after` (0: all) on, as many as `limit`. By number would be in no
-/// order at all: a database server's numbers are random.
+/// Gyros by serial, from the first after that of gyro number `after` (0: all) on, as many as `limit`. By number would
+/// be in no order at all: a database server's numbers are random.
 pub async fn by_serial(
     store: &Store,
     after: u32,
@@ -257,8 +258,7 @@ pub async fn by_serial(
 /// The gyros whose newest calibration was made in an IMU.
 pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<u32>, StoreError> {
     let sql = "SELECT gyro FROM head WHERE imu = $1 ORDER BY serial";
-    let rows: Vec<(Whole<u32>,)> =
-        on!(store.readers, db => sqlx::query_as(sql).bind(Whole(imu)).fetch_all(db).await?);
+    let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => sqlx::query_as(sql).bind(Whole(imu)).fetch_all(db).await?);
     Ok(rows.into_iter().map(|(Whole(gyro),)| gyro).collect())
 }
 
@@ -299,9 +299,10 @@ fn head(row: &impl Cells) -> Result<HeadRow, StoreError> {
     let (d_i, d_s) = (measured(real("d_i")?, real("d_i_sd")?), measured(real("d_s")?, real("d_s_sd")?));
     let calibrated = instant("calibrated_at")?.zip(row.cell::<Option<i64>>("record")?.map(Id));
     let mounted = number("imu")?.zip(number("station")?).zip(slot);
-    let newest = calibrated.zip(mounted).zip(d_i.zip(d_s)).map(
-        |(((at, record), ((imu, station), slot)), (d_i, d_s))| NewestRow { at, record, imu, station, slot, d: [d_i, d_s] },
-    );
+    let newest =
+        calibrated.zip(mounted).zip(d_i.zip(d_s)).map(|(((at, record), ((imu, station), slot)), (d_i, d_s))| {
+            NewestRow { at, record, imu, station, slot, d: [d_i, d_s] }
+        });
     Ok(HeadRow {
         gyro,
         serial: row.cell::<String>("serial")?.into(),

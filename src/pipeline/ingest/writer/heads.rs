@@ -18,8 +18,8 @@ use crate::store::{Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, Store, 
 const AT_ONCE: u32 = 1000;
 
 impl Task {
-    /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The alerts are
-    /// those in memory, which are as they will be stored.
+    /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The
+    /// alerts are those in memory, which are as they will be stored.
     pub(super) async fn enter_heads(&self, changes: &mut Changes) -> Result<(), StoreError> {
         let gyros: Vec<u32> = touched(changes).into_iter().collect();
         if gyros.is_empty() {
@@ -31,7 +31,11 @@ impl Task {
         sheets.extend(changes.rejudged.sheets.iter().map(|(record, sheet)| (*record, sheet)));
         let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));
         let records: BTreeSet<Id> = records.collect();
-        let stored = store::record::verdict_sheets(&self.store, records.into_iter()).await?;
+        let stored = if records.is_empty() {
+            Vec::new()
+        } else {
+            store::record::verdict_sheets(&self.store, records.into_iter()).await?
+        };
         sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
         let out_of_use = self.out_of_use(&gyros).await?;
         let rows = {
@@ -120,8 +124,8 @@ fn touched(changes: &Changes) -> BTreeSet<u32> {
         .collect()
 }
 
-/// Makes the rows that an earlier version has not, and all anew where the limits are others than those in force when they were
-/// made. Goes on where it was broken off.
+/// Makes the rows that an earlier version has not, and all anew where the limits are others than those in force when
+/// they were made. Goes on where it was broken off.
 pub(crate) async fn make_missing(store: &Store, writer: &mut Writer, config: &Config) -> Result<(), StoreError> {
     let limits = checksum(&config.judging);
     let is_made = |made: &HeadsMade| made.limits == limits && made.through.is_none();

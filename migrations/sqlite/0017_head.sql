@@ -42,12 +42,13 @@ CREATE TABLE head (
     firing        INTEGER NOT NULL,
     severity      TEXT
 ) STRICT;
--- The order of the fleet's page, with all that it counts and searches.
-CREATE INDEX head_order ON head (rank DESC, load DESC, serial, overdue_at, station, calibrated_at, sought);
+-- The order of the fleet's page.
+CREATE INDEX head_order ON head (rank DESC, load DESC, serial, overdue_at);
+-- What stations have calibrated, counted.
+CREATE INDEX head_station ON head (station, rank, calibrated_at);
 CREATE INDEX head_serial ON head (serial);
 CREATE INDEX head_imu ON head (imu);
 CREATE INDEX head_overdue ON head (overdue_at) WHERE overdue_at IS NOT NULL;
-CREATE INDEX head_calibrated ON head (calibrated_at);
 
 -- Up to which serial all rows have been made, and a checksum of the limits in force then; null: up to the last. The
 -- start makes the rest.

@@ -17,7 +17,7 @@ use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
-use crate::store::head::{Narrowed, Ranks, Standings, Tally};
+use crate::store::head::{Narrowed, Ranks, Standings, StationTally, Tally};
 use crate::store::{RecordHead, Store, StoreError, Stretch};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
@@ -105,8 +105,8 @@ impl Fleet {
     /// A page of the fleet.
     pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
         let now = self.clock.now();
-        let all = store::head::tallies(&self.store, Narrowed::default(), now).await?;
-        let mut page = self.counts(&all);
+        let (all, of_stations) = store::head::counts(&self.store, now).await?;
+        let mut page = self.counts(&all, &of_stations);
         let text = filter.text.trim().to_lowercase();
         let station = self.store.names().read().stations.number(filter.station);
         let narrowed = Narrowed { sought: (!text.is_empty()).then_some(&text), station };
@@ -135,22 +135,25 @@ impl Fleet {
         Ok(page)
     }
 
-    fn counts(&self, tallies: &[Tally]) -> FleetPage {
+    fn counts(&self, all: &[Tally], of_stations: &[StationTally]) -> FleetPage {
         let mut page = FleetPage::default();
-        let tables = self.store.names().read();
-        for tally in tallies {
-            let (status, gyros) = (status_of(tally), tally.gyros);
-            page.total += gyros;
-            let also_overdue = tally.is_overdue.then_some(Status::Overdue);
-            for status in status.into_iter().chain(also_overdue.filter(|_| status != also_overdue)) {
-                page.of_status[status as usize] += gyros;
+        for tally in all {
+            page.total += tally.gyros;
+            let (status, overdue) = (status_of(tally), tally.is_overdue.then_some(Status::Overdue));
+            for status in status.into_iter().chain(overdue.filter(|_| status != overdue)) {
+                page.of_status[status as usize] += tally.gyros;
             }
+        }
+        let tables = self.store.names().read();
+        for tally in of_stations {
             let station = tally.station.and_then(|station| tables.stations.name(station));
             let Some((station, last_calibrated)) = station.zip(tally.last_calibrated) else { continue };
             let none = StationGyros { gyros: 0, beyond: 0, last_calibrated };
             let of_station = page.of_station.entry(station.to_string()).or_insert(none);
-            of_station.gyros += gyros;
-            of_station.beyond += if status.is_some_and(|status| BEYOND.contains(&status)) { gyros } else { 0 };
+            of_station.gyros += tally.gyros;
+            // Worse than overdue: time adds nothing to it.
+            let is_beyond = of_rank(tally.rank).1.is_some_and(|status| BEYOND.contains(&status));
+            of_station.beyond += if is_beyond { tally.gyros } else { 0 };
             of_station.last_calibrated = of_station.last_calibrated.max(last_calibrated);
         }
         page
@@ -356,7 +359,7 @@ mod tests {
     fn the_order_of_the_fleet_holds_every_gyro_once() {
         for place in 0..2 * 10 {
             for is_overdue in [false, true] {
-                let tally = Tally { rank: place, is_overdue, station: None, gyros: 1, last_calibrated: None };
+                let tally = Tally { rank: place, is_overdue, gyros: 1 };
                 let held = in_order().iter().filter(|ranks| is_of(&tally, ranks)).count();
                 // No verdict says so, and what is not in use never is.
                 let never = is_overdue && place < 10 || place == 15 && !is_overdue;

@@ -1,5 +1,6 @@
 //! How each gyro stands, a row a gyro: what lists are made of.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::core::id::Id;
@@ -146,41 +147,94 @@ pub struct Narrowed<'a> {
     pub station: Option<u32>,
 }
 
-/// How many gyros are alike in rank, station, and whether they are overdue.
+/// How many gyros have a rank, and are overdue or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
     pub rank: i64,
     pub is_overdue: bool,
+    pub gyros: usize,
+}
+
+/// How many gyros of a rank a station calibrated last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StationTally {
     /// None for gyros that only a bench has seen.
     pub station: Option<u32>,
+    pub rank: i64,
     pub gyros: usize,
     pub last_calibrated: Option<UtcMicros>,
 }
 
-/// Counts the gyros as they stand at `now`.
+/// Counts the whole fleet as it stands at `now`, in two indices from end to end.
+pub async fn counts(store: &Store, now: UtcMicros) -> Result<(Vec<Tally>, Vec<StationTally>), StoreError> {
+    let sql = "SELECT station, rank, CAST(0 AS BIGINT), count(*), max(calibrated_at) FROM head GROUP BY station, rank
+               UNION ALL
+               SELECT CAST(NULL AS BIGINT), rank, CAST(1 AS BIGINT), count(*), CAST(NULL AS BIGINT) FROM head
+               WHERE overdue_at < $1 GROUP BY rank";
+    type Row = (Option<Whole<u32>>, i64, i64, i64, Option<i64>);
+    let rows: Vec<Row> = on!(store.readers, db => sqlx::query_as(sql).bind(now.0).fetch_all(db).await?);
+    let (mut of_ranks, mut of_stations) = (BTreeMap::<i64, [usize; 2]>::new(), Vec::new());
+    // In no order.
+    for (station, rank, is_overdue, gyros, last) in rows {
+        let gyros = gyros.unsigned_abs() as usize;
+        let [all, overdue] = of_ranks.entry(rank).or_default();
+        if is_overdue == 1 {
+            *overdue += gyros;
+        } else {
+            *all += gyros;
+            let station = station.map(|Whole(station)| station);
+            of_stations.push(StationTally { station, rank, gyros, last_calibrated: last.map(UtcMicros) });
+        }
+    }
+    let both = |(rank, [all, overdue]): (i64, [usize; 2])| {
+        [(false, all.saturating_sub(overdue)), (true, overdue)].map(|(is_overdue, gyros)| Tally {
+            rank,
+            is_overdue,
+            gyros,
+        })
+    };
+    Ok((of_ranks.into_iter().flat_map(both).filter(|tally| tally.gyros > 0).collect(), of_stations))
+}
+
+/// Counts what is left of the fleet where it is narrowed down.
 pub async fn tallies(store: &Store, narrowed: Narrowed<'_>, now: UtcMicros) -> Result<Vec<Tally>, StoreError> {
-    let sql = store.readers.words(Sql {
-        sqlite: "SELECT rank, overdue_at IS NOT NULL AND overdue_at < $1 AS is_overdue, station, count(*),
-                     max(calibrated_at) FROM head
-                 WHERE ($2 IS NULL OR instr(sought, $2) > 0) AND ($3 IS NULL OR station = $3) GROUP BY 1, 2, 3",
-        postgres: "SELECT rank, overdue_at IS NOT NULL AND overdue_at < $1 AS is_overdue, station, count(*),
-                     max(calibrated_at) FROM head
-                 WHERE ($2 IS NULL OR strpos(sought, $2) > 0) AND ($3 IS NULL OR station = $3) GROUP BY 1, 2, 3",
-    });
-    let rows: Vec<(i64, bool, Option<Whole<u32>>, i64, Option<i64>)> = on!(store.readers, db => sqlx::query_as(sql)
+    let Words { rank, conditions } = Words::of(store, narrowed, "$2", "$3");
+    let sql = sqlx::AssertSqlSafe(format!(
+        "SELECT rank, CAST(CASE WHEN overdue_at < $1 THEN 1 ELSE 0 END AS BIGINT), count(*) FROM head
+         WHERE {conditions} GROUP BY {rank}, 2"
+    ));
+    let rows: Vec<(i64, i64, i64)> = on!(store.readers, db => sqlx::query_as(sql)
         .bind(now.0)
         .bind(narrowed.sought)
         .bind(narrowed.station.map(Whole))
         .fetch_all(db)
         .await?);
-    let tally = |(rank, is_overdue, station, gyros, last): (i64, bool, Option<Whole<u32>>, i64, Option<i64>)| Tally {
+    let tally = |(rank, is_overdue, gyros): (i64, i64, i64)| Tally {
         rank,
-        is_overdue,
-        station: station.map(|Whole(station)| station),
-        gyros: gyros as usize,
-        last_calibrated: last.map(UtcMicros),
+        is_overdue: is_overdue == 1,
+        gyros: gyros.unsigned_abs() as usize,
     };
     Ok(rows.into_iter().map(tally).collect())
+}
+
+/// How a question is put about a fleet that is narrowed down.
+struct Words {
+    rank: &'static str,
+    conditions: String,
+}
+
+impl Words {
+    /// `sought` and `station` are the places of these parameters. Who narrows the fleet down reads it through: in the order
+    /// of an index each row would be looked up by itself.
+    fn of(store: &Store, narrowed: Narrowed<'_>, sought: &str, station: &str) -> Self {
+        let all = narrowed.sought.is_none() && narrowed.station.is_none();
+        let rank = if all { "rank" } else { store.readers.words(Sql { sqlite: "+rank", postgres: "rank" }) };
+        let has = store.readers.words(Sql { sqlite: "instr", postgres: "strpos" });
+        // Not one condition for both: each is to find its index.
+        let of_sought = narrowed.sought.map_or(format!("{sought} IS NULL"), |_| format!("{has}(sought, {sought}) > 0"));
+        let of_station = narrowed.station.map_or(format!("{station} IS NULL"), |_| format!("station = {station}"));
+        Self { rank, conditions: format!("{of_sought} AND {of_station}") }
+    }
 }
 
 /// Gyros that stand beside one another in the order of the fleet: those of some ranks that are overdue, or are not.
@@ -200,12 +254,13 @@ pub async fn of_ranks(
     [skip, limit]: [usize; 2],
 ) -> Result<Vec<u32>, StoreError> {
     let Ranks { lowest, highest, is_overdue } = ranks;
-    // Not in one condition: each is to find its index.
-    let ranks = if lowest == highest { "rank = $1 AND rank = $2" } else { "rank BETWEEN $1 AND $2" };
+    let Words { rank, conditions } = Words::of(store, narrowed, "$4", "$5");
+    // Of one rank the index has the order.
+    let ranks =
+        if lowest == highest { format!("{rank} = $1 AND {rank} = $2") } else { format!("{rank} BETWEEN $1 AND $2") };
     let overdue = if is_overdue { "overdue_at < $3" } else { "(overdue_at IS NULL OR overdue_at >= $3)" };
-    let found = store.readers.words(Sql { sqlite: "instr(sought, $4) > 0", postgres: "strpos(sought, $4) > 0" });
     let sql = sqlx::AssertSqlSafe(format!(
-        "SELECT gyro FROM head WHERE {ranks} AND {overdue} AND ($4 IS NULL OR {found}) AND ($5 IS NULL OR station = $5)
+        "SELECT gyro FROM head WHERE {ranks} AND {overdue} AND {conditions}
          ORDER BY load DESC, serial LIMIT $6 OFFSET $7"
     ));
     let rows: Vec<(Whole<u32>,)> = on!(store.readers, db => sqlx::query_as(sql)
@@ -263,7 +318,7 @@ pub async fn of_imu(store: &Store, imu: u32) -> Result<Vec<u32>, StoreError> {
 }
 
 /// The gyros whose newest calibration was made before `instant`: when that was, and the number of its IMU. The oldest
-/// first.
+/// first. Reads every row: for who asks once a minute.
 pub async fn calibrated_before(store: &Store, instant: UtcMicros) -> Result<Vec<(u32, UtcMicros, u32)>, StoreError> {
     let sql = "SELECT gyro, calibrated_at, imu FROM head WHERE calibrated_at < $1 ORDER BY calibrated_at";
     let rows: Vec<(Whole<u32>, i64, Whole<u32>)> =

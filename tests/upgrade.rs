@@ -143,6 +143,10 @@ async fn a_database_of_every_earlier_version_is_brought_up_to_date_with_all_that
         assert!(checked.status.success(), "version {version}: {checked:?}");
         let mut upgraded = Server::start_under(&[], dir, &[]);
         for (path, before) in &answers {
+            if version < 2 && path == "/v1/gyros" {
+                // There were no alerts that say that the methods disagree.
+                continue;
+            }
             let mut before = before.clone();
             if version < 13 && before.get("notes").is_some() && path.starts_with("/v1/records") {
                 // Earlier versions noted nothing.

@@ -222,6 +222,7 @@ async fn a_change_of_any_table_is_named_and_the_service_keeps_its_own() {
         ("diagnosis", "UPDATE diagnosis SET body = replace(body, '1', '2')"),
         ("diagnosis_gist", "UPDATE diagnosis_gist SET program = program || 'x'"),
         ("event", "UPDATE event SET reason = 'old motor'"),
+        ("head", "UPDATE head SET d_i = d_i + 1"),
         ("hook", "UPDATE hook SET url = 'http://127.0.0.1:8/hook'"),
         ("record", "UPDATE record SET received_at = received_at + 1"),
         ("sqlite_schema", "DROP INDEX delivery_dead"),

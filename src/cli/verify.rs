@@ -44,12 +44,16 @@ impl Verify {
 }
 
 fn report(verified: &Verified) -> anyhow::Result<()> {
-    let Verified { records, separations, verdicts, bench_results, not_compared, faults } = verified;
+    let Verified { records, separations, verdicts, bench_results, heads, not_compared, faults } = verified;
     for fault in faults.iter().take(MOST_SHOWN) {
         document::print(fault)?;
     }
     document::print(&format!(
         "{records} records, {separations} separations, {verdicts} verdicts, {bench_results} bench results computed again"
+    ))?;
+    document::print(&heads.map_or_else(
+        || "lists of gyros were made with other limits: not compared, a start makes them anew".to_owned(),
+        |gyros| format!("{gyros} gyros compared in lists with what is stored of them"),
     ))?;
     if *not_compared > 0 {
         document::print(&format!(

@@ -14,7 +14,7 @@ use crate::core::judge::Measured;
 use crate::core::judge::{Event, State as Judgement, Status};
 use crate::core::time::Span;
 use crate::message;
-use crate::pipeline::{Names, Queries, Standing, sample_of};
+use crate::pipeline::{Names, Queries, Standing, StandingFilter, sample_of};
 use crate::wire::answer::{FigureBody, VerdictBody};
 use crate::wire::problem::Problem;
 use crate::wire::{cursor, time};
@@ -36,31 +36,17 @@ pub struct GyrosQuery {
 }
 
 /// What a list is narrowed down to.
-#[derive(Debug, Clone, Copy)]
-struct Filter {
-    status: Option<Status>,
-    state: Option<Judgement>,
-}
-
-impl Filter {
-    fn of(asked: &GyrosQuery) -> Result<Self, Problem> {
-        let unknown = |name: &'static str, known: &[&'static str], said: &str| {
-            query::not_one_of(name, known.iter().copied(), said)
-        };
-        let status = asked
-            .status
-            .as_deref()
-            .map(|said| Status::from_name(said).ok_or_else(|| unknown("status", &Status::ALL.map(Status::name), said)));
-        let state = asked.state.as_deref().map(|said| {
-            Judgement::from_name(said).ok_or_else(|| unknown("state", &Judgement::ALL.map(Judgement::name), said))
-        });
-        Ok(Self { status: status.transpose()?, state: state.transpose()? })
-    }
-
-    fn fits(self, standing: &Standing) -> bool {
-        self.status.is_none_or(|status| standing.is(status))
-            && self.state.is_none_or(|state| standing.state == Some(state))
-    }
+fn filter_of(asked: &GyrosQuery) -> Result<StandingFilter, Problem> {
+    let unknown =
+        |name: &'static str, known: &[&'static str], said: &str| query::not_one_of(name, known.iter().copied(), said);
+    let status = asked
+        .status
+        .as_deref()
+        .map(|said| Status::from_name(said).ok_or_else(|| unknown("status", &Status::ALL.map(Status::name), said)));
+    let state = asked.state.as_deref().map(|said| {
+        Judgement::from_name(said).ok_or_else(|| unknown("state", &Judgement::ALL.map(Judgement::name), said))
+    });
+    Ok(StandingFilter { status: status.transpose()?, state: state.transpose()? })
 }
 
 #[derive(Serialize, ToSchema)]
@@ -139,35 +125,11 @@ pub async fn get_gyros(
     let limit = query::limit(asked.limit, 1000, MOST_GYROS)?;
     let after = asked.cursor.as_deref().map_or(Ok(0), query::position)?;
     let after = u32::try_from(after).map_err(|_| query::bad(message!("invalid_cursor")))?;
-    let filter = Filter::of(&asked)?;
-    let (standings, next) = page(&app, after, limit, filter).await?;
+    let (standings, more) = app.pipeline.queries.fleet.by_serial(after, limit as u32, filter_of(&asked)?).await?;
+    let next = standings.last().filter(|_| more).map(|standing| cursor::encode(i64::from(standing.number)));
     let names = app.pipeline.queries.names();
     let gyros = standings.iter().map(|standing| Gyro::of(standing, app.config.judging.method, &names));
     Ok(Json(Gyros { gyros: gyros.collect(), next }))
-}
-
-/// As many gyros as fit on a page, and where the next begins.
-async fn page(
-    app: &App,
-    mut after: u32,
-    limit: usize,
-    filter: Filter,
-) -> Result<(Vec<Standing>, Option<String>), Problem> {
-    let mut found: Vec<Standing> = Vec::new();
-    loop {
-        // One more than is shown tells whether there is another page.
-        let (standings, last) = app.pipeline.queries.fleet.page(after, limit as u32).await?;
-        found.extend(standings.into_iter().filter(|standing| filter.fits(standing)));
-        if found.len() > limit {
-            found.truncate(limit);
-            let next = found.last().map(|standing| cursor::encode(i64::from(standing.number)));
-            return Ok((found, next));
-        }
-        match last {
-            Some(last) => after = last,
-            None => return Ok((found, None)),
-        }
-    }
 }
 
 /// One gyro.

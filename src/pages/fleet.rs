@@ -14,7 +14,7 @@ use crate::core::judge::Measured;
 use crate::core::judge::Status;
 use crate::core::time::UtcMicros;
 use crate::pages::status as badges;
-use crate::pipeline::{Names, RecentValues, Standing, Violation, sample_of};
+use crate::pipeline::{BEYOND, FleetFilter, FleetPage, Names, RecentValues, Standing, Violation, sample_of};
 use crate::wire::problem::Problem;
 
 /// Gyros on one page, and values in one small line.
@@ -38,76 +38,57 @@ pub(super) struct Filters {
     page: usize,
 }
 
-/// A gyro with its names.
-struct Row {
-    standing: Standing,
-    imu: String,
-    station: String,
-}
-
 pub(super) async fn page(Held(pages): Held<Pages>, viewer: Viewer, Query(filters): Query<Filters>) -> Response {
     viewer.show(build(&pages, &viewer, &filters).await)
 }
 
 async fn build(pages: &Pages, viewer: &Viewer, filters: &Filters) -> Result<Page, Problem> {
     let t = viewer.text();
-    let fleet = pages.pipeline.queries.fleet.all().await?;
-    let all: Vec<Row> = {
+    let filter = FleetFilter { text: &filters.q, station: &filters.station, statuses: filters.statuses() };
+    let found = pages.pipeline.queries.fleet.page(&filter, filters.page, ROWS).await?;
+    let gyros: Vec<&Standing> = found.gyros.iter().collect();
+    let recent_values = pages.pipeline.queries.fleet.recent_values(&gyros, VALUES).await?;
+    let rows: Vec<Row> = {
         let names = pages.pipeline.queries.names();
-        fleet.into_iter().map(|standing| Row::of(standing, &names)).collect()
+        gyros.iter().zip(&recent_values).map(|(standing, recent)| Row::of(standing, recent, &names)).collect()
     };
-    let mut found: Vec<&Row> = all.iter().filter(|row| filters.fit(row)).collect();
-    found.sort_by(|a, b| b.urgency().partial_cmp(&a.urgency()).unwrap_or(std::cmp::Ordering::Equal));
-    let count = found.len();
-    let last_page = count.saturating_sub(1) / ROWS;
-    let number = filters.page.min(last_page);
-    let shown: Vec<&Row> = found.into_iter().skip(number * ROWS).take(ROWS).collect();
-    let standings: Vec<&Standing> = shown.iter().map(|row| &row.standing).collect();
-    let recent_values = pages.pipeline.queries.fleet.recent_values(&standings, VALUES).await?;
     let now = pages.clock.now();
     let body = html! {
         h1 { (t.fleet) }
-        (tiles(viewer, &all, filters))
+        (tiles(viewer, &found, filters))
         (search(viewer, filters))
-        @if all.is_empty() {
+        @if found.total == 0 {
             p.lead { (t.nothing_yet) }
-        } @else if shown.is_empty() {
+        } @else if rows.is_empty() {
             p.lead { (t.none_found) }
         } @else {
-            p.note { (count) " " (t.gyros_found) " " (t.band_note) }
-            (table(viewer, pages, &shown, &recent_values, now))
-            (pager(viewer, filters, number, last_page))
+            p.note { (found.found) " " (t.gyros_found) " " (t.band_note) }
+            (table(viewer, pages, &rows, now))
+            (pager(viewer, filters, found.number, found.last))
         }
-        (stations(viewer, &all))
+        (stations(viewer, &found))
     };
     Ok(Page { title: t.fleet.into(), section: Section::Fleet, plots: false, body })
 }
 
-impl Row {
-    fn of(standing: Standing, names: &Names<'_>) -> Self {
+/// A gyro with its names and last values.
+struct Row<'a> {
+    standing: &'a Standing,
+    recent: &'a RecentValues,
+    imu: String,
+    station: String,
+}
+
+impl<'a> Row<'a> {
+    fn of(standing: &'a Standing, recent: &'a RecentValues, names: &Names<'_>) -> Self {
         let newest = standing.newest.as_ref();
         let imu = newest.map_or("", |figures| names.imu(figures.imu)).to_owned();
         let station = newest.map_or("", |figures| names.station(figures.station)).to_owned();
-        Self { standing, imu, station }
-    }
-
-    /// What comes first: what is in use, by its status, then what is overdue, then by how near the nearest limit is.
-    fn urgency(&self) -> (bool, Option<Status>, bool, f64) {
-        let Standing { status, overdue_days, load, out_of_use, .. } = &self.standing;
-        (out_of_use.is_none(), *status, overdue_days.is_some(), *load)
+        Self { standing, recent, imu, station }
     }
 }
 
 impl Filters {
-    fn fit(&self, row: &Row) -> bool {
-        let wanted = self.q.trim().to_lowercase();
-        let named = [&*row.standing.serial, &row.imu, &row.station].map(str::to_lowercase);
-        let by_name = wanted.is_empty() || named.iter().any(|name| name.contains(&wanted));
-        let wanted = self.statuses();
-        let by_status = wanted.is_none_or(|wanted| wanted.iter().any(|status| row.standing.is(*status)));
-        by_name && by_status && (self.station.is_empty() || self.station == row.station)
-    }
-
     /// What is wanted; none where all is.
     fn statuses(&self) -> Option<&'static [Status]> {
         if !self.status.is_empty() {
@@ -145,19 +126,13 @@ impl Filters {
     }
 }
 
-/// Beyond a specification limit.
-const BEYOND: [Status; 3] = [Status::Confirmed, Status::OutOfTolerance, Status::Unconfirmed];
-
 /// How many of the fleet have each status; each leads to them.
-fn tiles(viewer: &Viewer, all: &[Row], filters: &Filters) -> Markup {
+fn tiles(viewer: &Viewer, fleet: &FleetPage, filters: &Filters) -> Markup {
     let t = viewer.text();
-    let of_status = |status: Status| {
-        let count = all.iter().filter(|row| row.standing.is(status)).count();
-        (status.name(), t.status(status), count)
-    };
+    let of_status = |status: Status| (status.name(), t.status(status), fleet.of_status[status as usize]);
     let there = |(name, _, count): &(&str, &str, usize)| *count > 0 || filters.status == *name;
     let counts = Status::ALL.into_iter().rev().map(of_status).filter(there);
-    let counts = counts.chain([("", t.all_states, all.len())]);
+    let counts = counts.chain([("", t.all_states, fleet.total)]);
     html! {
         ul.tiles {
             @for (status, name, count) in counts {
@@ -189,7 +164,7 @@ fn search(viewer: &Viewer, filters: &Filters) -> Markup {
     }
 }
 
-fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], recent_values: &[RecentValues], now: UtcMicros) -> Markup {
+fn table(viewer: &Viewer, pages: &Pages, rows: &[Row<'_>], now: UtcMicros) -> Markup {
     let t = viewer.text();
     html! {
         div.scroll tabindex="0" {
@@ -199,14 +174,14 @@ fn table(viewer: &Viewer, pages: &Pages, rows: &[&Row], recent_values: &[RecentV
                     th { (symbol("D_I")) ", " (t.unit) } th { (symbol("D_S")) ", " (t.unit) }
                     th { (t.violates) } th { (t.calibrated) }
                 } }
-                tbody { @for (row, recent) in rows.iter().zip(recent_values) { (line(viewer, pages, row, recent, now)) } }
+                tbody { @for row in rows { (line(viewer, pages, row, now)) } }
             }
         }
     }
 }
 
-fn line(viewer: &Viewer, pages: &Pages, row: &Row, recent: &RecentValues, now: UtcMicros) -> Markup {
-    let (t, standing) = (viewer.text(), &row.standing);
+fn line(viewer: &Viewer, pages: &Pages, row: &Row<'_>, now: UtcMicros) -> Markup {
+    let (t, standing) = (viewer.text(), row.standing);
     let newest = standing.newest.as_ref().map(|figures| sample_of(figures, pages.config.judging.method));
     html! {
         tr {
@@ -219,7 +194,7 @@ fn line(viewer: &Viewer, pages: &Pages, row: &Row, recent: &RecentValues, now: U
             }
             @for column in 0..2 {
                 td.trend data-label=(DRIFTS[column]) {
-                    @if let Some(sample) = &newest { (trend(recent, column, sample.d[column])) }
+                    @if let Some(sample) = &newest { (trend(row.recent, column, sample.d[column])) }
                 }
             }
             td {
@@ -272,25 +247,17 @@ fn pager(viewer: &Viewer, filters: &Filters, number: usize, last: usize) -> Mark
 }
 
 /// The stations that calibrated the gyros last.
-fn stations(viewer: &Viewer, all: &[Row]) -> Markup {
+fn stations(viewer: &Viewer, fleet: &FleetPage) -> Markup {
     let t = viewer.text();
-    let mut stations = std::collections::BTreeMap::<&str, (usize, usize, UtcMicros)>::new();
-    for row in all {
-        let Some(figures) = &row.standing.newest else { continue };
-        let (count, beyond, last) = stations.entry(&row.station).or_insert((0, 0, figures.at));
-        *count += 1;
-        *beyond += usize::from(row.standing.status.is_some_and(|status| BEYOND.contains(&status)));
-        *last = (*last).max(figures.at);
-    }
     html! {
-        @if !stations.is_empty() {
+        @if !fleet.of_station.is_empty() {
             h2 { (t.stations) }
             div.scroll tabindex="0" { table {
                 thead { tr { th { (t.station) } th.n.capital { (t.gyros) } th.n.capital { (t.beyond) } th { (t.last_seen) } } }
-                tbody { @for (name, (count, beyond, last)) in stations {
+                tbody { @for (name, of_station) in &fleet.of_station {
                     tr {
                         th scope="row" { a.id href={ "/?station=" (encoded(name)) } { (name) } }
-                        td.n { (count) } td.n { (beyond) } td { (instant(last)) }
+                        td.n { (of_station.gyros) } td.n { (of_station.beyond) } td { (instant(of_station.last_calibrated)) }
                     }
                 } }
             } }

@@ -58,9 +58,10 @@ pub use ingest::{
     Judged, Origin, Preview, ReadCampaign, ReadDocument, Reader, Refused, Reply, Sent, Submission,
 };
 pub use queries::{
-    Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, EventItem, ExplainedHistory,
-    Fleet, Histories, ItemStatus, Names, Queries, RecentValues, RecordItem, RecordSummary, Records, Seats, Standing,
-    StationEffect, Statuses, StoredCampaign, StoredRecord, Tested, Verified, Violation, sample_of,
+    BEYOND, Baseline, BenchItem, Compared, Comparison, CorrectedResult, CorrectionItem, Course, EventItem,
+    ExplainedHistory, Fleet, FleetFilter, FleetPage, Histories, ItemStatus, Names, Queries, RecentValues, RecordItem,
+    RecordSummary, Records, Seats, Standing, StandingFilter, StationEffect, Statuses, StoredCampaign, StoredRecord,
+    Tested, Verified, Violation, sample_of,
 };
 
 /// The rooms: each with its own types and errors. Cheap to clone.
@@ -84,10 +85,11 @@ impl Pipeline {
     /// [`StoreError`] where what is stored cannot be read.
     pub async fn start(
         store: Store,
-        writer: Writer,
+        mut writer: Writer,
         config: Arc<Config>,
         clock: Clock,
     ) -> Result<(Self, JoinHandle<()>), StoreError> {
+        writer::make_missing(&store, &mut writer, &config).await?;
         let lanes: Vec<Writer> = (0..config.database.writers).map_while(|_| writer.another()).collect();
         let (queue, queues) = WriteQueue::new(config.database.max_waiting_writes, lanes.len());
         let pipeline = Self::assemble(store, config, clock, queue).await?;

@@ -33,6 +33,8 @@ use crate::store::tables::diagnosis_job;
 use crate::store::tables::diagnosis_job::JobChanges;
 use crate::store::tables::event;
 use crate::store::tables::event::EventRow;
+use crate::store::tables::head;
+use crate::store::tables::head::HeadChanges;
 use crate::store::tables::history::HistoryRow;
 use crate::store::tables::hook;
 use crate::store::tables::hook::HookRow;
@@ -80,6 +82,8 @@ pub struct Changes {
     pub diagnosis_jobs: JobChanges,
     pub outbox: OutboxChanges,
     pub access: AccessChanges,
+    /// How the gyros stand that all of that touches.
+    pub heads: HeadChanges,
 }
 
 /// What changes on stored records when they are judged again.
@@ -320,5 +324,6 @@ pub(super) fn batch_of(changes: &Changes) -> Batch {
     diagnosis_job::apply(&changes.diagnosis_jobs, &mut batch);
     delivery::apply(&changes.outbox, &mut batch);
     access::apply(&changes.access, &mut batch);
+    head::upsert(&changes.heads, &mut batch);
     batch
 }

@@ -33,6 +33,12 @@ impl Sql {
     }
 }
 
+/// The whole numbers of a list in JSON, the first parameter.
+pub(crate) const LISTED: Sql = Sql {
+    sqlite: "SELECT value FROM json_each($1)",
+    postgres: "SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)",
+};
+
 impl Readers {
     pub fn words(&self, sql: Sql) -> &'static str {
         match self {

@@ -34,6 +34,7 @@ pub use crate::store::tables::diagnosis_job::{
     CampaignFilter, FailedTask, JobChanges, JobRow, NewJob, SettledTask, TaskCounts,
 };
 pub use crate::store::tables::event::EventRow;
+pub use crate::store::tables::head::{HeadChanges, HeadRow, HeadsMade, NewestRow};
 pub use crate::store::tables::histories::Stretch;
 pub use crate::store::tables::history::HistoryRow;
 pub use crate::store::tables::hook::HookRow;
@@ -54,8 +55,8 @@ pub use secrets::Secrets;
 
 pub use postgres::{claim, other_servers};
 pub use tables::{
-    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, gyro, histories, history,
-    hook, keys, model, names, outbox, record, set_aside, silence,
+    access, alerts, bench, correction, diagnosis, diagnosis_digest, diagnosis_job, event, head, histories,
+    history, hook, keys, model, names, outbox, record, set_aside, silence,
 };
 
 #[cfg(test)]

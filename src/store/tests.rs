@@ -155,9 +155,10 @@ async fn what_is_committed_is_read_back_and_survives_reopening() {
     let early = Span { from: UtcMicros(0), to: UtcMicros(199) };
     assert_eq!(store::history::oldest(&store, 1, early, 10).await.unwrap(), [rows[1].figures]);
     assert_eq!(store::history::oldest(&store, 77, Span::EVER, 10).await.unwrap(), []);
+    let ever = [(1, Span::EVER), (2, Span::EVER)];
     assert_eq!(
-        store::gyro::newest_of_gyros(&store, 0, 10).await.unwrap(),
-        [(1, Some(rows[0].figures)), (2, Some(rows[2].figures))]
+        store::histories::newest(&store, &ever, 1).await.unwrap(),
+        [[rows[0].figures], [rows[2].figures]]
     );
     assert_eq!(store::bench::of_gyro(&store, 2, Span::EVER).await.unwrap(), [bench]);
     assert_eq!(store::event::of_gyro(&store, 2).await.unwrap(), [event]);

@@ -19,7 +19,7 @@ use gyrowatch::config::Config;
 use gyrowatch::core::mounting::{Geometry, Slot};
 use gyrowatch::core::time::UtcMicros;
 use gyrowatch::http::{self, App};
-use gyrowatch::pipeline::{Outbox, Pipeline};
+use gyrowatch::pipeline::{Outbox, Pipeline, Verified};
 use gyrowatch::routes::Routes;
 use gyrowatch::store;
 use gyrowatch::system::{self, Clock};
@@ -113,6 +113,16 @@ impl Lab {
     pub async fn restart(&mut self) {
         self.stop().await;
         self.start().await;
+    }
+
+    /// Everything that is stored, computed again, as it now is.
+    pub async fn verified(&self) -> Verified {
+        let store = store::open_to_read(&self.config.database.options()).await.expect("the database opens");
+        let config = Arc::new(self.config.clone());
+        let reading = Pipeline::to_read(store.clone(), config, self.clock.clone()).await.expect("it can be read");
+        let verified = reading.queries.records.verify().await.expect("all can be read");
+        store.close().await;
+        verified
     }
 
     pub fn database(&self) -> PathBuf {

@@ -1,17 +1,15 @@
 //! Which results of a gyro are put side by side, and how far they are apart.
 
-use std::collections::HashMap;
-
 use crate::config::{JudgedMethod, Judging};
 use crate::core::bench::BenchMethod;
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Status, Verdict, agreement};
+use crate::core::judge::{Coefficient, Event, Rule, Source, SourcedResult, Verdict, agreement};
 use crate::core::judge::{Mark, Measured};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
-use crate::pipeline::alerts::{Naming, Origin, finding_of, status_of};
+use crate::pipeline::alerts::{Naming, Origin};
 use crate::pipeline::ingest::judge::gyro_window::{load_marks, mark_of, sample_of};
 use crate::store;
 use crate::store::{BenchRow, Changes, Store, StoreError, Tables};
@@ -39,32 +37,6 @@ pub struct Compared {
     pub d: [Measured; 2],
     /// In the ranges and the verdicts on them.
     pub counts: bool,
-}
-
-/// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a
-/// second record has confirmed that a requirement is not met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AlertFinding {
-    pub coefficient: Coefficient,
-    pub rule: Rule,
-    pub status: Status,
-    /// The figure over its limit.
-    pub load: f64,
-}
-
-/// What alerts know besides, of one gyro or of all, in two queries: comparing the results of every gyro would take
-/// several for each.
-pub(crate) async fn told(store: &Store, gyro: Option<u32>) -> Result<HashMap<u32, Vec<AlertFinding>>, StoreError> {
-    let mut found: HashMap<u32, Vec<AlertFinding>> = HashMap::new();
-    for rule in [Rule::Agreement, Rule::Requirement] {
-        for row in store::alerts::unresolved(store, rule, gyro).await? {
-            let finding = finding_of(&row)?;
-            let load = finding.value.map_or(0.0, |value| value / finding.limit);
-            let told = AlertFinding { coefficient: row.coefficient, rule, status: status_of(&row, &finding), load };
-            found.entry(row.gyro).or_default().push(told);
-        }
-    }
-    Ok(found)
 }
 
 /// The results of a gyro within `span`; without one, those that were made to be compared: the separation nearest to

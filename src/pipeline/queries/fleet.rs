@@ -1,67 +1,26 @@
 //! The fleet at a glance: every gyro's newest figures, how it stands, and its last few values.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-use super::agreement::{AlertFinding, told};
 use super::record::Records;
+use super::standing::{Standing, StoredFacts, of_rank, rank};
 use super::stations::{StationEffect, station_effects};
-use super::status;
 use crate::config::Config;
 use crate::core::figures::Figures;
 use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
-use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
+use crate::core::judge::{Rule, State, Status};
 use crate::core::mounting::Slot;
 use crate::core::time::Span;
 use crate::core::time::UtcMicros;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, marks_of, sample_of};
 use crate::store;
-use crate::store::{RecordHead, Store, StoreError, StoredVerdict, Stretch, Tables};
+use crate::store::head::{Narrowed, Ranks, Standings, StationTally, Tally};
+use crate::store::{RecordHead, Store, StoreError, Stretch};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
-
-/// How one gyro stands.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Standing {
-    pub number: u32,
-    pub serial: Arc<str>,
-    /// Its newest calibration; none for a gyro that only a bench has seen.
-    pub newest: Option<Figures>,
-    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included;
-    /// indeterminate while none could judge its drift, none before the first calibration. While an alert of
-    /// `agreement` fires, exceeded whatever they say.
-    pub state: Option<State>,
-    /// What all of that comes to, and whether its calibration is overdue: the worst of it.
-    pub status: Option<Status>,
-    /// What the verdicts on D_I, D_S and D_O of its newest calibration come to.
-    pub drift: [Status; 3],
-    /// What it violates.
-    pub violations: Vec<Violation>,
-    /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it
-    /// fires.
-    pub load: f64,
-    /// Days since its last calibration, where that is longer than its interval.
-    pub overdue_days: Option<f64>,
-    /// That it was retired or put into storage, and not calibrated since.
-    pub out_of_use: Option<Event>,
-}
-
-/// A rule that says that a gyro is beyond a limit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Violation {
-    pub coefficient: Coefficient,
-    pub rule: Rule,
-    pub status: Status,
-}
-
-impl Standing {
-    /// Whether a filter by status finds it: one that is overdue is, whatever else is the matter with it.
-    pub fn is(&self, status: Status) -> bool {
-        self.status == Some(status) || status == Status::Overdue && self.overdue_days.is_some()
-    }
-}
 
 /// The gyros whose newest calibration was made in one IMU.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -94,18 +53,141 @@ pub struct Fleet {
     pub(super) records: Records,
 }
 
+/// What the fleet's page is narrowed down to.
+#[derive(Debug, Clone, Copy)]
+pub struct FleetFilter<'a> {
+    /// Part of a serial, IMU or station, in whatever letters; empty where all are wanted.
+    pub text: &'a str,
+    /// Name of the station of the newest calibration; empty as above.
+    pub station: &'a str,
+    /// Any of these; none where all are wanted. Who wants `overdue` wants those as well whose status is worse.
+    pub statuses: Option<&'a [Status]>,
+}
+
+/// One page of the fleet, and what all of it counts.
+#[derive(Debug, Clone, Default)]
+pub struct FleetPage {
+    /// Gyros of each status, by its place, and of the whole fleet, whatever is asked for.
+    pub of_status: [usize; Status::ALL.len()],
+    pub total: usize,
+    /// By the station that calibrated them last.
+    pub of_station: BTreeMap<String, StationGyros>,
+    /// Gyros that the filter finds.
+    pub found: usize,
+    /// The page, counted from 0: that which was asked for, or the last.
+    pub number: usize,
+    pub last: usize,
+    /// What comes first: what is in use, by its status, then what is overdue, then by how near the nearest limit is.
+    pub gyros: Vec<Standing>,
+}
+
+/// The gyros that a station calibrated last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StationGyros {
+    pub gyros: usize,
+    /// Of those, what is [`BEYOND`].
+    pub beyond: usize,
+    pub last_calibrated: UtcMicros,
+}
+
+/// Beyond a specification limit.
+pub const BEYOND: [Status; 3] = [Status::Confirmed, Status::OutOfTolerance, Status::Unconfirmed];
+
+/// What a list by serial is narrowed down to.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct StandingFilter {
+    /// `overdue` finds those as well whose status is worse.
+    pub status: Option<Status>,
+    pub state: Option<State>,
+}
+
 impl Fleet {
-    /// Every gyro, by serial.
-    pub async fn all(&self) -> Result<Vec<Standing>, StorageError> {
-        self.standings(store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?).await
+    /// A page of the fleet.
+    pub async fn page(&self, filter: &FleetFilter<'_>, number: usize, rows: usize) -> Result<FleetPage, StorageError> {
+        let now = self.clock.now();
+        let (all, of_stations) = store::head::counts(&self.store, now).await?;
+        let mut page = self.counts(&all, &of_stations);
+        let text = filter.text.trim().to_lowercase();
+        let station = self.store.names().read().stations.number(filter.station);
+        let narrowed = Narrowed { sought: (!text.is_empty()).then_some(&text), station };
+        let of_filter = match station {
+            None if !filter.station.is_empty() => Vec::new(),
+            None if text.is_empty() => all,
+            _ => store::head::tallies(&self.store, narrowed, now).await?,
+        };
+        let size = |ranks: &Ranks| -> usize {
+            of_filter.iter().filter(|tally| is_of(tally, ranks)).map(|tally| tally.gyros).sum()
+        };
+        let wanted = in_order().into_iter().filter(|ranks| is_wanted(ranks, filter.statuses));
+        let sizes: Vec<(Ranks, usize)> = wanted.map(|ranks| (ranks, size(&ranks))).collect();
+        page.found = sizes.iter().map(|(_, size)| size).sum();
+        page.last = page.found.saturating_sub(1) / rows;
+        page.number = number.min(page.last);
+        let (mut skip, mut gyros) = (page.number * rows, Vec::with_capacity(rows));
+        for (ranks, size) in sizes {
+            if skip < size && gyros.len() < rows {
+                let part = [skip, rows - gyros.len()];
+                gyros.extend(store::head::of_ranks(&self.store, ranks, narrowed, now, part).await?);
+            }
+            skip = skip.saturating_sub(size);
+        }
+        page.gyros = self.standings_of(&gyros).await?;
+        Ok(page)
     }
 
-    /// Gyros with numbers above `after`, and the last number looked at where there are more than `most`: one more is
-    /// looked at.
-    pub async fn page(&self, after: u32, most: u32) -> Result<(Vec<Standing>, Option<u32>), StorageError> {
-        let rows = store::gyro::newest_of_gyros(&self.store, after, most + 1).await?;
-        let last = rows.last().filter(|_| rows.len() > most as usize).map(|(number, _)| *number);
-        Ok((self.standings(rows).await?, last))
+    fn counts(&self, all: &[Tally], of_stations: &[StationTally]) -> FleetPage {
+        let mut page = FleetPage::default();
+        for tally in all {
+            page.total += tally.gyros;
+            let (status, overdue) = (status_of(tally), tally.is_overdue.then_some(Status::Overdue));
+            for status in status.into_iter().chain(overdue.filter(|_| status != overdue)) {
+                page.of_status[status as usize] += tally.gyros;
+            }
+        }
+        let tables = self.store.names().read();
+        for tally in of_stations {
+            let station = tally.station.and_then(|station| tables.stations.name(station));
+            let Some((station, last_calibrated)) = station.zip(tally.last_calibrated) else { continue };
+            let none = StationGyros { gyros: 0, beyond: 0, last_calibrated };
+            let of_station = page.of_station.entry(station.to_string()).or_insert(none);
+            of_station.gyros += tally.gyros;
+            // Worse than overdue: time adds nothing to it.
+            let is_beyond = of_rank(tally.rank).1.is_some_and(|status| BEYOND.contains(&status));
+            of_station.beyond += if is_beyond { tally.gyros } else { 0 };
+            of_station.last_calibrated = of_station.last_calibrated.max(last_calibrated);
+        }
+        page
+    }
+
+    /// Gyros by serial, after gyro number `after` (0: all), and whether there are more than `most`.
+    pub async fn by_serial(
+        &self,
+        after: u32,
+        most: u32,
+        filter: StandingFilter,
+    ) -> Result<(Vec<Standing>, bool), StorageError> {
+        let narrowed = Standings {
+            rank: filter.status.filter(|status| *status != Status::Overdue).map(|status| rank(false, Some(status))),
+            // Time makes worse only what is better than overdue.
+            is_overdue: filter.status.filter(|status| *status <= Status::Overdue).map(|of| of == Status::Overdue),
+            state: filter.state,
+        };
+        let mut gyros =
+            store::head::by_serial(&self.store, after, narrowed, self.clock.now(), most.saturating_add(1)).await?;
+        let more = gyros.len() > most as usize;
+        gyros.truncate(most as usize);
+        Ok((self.standings_of(&gyros).await?, more))
+    }
+
+    /// How these gyros stand, in their order.
+    async fn standings_of(&self, gyros: &[u32]) -> Result<Vec<Standing>, StorageError> {
+        self.standings(self.newest_of(gyros).await?).await
+    }
+
+    async fn newest_of(&self, gyros: &[u32]) -> Result<Vec<(u32, Option<Figures>)>, StoreError> {
+        let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        let rows = store::histories::newest(&self.store, &ever, 1).await?;
+        Ok(gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect())
     }
 
     /// Every station that calibrated a gyro lately, by name.
@@ -115,7 +197,7 @@ impl Fleet {
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.
     pub async fn seated_in(&self, imu: u32) -> Result<Seats, StorageError> {
-        let mut newest = store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?;
+        let mut newest = self.newest_of(&store::head::of_imu(&self.store, imu).await?).await?;
         newest.retain(|(_, figures)| figures.is_some_and(|figures| figures.imu == imu));
         let slots = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.slot)).collect();
         let last = self.last_uses(imu, slots).await?;
@@ -162,21 +244,13 @@ impl Fleet {
 
     /// How gyros stand with these newest calibrations.
     pub async fn standings(&self, newest: Vec<(u32, Option<Figures>)>) -> Result<Vec<Standing>, StorageError> {
-        let records: HashSet<_> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
-        let sheets = store::record::verdict_sheets(&self.store, records.into_iter()).await?;
-        let verdicts: HashMap<_, _> = sheets
-            .iter()
-            .flat_map(|(record, sheet)| sheet.0.iter().map(|(gyro, verdicts)| ((*record, *gyro), verdicts.as_slice())))
-            .collect();
-        let only = if let [(one, _)] = newest.as_slice() { Some(*one) } else { None };
-        let told = told(&self.store, only).await?;
-        let out_of_use = store::event::out_of_use(&self.store).await?;
-        let tables = self.store.names().read();
+        let stored = StoredFacts::of(&self.store, &newest).await?;
+        let (tables, now) = (self.store.names().read(), self.clock.now());
         let standing = |(number, newest): (u32, Option<Figures>)| {
-            let of_newest = newest.as_ref().and_then(|figures| verdicts.get(&(figures.record, number)));
-            let told = told.get(&number).map_or(&[][..], Vec::as_slice);
-            let verdicts = (of_newest.copied().unwrap_or_default(), told);
-            self.standing(&tables, number, newest, verdicts, out_of_use.get(&number).copied())
+            let serial = tables.gyros.name(number)?.clone();
+            let imu = newest.and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
+            let limits = self.config.judging.limits(imu, &serial);
+            Some(stored.facts(number, serial, newest).standing(&limits, now))
         };
         Ok(newest.into_iter().filter_map(standing).collect())
     }
@@ -192,57 +266,9 @@ impl Fleet {
             Some(stored) => self.records.verdicts_in_words(&stored.row, &stored.calibration).await?.0,
             None => Vec::new(),
         };
-        let sheet = stored.as_ref().map_or(&[][..], |stored| &stored.row.verdicts.0);
-        let verdicts = sheet.iter().find(|(gyro, _)| *gyro == number).map_or(&[][..], |(_, verdicts)| verdicts);
-        let told = told(&self.store, Some(number)).await?.remove(&number).unwrap_or_default();
-        let out_of_use = store::event::out_of_use(&self.store).await?.get(&number).copied();
-        let (verdicts, tables) = ((verdicts, told.as_slice()), self.store.names().read());
-        let Some(standing) = self.standing(&tables, number, newest, verdicts, out_of_use) else {
-            return Ok(None);
-        };
+        let Some(standing) = self.standings(vec![(number, newest)]).await?.pop() else { return Ok(None) };
         let said = said.into_iter().filter(|verdict| *verdict.serial == *standing.serial).collect();
         Ok(Some((standing, said)))
-    }
-
-    /// How a gyro stands with this newest calibration, the verdicts on it, and what alerts know besides.
-    fn standing(
-        &self,
-        tables: &Tables,
-        number: u32,
-        newest: Option<Figures>,
-        (verdicts, told): (&[StoredVerdict], &[AlertFinding]),
-        out_of_use: Option<(UtcMicros, Event)>,
-    ) -> Option<Standing> {
-        let serial = tables.gyros.name(number)?.clone();
-        let imu = newest.as_ref().and_then(|figures| tables.imus.name(figures.imu)).map_or("", |name| &**name);
-        let limits = self.config.judging.limits(imu, &serial);
-        let interval = limits.interval_days;
-        let out_of_use = out_of_use.filter(|(at, _)| newest.as_ref().is_none_or(|figures| *at >= figures.at));
-        let in_use = newest.as_ref().filter(|_| out_of_use.is_none());
-        let late = in_use.zip(interval).map(|(figures, days)| overdue(figures.at, self.clock.now(), days));
-        let overdue_days = late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value);
-        let of_newest = newest.as_ref().map(|figures| worst(figures, verdicts));
-        // The alert of a rule that has been switched off since stands until the gyro's next item.
-        let asked = |told: &&AlertFinding| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
-        let disagreements: Vec<&AlertFinding> = told.iter().filter(asked).collect();
-        let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
-        let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
-        let violations: Vec<Violation> =
-            violations(verdicts, told).chain(disagreements.iter().map(|told| Violation::of(told))).collect();
-        let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
-        let of_verdicts = newest.as_ref().map(|_| status::of_gyro(verdicts));
-        Some(Standing {
-            number,
-            serial,
-            state: of_newest.max(of_methods),
-            status: worst_of.max().max(of_verdicts),
-            drift: status::of_drift(verdicts),
-            violations,
-            load: loads.fold(0.0, f64::max),
-            overdue_days,
-            out_of_use: out_of_use.map(|(_, event)| event),
-            newest,
-        })
     }
 
     /// The last `count` values of each of these gyros, in three queries however many they are.
@@ -281,6 +307,32 @@ impl Fleet {
     }
 }
 
+/// What is overdue, and better besides, is that above all.
+fn status_of(tally: &Tally) -> Option<Status> {
+    of_rank(tally.rank).1.max(tally.is_overdue.then_some(Status::Overdue))
+}
+
+/// The fleet from its first gyro to its last. What is not in use is never overdue.
+fn in_order() -> Vec<Ranks> {
+    let one = |rank, is_overdue| Ranks { lowest: rank, highest: rank, is_overdue };
+    let overdue = rank(true, Some(Status::Overdue));
+    let worse = (overdue + 1..=rank(true, Status::ALL.last().copied())).rev();
+    let mut all: Vec<Ranks> = worse.flat_map(|rank| [one(rank, true), one(rank, false)]).collect();
+    all.push(Ranks { lowest: rank(true, None), highest: overdue, is_overdue: true });
+    all.extend((0..overdue).rev().map(|rank| one(rank, false)));
+    all
+}
+
+fn is_of(tally: &Tally, ranks: &Ranks) -> bool {
+    (ranks.lowest..=ranks.highest).contains(&tally.rank) && tally.is_overdue == ranks.is_overdue
+}
+
+fn is_wanted(ranks: &Ranks, statuses: Option<&[Status]>) -> bool {
+    let status = of_rank(ranks.highest).1;
+    let is_it = |wanted: &Status| status == Some(*wanted) || ranks.is_overdue && *wanted == Status::Overdue;
+    statuses.is_none_or(|wanted| wanted.iter().any(is_it))
+}
+
 fn last_of(rows: &[Figures]) -> UtcMicros {
     rows.last().map_or(UtcMicros(0), |figures| figures.at)
 }
@@ -294,33 +346,110 @@ pub(crate) fn level(baseline: &[Sample], column: usize, fixed: Option<Measured>)
     Measured::median(&first).map(|median| median.value)
 }
 
-/// Of the rules that could judge; of the drift none may have, however well E and G keep to their requirements.
-fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
-    let of_drift = figures.states.worst().unwrap_or(State::Indeterminate);
-    let judged = verdicts.iter().filter(|verdict| verdict.value.is_some());
-    judged.map(|verdict| verdict.state).fold(of_drift, State::max)
-}
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
-fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
-    let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
-    beyond.map(|verdict| {
-        let StoredVerdict { coefficient, rule, .. } = *verdict;
-        let same = told.iter().find(|told| (told.coefficient, told.rule) == (coefficient, rule));
-        let status = same.map_or(verdict.status(), |told| told.status.max(verdict.status()));
-        Violation { coefficient, rule, status }
-    })
-}
+    use super::*;
+    use crate::pipeline::Pipeline;
+    use crate::store::{Changes, HeadChanges, HeadRow, NewName, Options};
 
-impl Violation {
-    fn of(told: &AlertFinding) -> Self {
-        let AlertFinding { coefficient, rule, status, .. } = *told;
-        Self { coefficient, rule, status }
+    #[test]
+    fn the_order_of_the_fleet_holds_every_gyro_once() {
+        for place in 0..2 * 10 {
+            for is_overdue in [false, true] {
+                let tally = Tally { rank: place, is_overdue, gyros: 1 };
+                let held = in_order().iter().filter(|ranks| is_of(&tally, ranks)).count();
+                // No verdict says so, and what is not in use never is.
+                let never = is_overdue && place < 10 || place == 15 && !is_overdue;
+                assert_eq!(held, usize::from(!never), "{place}, {is_overdue}");
+            }
+        }
     }
-}
 
-/// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no
-/// measure.
-fn load(verdict: &StoredVerdict) -> Option<f64> {
-    let of_history = verdict.rule != Rule::Requirement && verdict.limit > 0.0;
-    verdict.value.filter(|_| of_history).map(|value| value / verdict.limit)
+    fn drawn(gyro: u32, rng: &mut ChaCha8Rng, now: UtcMicros) -> HeadRow {
+        let statuses: Vec<Status> = Status::ALL.into_iter().filter(|status| *status != Status::Overdue).collect();
+        let status = Some(statuses[rng.random_range(0..statuses.len())]).filter(|_| rng.random_bool(0.95));
+        let in_use = rng.random_bool(0.8);
+        let overdue_at = UtcMicros(now.0 + rng.random_range(-3..3));
+        let serial = format!("S-{:03}", gyro * 37 % 251);
+        HeadRow {
+            gyro,
+            sought: format!("{}\nimu-{}\nst-1", serial.to_lowercase(), gyro % 13),
+            serial: serial.into(),
+            newest: None,
+            state: Some(State::Within),
+            status,
+            rank: rank(in_use, status),
+            // Many are alike.
+            load: f64::from(rng.random_range(0..4_u8)),
+            ahead: [None; 2],
+            overdue_at: Some(overdue_at).filter(|_| in_use && rng.random_bool(0.7)),
+            out_of_use: None,
+            firing: 0,
+            severity: None,
+        }
+    }
+
+    /// Against the order of the whole fleet, sorted at once.
+    #[tokio::test]
+    async fn pages_are_cut_out_of_the_fleet_as_if_it_had_been_sorted_whole() {
+        let (dir, now) = (tempfile::tempdir().unwrap(), UtcMicros(1_000_000_000_000));
+        let mut config = Config::defaults();
+        config.database.url = format!("sqlite://{}", dir.path().join("fleet.db").display());
+        let options: Options = config.database.options();
+        let (store, mut writer) = store::open(&options).await.unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let rows: Vec<HeadRow> = (1..=250).map(|gyro| drawn(gyro, &mut rng, now)).collect();
+        let gyros = rows.iter().map(|row| NewName { number: row.gyro, cell: 0, name: row.serial.to_string() }).collect();
+        let heads = HeadChanges { rows: rows.clone(), made: None };
+        writer.commit(&Changes { gyros, heads, ..Changes::default() }).await.unwrap();
+        let pipeline = Pipeline::to_read(store, Arc::new(config), Clock::manual(now)).await.unwrap();
+        let fleet = &pipeline.queries.fleet;
+
+        let is_overdue = |row: &HeadRow| row.overdue_at.is_some_and(|at| at < now);
+        let status = |row: &HeadRow| row.status.max(is_overdue(row).then_some(Status::Overdue));
+        let urgency = |row: &HeadRow| (row.rank >= 10, status(row), is_overdue(row));
+        let mut sorted: Vec<&HeadRow> = rows.iter().collect();
+        sorted.sort_by(|a, b| a.serial.cmp(&b.serial));
+        sorted.sort_by(|a, b| urgency(b).cmp(&urgency(a)).then(b.load.total_cmp(&a.load)));
+        let all: [Option<&[Status]>; 5] =
+            [None, Some(&[Status::Overdue]), Some(&[Status::Drifting]), Some(&[Status::InTolerance]), Some(&BEYOND)];
+        let mut cut = 0;
+        for statuses in all {
+            for text in ["", " S-1", "IMU-12\n", "nobody"] {
+                let wanted = text.trim().to_lowercase();
+                let fits = |row: &&&HeadRow| {
+                    let is = |of: &Status| status(row) == Some(*of) || *of == Status::Overdue && is_overdue(row);
+                    row.sought.contains(&wanted) && statuses.is_none_or(|statuses| statuses.iter().any(is))
+                };
+                let expected: Vec<u32> = sorted.iter().filter(fits).map(|row| row.gyro).collect();
+                let filter = FleetFilter { text, station: "", statuses };
+                let mut found = Vec::new();
+                for number in 0..=expected.len().saturating_sub(1) / 17 {
+                    let page = fleet.page(&filter, number, 17).await.unwrap();
+                    assert_eq!((page.number, page.found, page.total), (number, expected.len(), 250), "{filter:?}");
+                    found.extend(page.gyros.iter().map(|standing| standing.number));
+                    cut += 1;
+                }
+                assert_eq!(found, expected, "{filter:?}");
+            }
+        }
+        assert!(cut > 40, "{cut}");
+        let counts = fleet.page(&FleetFilter { text: "", station: "", statuses: None }, 0, 1).await.unwrap().of_status;
+        for (of, count) in Status::ALL.into_iter().zip(counts) {
+            let is = |row: &&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
+            assert_eq!(count, rows.iter().filter(is).count(), "{of:?}");
+        }
+        for of in Status::ALL {
+            let filter = StandingFilter { status: Some(of), state: None };
+            let (found, more) = fleet.by_serial(0, 1000, filter).await.unwrap();
+            let is = |row: &&&HeadRow| status(row) == Some(of) || of == Status::Overdue && is_overdue(row);
+            let mut expected: Vec<&HeadRow> = sorted.iter().filter(is).copied().collect();
+            expected.sort_by(|a, b| a.serial.cmp(&b.serial));
+            let expected: Vec<u32> = expected.iter().map(|row| row.gyro).collect();
+            assert!(!more && found.iter().map(|standing| standing.number).eq(expected), "{of:?}");
+        }
+    }
 }

@@ -12,6 +12,7 @@ use crate::core::time::Span;
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::admit::figures_of;
 use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
+use crate::pipeline::queries::heads::{checksum, stored_rows};
 use crate::pipeline::queries::record::{Records, Reread};
 use crate::store;
 use crate::store::{StoreError, StoredVerdict, Table};
@@ -24,6 +25,9 @@ pub struct Verified {
     pub separations: usize,
     pub verdicts: usize,
     pub bench_results: usize,
+    /// Gyros whose row in the table `head` was compared; none where those were made with other limits than those in
+    /// force.
+    pub heads: Option<usize>,
     /// Verdicts that were decided with other limits than those in force, or on records that count no more.
     pub not_compared: usize,
     /// In words, which record and what about it. Empty where everything is right.
@@ -35,6 +39,8 @@ pub struct Verified {
 const LEAST_OF_SD: f64 = 0.5;
 /// The last digits may differ between builds of this program; no bit that matters may.
 const TOLERANCE: f64 = 1e-9;
+/// Gyros whose standing is looked at together.
+const HEADS_AT_ONCE: usize = 256;
 
 impl Records {
     /// Computes everything again. Takes as long as there are records: about a millisecond a campaign, less a record.
@@ -53,7 +59,32 @@ impl Records {
             }
         }
         self.verify_benches(&mut verified).await?;
+        self.verify_heads(&mut verified).await?;
         Ok(verified)
+    }
+
+    /// Every gyro stands in lists as what is stored says.
+    async fn verify_heads(&self, verified: &mut Verified) -> Result<(), StoreError> {
+        let made = store::head::made(&self.store).await?;
+        if made.limits != checksum(&self.config.judging) || made.through.is_some() {
+            return Ok(());
+        }
+        let gyros = self.store.names().read().gyros.numbers();
+        for some in gyros.chunks(HEADS_AT_ONCE) {
+            let found = store::head::of_gyros(&self.store, some).await?;
+            for expected in stored_rows(&self.store, &self.config.judging, some).await? {
+                let serial = &expected.serial;
+                match found.iter().find(|row| row.gyro == expected.gyro) {
+                    None => verified.faults.push(format!("gyro {serial}: is missing from the table head")),
+                    Some(row) if *row != expected => verified.faults.push(format!(
+                        "gyro {serial}: the table head has {row:?}, by what is stored it is {expected:?}"
+                    )),
+                    Some(_) => {}
+                }
+            }
+        }
+        verified.heads = Some(gyros.len());
+        Ok(())
     }
 
     async fn verify_record(&self, stored: &Reread, verified: &mut Verified) -> Result<(), StoreError> {

@@ -6,7 +6,7 @@ use crate::core::id::Id;
 use crate::core::judge::{Coefficient, Rule, Severity};
 use crate::core::time::UtcMicros;
 use crate::store::batch::{Batch, Rows};
-use crate::store::db::{AnyRow, Sql, Whole, cell, insert, on};
+use crate::store::db::{AnyRow, LISTED, Sql, Whole, cell, insert, on};
 use crate::store::error::StoreError;
 use crate::store::open::Store;
 
@@ -222,25 +222,20 @@ pub async fn all(store: &Store) -> Result<Vec<AlertRow>, StoreError> {
 
 /// Every alert of several gyros, in the order in which they first fired.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
-    let those = store.readers.words(Sql {
-        sqlite: "SELECT value FROM json_each($1)",
-        postgres: "SELECT CAST(j.value AS BIGINT) FROM jsonb_array_elements_text(CAST($1 AS JSONB)) AS j(value)",
-    });
+    let those = store.readers.words(LISTED);
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) ORDER BY alert.id"));
     let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
 }
 
-/// Alerts of one rule that fire, acknowledged or silenced as they may be: of one gyro, or of all.
-pub async fn unresolved(store: &Store, rule: Rule, gyro: Option<u32>) -> Result<Vec<AlertRow>, StoreError> {
-    // Not in one condition: that of a single gyro is to find its index.
-    let of_gyro = if gyro.is_some() { "gyro = $3" } else { "$3 IS NULL" };
-    let sql =
-        sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.rule = $1 AND status = $2 AND {of_gyro} ORDER BY alert.id"));
+/// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first did.
+pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
+    let those = store.readers.words(LISTED);
+    let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND status = $2 ORDER BY alert.id"));
+    let gyros = serde_json::json!(gyros).to_string();
     on!(store.readers, db => sqlx::query(sql)
-        .bind(rule.name())
+        .bind(gyros)
         .bind(Status::Firing.name())
-        .bind(gyro.map(Whole))
         .fetch_all(db)
         .await?.iter().map(alert).collect())
 }

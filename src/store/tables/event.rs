@@ -94,6 +94,12 @@ pub async fn out_of_use(store: &Store) -> Result<HashMap<u32, (UtcMicros, Event)
     Ok(ended.collect())
 }
 
+/// As [`out_of_use`], of some gyros.
+pub async fn out_of_use_of(store: &Store, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+    let ended = of_gyros(store, gyros).await?.into_iter().filter(|event| event.event.ends_calibrations());
+    Ok(ended.map(|event| (event.gyro, (event.at, event.event))).collect())
+}
+
 /// Every event of several gyros, by gyro and oldest first.
 pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<EventRow>, StoreError> {
     let sql = store.readers.words(Sql {

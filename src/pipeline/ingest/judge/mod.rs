@@ -154,6 +154,11 @@ impl Judge {
         self.lines.insert(gyro, line);
     }
 
+    /// What is remembered of a gyro.
+    pub fn window(&self, gyro: u32) -> Option<&GyroWindow> {
+        self.lines.get(&gyro)
+    }
+
     pub fn knows(&self, gyro: u32) -> bool {
         self.lines.contains_key(&gyro)
     }

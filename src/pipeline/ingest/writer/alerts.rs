@@ -9,7 +9,7 @@ use super::state::Task;
 use crate::core::alert_decision::{Late, Status};
 use crate::core::figures::Figures;
 use crate::core::id::Id;
-use crate::core::judge::{Rule, State, overdue};
+use crate::core::judge::Rule;
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::access::Actor;
 use crate::pipeline::alerts::{AlertError, AlertOrder, Causes, Naming, Pen, SilenceOrder, follow_clock, follow_group};
@@ -145,6 +145,7 @@ impl Task {
             self.begin(&Cells::all()).await?;
             let mut changes = Changes::default();
             self.digest(&mut changes, now).await?;
+            self.enter_heads(&mut changes).await?;
             if !changes.is_empty() {
                 self.commit(&changes).await?;
             }
@@ -154,22 +155,13 @@ impl Task {
 
     /// Gyros of which the clock may begin or end that they are overdue.
     async fn may_be_overdue(&self, rows: &[AlertRow], now: UtcMicros) -> Result<BTreeSet<u32>, StoreError> {
-        let is_firing = |row: &&AlertRow| row.rule == Rule::Overdue && row.alert.status == Status::Firing;
-        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).map(|row| row.gyro).collect();
         if !self.judge.has_intervals() {
             return Ok(BTreeSet::new());
         }
-        let out_of_use = store::event::out_of_use(&self.store).await?;
-        let newest = store::gyro::newest_of_gyros(&self.store, 0, u32::MAX).await?;
-        let naming = Naming { tables: &self.store.names().read(), new: None };
-        let changes = |gyro: u32, newest: &Figures| {
-            let in_use = out_of_use.get(&gyro).is_none_or(|(at, _)| *at < newest.at);
-            let interval = self.judge.interval_days(gyro, newest.at, newest.imu, &naming).filter(|_| in_use);
-            let is_over = interval.is_some_and(|days| overdue(newest.at, now, days).state == State::Exceeded);
-            is_over != firing.contains(&gyro)
-        };
-        let seen = newest.iter().filter_map(|(gyro, newest)| Some((*gyro, newest.as_ref()?)));
-        Ok(seen.filter(|(gyro, newest)| changes(*gyro, newest)).map(|(gyro, _)| gyro).collect())
+        let is_firing = |row: &&AlertRow| row.rule == Rule::Overdue && row.alert.status == Status::Firing;
+        let firing: BTreeSet<u32> = rows.iter().filter(is_firing).map(|row| row.gyro).collect();
+        let overdue: BTreeSet<u32> = store::head::overdue(&self.store, now).await?.into_iter().collect();
+        Ok(&firing ^ &overdue)
     }
 
     async fn tick_in_turn(&mut self, found: &OfClock, now: UtcMicros) -> Result<(), StoreError> {
@@ -195,6 +187,7 @@ impl Task {
             self.alerts.tick(&found.alerted, &mut pen);
         }
         self.note(&mut changes, now).await?;
+        self.enter_heads(&mut changes).await?;
         if changes.is_empty() { Ok(()) } else { self.commit(&changes).await }
     }
 
@@ -202,7 +195,7 @@ impl Task {
     pub(super) async fn tell_digest(&mut self) -> Result<(), WriteError> {
         let (now, mut changes) = (self.clock.now(), Changes::default());
         let told = self.digest(&mut changes, now).await;
-        self.commit_or_forget(told, &changes).await
+        self.commit_or_forget(told, &mut changes).await
     }
 
     async fn digest(&mut self, changes: &mut Changes, now: UtcMicros) -> Result<(), StoreError> {
@@ -223,8 +216,16 @@ impl Task {
         self.hooks.tell_digest(&news, &mut OutboxContext { now, ids: self.writer.ids(), outbox: &mut changes.outbox })
     }
 
-    async fn commit_or_forget(&mut self, noted: Result<(), StoreError>, changes: &Changes) -> Result<(), WriteError> {
-        let written = match noted {
+    async fn commit_or_forget(
+        &mut self,
+        noted: Result<(), StoreError>,
+        changes: &mut Changes,
+    ) -> Result<(), WriteError> {
+        let entered = match noted {
+            Ok(()) => self.enter_heads(changes).await,
+            Err(error) => Err(error),
+        };
+        let written = match entered {
             Ok(()) if changes.is_empty() => Ok(()),
             Ok(()) => self.commit(changes).await,
             Err(error) => Err(error),
@@ -251,7 +252,7 @@ impl Task {
             self.alerts.order_silence(order, known, by, &mut pen)?
         };
         let noted = self.note(&mut changes, now).await;
-        self.commit_or_forget(noted, &changes).await?;
+        self.commit_or_forget(noted, &mut changes).await?;
         Ok(id)
     }
 
@@ -278,7 +279,7 @@ impl Task {
         let audit = by.line(line, now, (action, format!("alerts/{}", order.alert)), before.as_ref(), Some(&body));
         changes.access.audit.push(audit);
         let noted = self.note(&mut changes, now).await;
-        self.commit_or_forget(noted, &changes).await?;
+        self.commit_or_forget(noted, &mut changes).await?;
         Ok(body)
     }
 }

@@ -56,6 +56,7 @@ impl Task {
         if items.iter().any(|item| item.with_verdicts) {
             self.enter_verdicts(items, &mut replies, &found.verdicts, &changes);
         }
+        self.enter_heads(&mut changes).await?;
         Ok(Prepared { changes, replies, tally })
     }
 

@@ -3,6 +3,7 @@
 
 pub(crate) mod alerts;
 mod group;
+mod heads;
 pub(crate) mod overlapped;
 mod state;
 pub(crate) mod turn;
@@ -35,6 +36,7 @@ use group::answer;
 use state::{Item, StoreJob, items_of};
 use turn::in_turn;
 
+pub(crate) use heads::make_missing;
 pub(crate) use state::{After, Duties, Task};
 
 /// How long a transaction may keep others from its cells, as far as that can be foretold.

@@ -73,11 +73,6 @@ impl Tail {
         if newest_first { rows.rev().take(limit).copied().collect() } else { rows.take(limit).copied().collect() }
     }
 
-    /// The newest waiting row of each gyro that has any.
-    pub fn newest(&self) -> impl Iterator<Item = (u32, &Figures)> {
-        self.waiting.iter().filter_map(|(gyro, rows)| Some((gyro, rows.last()?)))
-    }
-
     /// What is to be folded so that `incoming` more rows find room.
     pub fn due(&self, incoming: usize) -> Fold {
         Fold(self.waiting.due(incoming))

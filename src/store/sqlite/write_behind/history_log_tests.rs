@@ -79,7 +79,6 @@ async fn check(store: &Store, expected: &Expected, random: &mut ChaCha8Rng) {
     let last: Vec<Option<Figures>> =
         store::histories::newest(store, &ever, 1).await.unwrap().iter().map(|rows| rows.last().copied()).collect();
     assert_eq!(last, newest.iter().map(|(_, row)| *row).collect::<Vec<_>>());
-    assert_eq!(store::gyro::newest_of_gyros(store, 0, 100).await.unwrap(), newest);
 }
 
 #[tokio::test]

@@ -1,0 +1,162 @@
+//! How gyros stand, written with what changes it: a row of the table `head` for each gyro that a transaction touches.
+
+use std::collections::{BTreeSet, HashMap};
+
+use super::state::Task;
+use crate::config::Config;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::judge::Event;
+use crate::core::time::{Span, UtcMicros};
+use crate::pipeline::ingest::judge::gyro_window::GyroWindow;
+use crate::pipeline::queries::heads::{HeadNames, checksum, stored_rows};
+use crate::pipeline::queries::standing::{Alerted, Facts, verdicts_on};
+use crate::store;
+use crate::store::{Cells, Changes, HeadChanges, HeadRow, HeadsMade, HistoryRow, Store, StoreError, VerdictSheet, Writer};
+
+/// Rows of one transaction where all are made.
+const AT_ONCE: u32 = 1000;
+
+impl Task {
+    /// Enters into a transaction how the gyros will stand that it touches: the last thing before it is committed. The
+    /// alerts are those in memory, which are as they will be stored.
+    pub(super) async fn enter_heads(&mut self, changes: &mut Changes) -> Result<(), StoreError> {
+        let gyros: Vec<u32> = touched(changes).into_iter().collect();
+        if gyros.is_empty() {
+            return Ok(());
+        }
+        self.alerts.recall(&self.store, gyros.iter().copied(), self.clock.now()).await?;
+        let newest = self.newest_after(&gyros, changes).await?;
+        let mut sheets: HashMap<Id, &VerdictSheet> =
+            changes.records.iter().map(|record| (record.id, &record.verdicts)).collect();
+        sheets.extend(changes.rejudged.sheets.iter().map(|(record, again)| (*record, &again.sheet)));
+        let records = newest.values().map(|figures| figures.record).filter(|record| !sheets.contains_key(record));
+        let records: BTreeSet<Id> = records.collect();
+        let stored = if records.is_empty() {
+            Vec::new()
+        } else {
+            store::record::verdict_sheets(&self.store, records.into_iter()).await?
+        };
+        sheets.extend(stored.iter().map(|(record, sheet)| (*record, sheet)));
+        let out_of_use = self.out_of_use(&gyros).await?;
+        let rows = {
+            let tables = self.store.names().read();
+            let names = HeadNames::new(&tables, changes);
+            let row = |gyro: &u32| {
+                let newest = newest.get(gyro).copied();
+                let facts = Facts {
+                    number: *gyro,
+                    serial: names.gyro(*gyro),
+                    newest,
+                    verdicts: newest.map_or(&[], |figures| verdicts_on(sheets.get(&figures.record).copied(), *gyro)),
+                    alerted: &Alerted::of(self.alerts.firing(*gyro))?,
+                    out_of_use: out_of_use.get(gyro).copied(),
+                };
+                Ok(names.row(&facts, &self.config.judging))
+            };
+            gyros.iter().map(row).collect::<Result<Vec<HeadRow>, StoreError>>()?
+        };
+        changes.heads.rows = rows;
+        Ok(())
+    }
+
+    /// The newest calibration of each of these gyros once `changes` are stored. Nearly always it is one of them.
+    async fn newest_after(&self, gyros: &[u32], changes: &Changes) -> Result<HashMap<u32, Figures>, StoreError> {
+        let mut newest: HashMap<u32, Figures> = HashMap::new();
+        // Of one instant the last holds.
+        let learn = |newest: &mut HashMap<u32, Figures>, gyro: u32, figures: Figures| {
+            let known = newest.entry(gyro).or_insert(figures);
+            if figures.at >= known.at {
+                *known = figures;
+            }
+        };
+        for HistoryRow { gyro, figures } in changes.history.iter().chain(&changes.rejudged.history) {
+            if !figures.voided {
+                learn(&mut newest, *gyro, *figures);
+            }
+        }
+        let is_newest = |gyro: &u32| {
+            let judged = self.judge.window(*gyro).and_then(GyroWindow::newest);
+            judged.is_some() && judged == newest.get(gyro).map(|figures| figures.at)
+        };
+        let asked: Vec<u32> = gyros.iter().copied().filter(|gyro| !is_newest(gyro)).collect();
+        // So many of them may count no more.
+        let gone: usize = changes.withdrawn.history.len();
+        let ever: Vec<_> = asked.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+        for (gyro, rows) in asked.iter().zip(store::histories::newest(&self.store, &ever, 1 + gone).await?) {
+            let counts = |figures: &&Figures| {
+                let is_it = |row: &HistoryRow| row.gyro == *gyro && row.figures.record == figures.record;
+                !changes.withdrawn.history.iter().any(is_it)
+            };
+            let stored = rows.iter().rfind(counts);
+            let stored = stored.filter(|stored| newest.get(gyro).is_none_or(|known| stored.at > known.at));
+            newest.extend(stored.map(|figures| (*gyro, *figures)));
+        }
+        Ok(newest)
+    }
+
+    /// When gyros were taken out of use last, by what has been judged or else by what is stored.
+    async fn out_of_use(&self, gyros: &[u32]) -> Result<HashMap<u32, (UtcMicros, Event)>, StoreError> {
+        let unknown: Vec<u32> = gyros.iter().copied().filter(|gyro| self.judge.window(*gyro).is_none()).collect();
+        let mut all = if unknown.is_empty() {
+            HashMap::new()
+        } else {
+            store::event::out_of_use_of(&self.store, &unknown).await?
+        };
+        let ended = |gyro: &u32| {
+            let ended = self.judge.window(*gyro)?.marks().iter().rfind(|mark| mark.event.ends_calibrations())?;
+            Some((*gyro, (ended.at, ended.event)))
+        };
+        all.extend(gyros.iter().filter_map(ended));
+        Ok(all)
+    }
+}
+
+/// The gyros of which something becomes different.
+fn touched(changes: &Changes) -> BTreeSet<u32> {
+    let rows = changes.history.iter().chain(&changes.rejudged.history).chain(&changes.withdrawn.history);
+    let benches = changes.withdrawn.benches.iter().map(|(_, gyro)| *gyro);
+    rows.map(|row| row.gyro)
+        .chain(benches)
+        .chain(changes.gyros.iter().map(|new| new.number))
+        .chain(changes.benches.iter().map(|bench| bench.gyro))
+        .chain(changes.events.iter().map(|event| event.gyro))
+        .chain(changes.alerts.iter().map(|alert| alert.gyro))
+        .collect()
+}
+
+/// Makes the rows that an earlier version has not, and all anew where the limits are others than those in force when
+/// they were made. Goes on where it was broken off.
+pub(crate) async fn make_missing(store: &Store, writer: &mut Writer, config: &Config) -> Result<(), StoreError> {
+    let limits = checksum(&config.judging);
+    let is_made = |made: &HeadsMade| made.limits == limits && made.through.is_none();
+    if is_made(&store::head::made(store).await?) {
+        return Ok(());
+    }
+    let all = store.names().read().gyros.len();
+    let mut done = 0;
+    loop {
+        writer.take_turn(&Cells::all()).await?;
+        let made = store::head::made(store).await?;
+        if is_made(&made) {
+            // Another server has.
+            writer.give_back().await;
+            return Ok(());
+        }
+        let after = made.through.filter(|_| made.limits == limits).unwrap_or_default();
+        let gyros = store::head::gyros_after(store, &after, AT_ONCE).await?;
+        let through = gyros.last().filter(|_| gyros.len() == AT_ONCE as usize).map(|(_, serial)| serial.clone());
+        done += gyros.len();
+        let gyros: Vec<u32> = gyros.into_iter().map(|(gyro, _)| gyro).collect();
+        let rows = stored_rows(store, &config.judging, &gyros).await?;
+        let is_last = through.is_none();
+        let heads = HeadChanges { rows, made: Some(HeadsMade { limits: limits.clone(), through }) };
+        writer.commit(&Changes { heads, ..Changes::default() }).await?;
+        if all > AT_ONCE as usize {
+            tracing::info!(gyros = done, of = all, "how gyros stand is entered into the table head");
+        }
+        if is_last {
+            return Ok(());
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The rows of the table `head`, by what is stored or about to be.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::config::Judging;
+use crate::core::figures::Figures;
+use crate::core::time::Span;
+use crate::pipeline::queries::standing::{Facts, StoredFacts};
+use crate::store;
+use crate::store::{Changes, HeadRow, NewName, Store, StoreError, Tables};
+use crate::system::sha256;
+
+/// The names of what is stored, and of what a transaction adds.
+pub(crate) struct HeadNames<'a> {
+    tables: &'a Tables,
+    /// Of IMUs, stations and gyros.
+    new: [HashMap<u32, &'a str>; 3],
+}
+
+impl<'a> HeadNames<'a> {
+    pub fn new(tables: &'a Tables, changes: &'a Changes) -> Self {
+        let by_number = |names: &'a Vec<NewName>| names.iter().map(|new| (new.number, new.name.as_str()));
+        let new = [&changes.imus, &changes.stations, &changes.gyros].map(|names| by_number(names).collect());
+        Self { tables, new }
+    }
+
+    /// The serial of a gyro.
+    pub fn gyro(&self, number: u32) -> Arc<str> {
+        let stored = self.tables.gyros.name(number).cloned();
+        stored.unwrap_or_else(|| self.new[2].get(&number).copied().unwrap_or_default().into())
+    }
+
+    pub fn row(&self, facts: &Facts<'_>, judging: &Judging) -> HeadRow {
+        let new = |of: usize, number: u32| self.new[of].get(&number).copied().unwrap_or_default();
+        let names = facts.newest.map(|Figures { imu, station, .. }| {
+            let known = (self.tables.imus.name(imu), self.tables.stations.name(station));
+            (known.0.map_or_else(|| new(0, imu), |name| name), known.1.map_or_else(|| new(1, station), |name| name))
+        });
+        let (imu, station) = names.unwrap_or_default();
+        facts.head(judging, imu, station)
+    }
+}
+
+/// The rows of some gyros by what is stored.
+pub(crate) async fn stored_rows(store: &Store, judging: &Judging, gyros: &[u32]) -> Result<Vec<HeadRow>, StoreError> {
+    let ever: Vec<_> = gyros.iter().map(|gyro| (*gyro, Span::EVER)).collect();
+    let rows = store::histories::newest(store, &ever, 1).await?;
+    let newest: Vec<(u32, Option<Figures>)> =
+        gyros.iter().zip(rows).map(|(gyro, mut rows)| (*gyro, rows.pop())).collect();
+    let stored = StoredFacts::of(store, &newest).await?;
+    let (tables, nothing_new) = (store.names().read(), Changes::default());
+    let names = HeadNames::new(&tables, &nothing_new);
+    let row =
+        |(gyro, newest): &(u32, Option<Figures>)| names.row(&stored.facts(*gyro, names.gyro(*gyro), *newest), judging);
+    Ok(newest.iter().map(row).collect())
+}
+
+/// Of all that decides how a gyro stands besides what is stored.
+pub(crate) fn checksum(judging: &Judging) -> String {
+    hex::encode(sha256(format!("{judging:?}").as_bytes()))
+}

@@ -1,0 +1,293 @@
+//! How one gyro stands: what follows from its newest calibration, the verdicts on it, its alerts and what was done to
+//! it, for a page of now and for the row that lists are made of.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use crate::config::Judging;
+use crate::core::figures::Figures;
+use crate::core::id::Id;
+use crate::core::judge::{Coefficient, Event, Limits, Rule, Severity, State, Status, overdue};
+use crate::core::time::UtcMicros;
+use crate::pipeline::alerts::{finding_of, status_of};
+use crate::pipeline::ingest::judge::gyro_window::sample_of;
+use crate::pipeline::queries::status;
+use crate::store;
+use crate::store::{AlertRow, HeadRow, NewestRow, Store, StoreError, StoredVerdict, VerdictSheet};
+
+/// How one gyro stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    pub number: u32,
+    pub serial: Arc<str>,
+    /// Its newest calibration; none for a gyro that only a bench has seen.
+    pub newest: Option<Figures>,
+    /// The worst of what the rules that could judge say of its newest calibration, requirements on E and G included;
+    /// indeterminate while none could judge its drift, none before the first calibration. While an alert of
+    /// `agreement` fires, exceeded whatever they say.
+    pub state: Option<State>,
+    /// What all of that comes to, and whether its calibration is overdue: the worst of it.
+    pub status: Option<Status>,
+    /// What the verdicts on D_I, D_S and D_O of its newest calibration come to.
+    pub drift: [Status; 3],
+    /// What it violates.
+    pub violations: Vec<Violation>,
+    /// The largest figure over its limit, of the rules of D_I, D_S and the closure, `agreement` among them where it
+    /// fires.
+    pub load: f64,
+    /// Days since its last calibration, where that is longer than its interval.
+    pub overdue_days: Option<f64>,
+    /// That it was retired or put into storage, and not calibrated since.
+    pub out_of_use: Option<Event>,
+}
+
+/// A rule that says that a gyro is beyond a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Violation {
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub status: Status,
+}
+
+/// What an alert knows of a gyro that the verdicts on its newest record do not: that the methods disagree, or that a
+/// second record has confirmed that a requirement is not met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AlertFinding {
+    pub coefficient: Coefficient,
+    pub rule: Rule,
+    pub status: Status,
+    /// The figure over its limit.
+    pub load: f64,
+}
+
+/// A gyro's alerts that fire.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Alerted {
+    told: Vec<AlertFinding>,
+    firing: u32,
+    severity: Option<Severity>,
+}
+
+impl Alerted {
+    /// # Errors
+    /// [`StoreError::Damaged`] where a finding cannot be read.
+    pub fn of<'a>(firing: impl Iterator<Item = &'a AlertRow>) -> Result<Self, StoreError> {
+        let mut alerted = Self::default();
+        // As if they were asked for rule by rule.
+        let mut of_requirements = Vec::new();
+        for row in firing {
+            alerted.firing += 1;
+            alerted.severity = alerted.severity.max(Some(row.alert.severity));
+            let told = match row.rule {
+                Rule::Agreement => &mut alerted.told,
+                Rule::Requirement => &mut of_requirements,
+                _ => continue,
+            };
+            let finding = finding_of(row)?;
+            let load = finding.value.map_or(0.0, |value| value / finding.limit);
+            let status = status_of(row, &finding);
+            told.push(AlertFinding { coefficient: row.coefficient, rule: row.rule, status, load });
+        }
+        alerted.told.append(&mut of_requirements);
+        Ok(alerted)
+    }
+}
+
+/// What a gyro's standing follows from.
+#[derive(Debug)]
+pub(crate) struct Facts<'a> {
+    pub number: u32,
+    pub serial: Arc<str>,
+    pub newest: Option<Figures>,
+    /// On its newest calibration.
+    pub verdicts: &'a [StoredVerdict],
+    pub alerted: &'a Alerted,
+    /// When it was retired or put into storage last, and which.
+    pub out_of_use: Option<(UtcMicros, Event)>,
+}
+
+impl Facts<'_> {
+    /// Out of use since its newest calibration.
+    fn out_of_use(&self) -> Option<Event> {
+        let since = self.out_of_use.filter(|(at, _)| self.newest.is_none_or(|figures| *at >= figures.at));
+        since.map(|(_, event)| event)
+    }
+
+    /// As it stands at `now`, held to these limits.
+    pub fn standing(&self, limits: &Limits, now: UtcMicros) -> Standing {
+        let Self { verdicts, newest, .. } = *self;
+        let told = self.alerted.told.as_slice();
+        let out_of_use = self.out_of_use();
+        let in_use = newest.filter(|_| out_of_use.is_none());
+        let late = in_use.zip(limits.interval_days).map(|(figures, days)| overdue(figures.at, now, days));
+        let overdue_days = late.filter(|verdict| verdict.state == State::Exceeded).and_then(|verdict| verdict.value);
+        let of_newest = newest.map(|figures| worst(&figures, verdicts));
+        // The alert of a rule that has been switched off since stands until the gyro's next item.
+        let asked = |told: &&AlertFinding| told.rule == Rule::Agreement && limits.agreement(told.coefficient).is_some();
+        let disagreements: Vec<&AlertFinding> = told.iter().filter(asked).collect();
+        let of_methods = (!disagreements.is_empty()).then_some(State::Exceeded);
+        let loads = verdicts.iter().filter_map(load).chain(disagreements.iter().map(|found| found.load));
+        let violations: Vec<Violation> =
+            violations(verdicts, told).chain(disagreements.iter().map(|told| Violation::of(told))).collect();
+        let worst_of = violations.iter().map(|violation| violation.status).chain(overdue_days.map(|_| Status::Overdue));
+        let of_verdicts = newest.map(|_| status::of_gyro(verdicts));
+        Standing {
+            number: self.number,
+            serial: self.serial.clone(),
+            state: of_newest.max(of_methods),
+            status: worst_of.max().max(of_verdicts),
+            drift: status::of_drift(verdicts),
+            violations,
+            load: loads.fold(0.0, f64::max),
+            overdue_days,
+            out_of_use,
+            newest,
+        }
+    }
+
+    /// As it stands whatever the time is, for lists; `imu` and `station` are the names of those of its newest
+    /// calibration.
+    pub fn head(&self, judging: &Judging, imu: &str, station: &str) -> HeadRow {
+        let limits = judging.limits(imu, &self.serial);
+        // Nothing is overdue at the instant of its calibration.
+        let standing = self.standing(&limits, self.newest.map_or(UtcMicros(0), |figures| figures.at));
+        let Standing { number: gyro, serial, newest, state, status, load, out_of_use, .. } = standing;
+        let in_use = newest.filter(|_| out_of_use.is_none());
+        let overdue_at = in_use.zip(limits.interval_days).map(|(figures, days)| figures.at.plus_days(days.value));
+        let ahead = [Coefficient::DI, Coefficient::DS].map(|coefficient| {
+            let is_it = |verdict: &&StoredVerdict| (verdict.rule, verdict.coefficient) == (Rule::Trend, coefficient);
+            self.verdicts.iter().find(is_it).and_then(|verdict| verdict.value)
+        });
+        HeadRow {
+            gyro,
+            sought: sought(&serial, imu, station),
+            serial,
+            newest: newest.map(|figures| {
+                let [d_i, d_s, _] = sample_of(&figures, judging.method).d;
+                let Figures { at, record, imu, station, slot, .. } = figures;
+                NewestRow { at, record, imu, station, slot, d: [d_i, d_s] }
+            }),
+            state,
+            status,
+            rank: rank(out_of_use.is_none(), status),
+            load: load.min(f64::MAX),
+            ahead,
+            overdue_at,
+            out_of_use,
+            firing: self.alerted.firing,
+            severity: self.alerted.severity,
+        }
+    }
+}
+
+/// Small letters, a line each: what is searched for stands within one of them.
+fn sought(serial: &str, imu: &str, station: &str) -> String {
+    format!("{serial}\n{imu}\n{station}").to_lowercase()
+}
+
+/// By how much gyros in use come before others.
+pub(crate) const IN_USE: i64 = 10;
+
+/// What comes first in lists has the greater one: what is in use, then the worst status.
+pub(crate) fn rank(in_use: bool, status: Option<Status>) -> i64 {
+    i64::from(in_use) * IN_USE + status.map_or(0, |status| status as i64 + 1)
+}
+
+/// What a [`rank`] was made of.
+pub(crate) fn of_rank(rank: i64) -> (bool, Option<Status>) {
+    let place = usize::try_from(rank % IN_USE - 1).ok();
+    (rank >= IN_USE, place.and_then(|place| Status::ALL.get(place)).copied())
+}
+
+/// Of the rules that could judge; of the drift none may have, however well E and G keep to their requirements.
+fn worst(figures: &Figures, verdicts: &[StoredVerdict]) -> State {
+    let of_drift = figures.states.worst().unwrap_or(State::Indeterminate);
+    let judged = verdicts.iter().filter(|verdict| verdict.value.is_some());
+    judged.map(|verdict| verdict.state).fold(of_drift, State::max)
+}
+
+fn violations(verdicts: &[StoredVerdict], told: &[AlertFinding]) -> impl Iterator<Item = Violation> {
+    let beyond = verdicts.iter().filter(|verdict| verdict.state == State::Exceeded);
+    beyond.map(|verdict| {
+        let StoredVerdict { coefficient, rule, .. } = *verdict;
+        let same = told.iter().find(|told| (told.coefficient, told.rule) == (coefficient, rule));
+        let status = same.map_or(verdict.status(), |told| told.status.max(verdict.status()));
+        Violation { coefficient, rule, status }
+    })
+}
+
+impl Violation {
+    fn of(told: &AlertFinding) -> Self {
+        let AlertFinding { coefficient, rule, status, .. } = *told;
+        Self { coefficient, rule, status }
+    }
+}
+
+/// How much of its limit a figure takes up. E and G against their requirements lie between two limits: that is no
+/// measure.
+fn load(verdict: &StoredVerdict) -> Option<f64> {
+    let of_history = verdict.rule != Rule::Requirement && verdict.limit > 0.0;
+    verdict.value.filter(|_| of_history).map(|value| value / verdict.limit)
+}
+
+/// What is stored of some gyros that their standing follows from, besides their newest figures.
+#[derive(Debug)]
+pub(crate) struct StoredFacts {
+    sheets: HashMap<Id, VerdictSheet>,
+    alerted: HashMap<u32, Alerted>,
+    out_of_use: HashMap<u32, (UtcMicros, Event)>,
+}
+
+impl StoredFacts {
+    /// Of gyros with these newest calibrations, in three queries for all.
+    pub async fn of(store: &Store, newest: &[(u32, Option<Figures>)]) -> Result<Self, StoreError> {
+        let gyros: Vec<u32> = newest.iter().map(|(gyro, _)| *gyro).collect();
+        let records: HashSet<Id> = newest.iter().filter_map(|(_, figures)| Some(figures.as_ref()?.record)).collect();
+        let sheets = store::record::verdict_sheets(store, records.into_iter()).await?.into_iter().collect();
+        let mut rows: HashMap<u32, Vec<AlertRow>> = HashMap::new();
+        for row in store::alerts::firing(store, &gyros).await? {
+            rows.entry(row.gyro).or_default().push(row);
+        }
+        let alerted = rows.iter().map(|(gyro, rows)| Ok((*gyro, Alerted::of(rows.iter())?)));
+        let alerted = alerted.collect::<Result<_, StoreError>>()?;
+        let out_of_use = store::event::out_of_use_of(store, &gyros).await?;
+        Ok(Self { sheets, alerted, out_of_use })
+    }
+
+    /// Of one gyro.
+    pub fn facts(&self, number: u32, serial: Arc<str>, newest: Option<Figures>) -> Facts<'_> {
+        static NONE: Alerted = Alerted { told: Vec::new(), firing: 0, severity: None };
+        Facts {
+            number,
+            serial,
+            newest,
+            verdicts: newest.map_or(&[], |figures| verdicts_on(self.sheets.get(&figures.record), number)),
+            alerted: self.alerted.get(&number).unwrap_or(&NONE),
+            out_of_use: self.out_of_use.get(&number).copied(),
+        }
+    }
+}
+
+/// The verdicts of a record's sheet on a gyro.
+pub(crate) fn verdicts_on(sheet: Option<&VerdictSheet>, gyro: u32) -> &[StoredVerdict] {
+    let found = sheet.and_then(|sheet| sheet.0.iter().find(|(number, _)| *number == gyro));
+    found.map_or(&[], |(_, verdicts)| verdicts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rank_is_read_as_it_was_made_and_the_worst_in_use_has_the_greatest() {
+        let all = || std::iter::once(None).chain(Status::ALL.into_iter().map(Some));
+        let ranks: Vec<i64> = [false, true].into_iter().flat_map(|used| all().map(move |of| rank(used, of))).collect();
+        assert!(ranks.is_sorted() && ranks.len() == 20, "{ranks:?}");
+        for used in [false, true] {
+            for status in all() {
+                assert_eq!(of_rank(rank(used, status)), (used, status));
+            }
+        }
+        assert_eq!((rank(true, Some(Status::Confirmed)), rank(false, Some(Status::InTolerance))), (19, 1));
+    }
+}

@@ -4,9 +4,11 @@
 mod lab;
 mod support;
 
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use gyrowatch::config::Config;
+use gyrowatch::core::time::UtcMicros;
+use gyrowatch::system::Clock;
 use lab::{JSON, Lab, NDJSON, bench, cluster, day, record};
 use serde_json::{Value, json};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, PgConnection, SqliteConnection};
@@ -263,7 +265,7 @@ async fn pages_and_cursors_show_every_gyro_once_and_in_one_order() {
     let url = if cluster::is_there() { Some(cluster::fresh_database().await) } else { None };
     for url in [None, url] {
         // In 2025, and the clock is right: what was last calibrated in the first days is overdue.
-        let days = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs() / 86_400 - 20_089;
+        let days = Clock::System.now().0 / UtcMicros::DAY - 20_089;
         let interval = (days - 150).to_string();
         let mut settings = vec![("GYROWATCH_JUDGING__INTERVAL_DAYS", interval.as_str())];
         settings.extend(url.as_deref().map(|url| ("GYROWATCH_DATABASE_URL", url)));

@@ -32,10 +32,11 @@ impl<'a> HeadNames<'a> {
     }
 
     pub fn row(&self, facts: &Facts<'_>, judging: &Judging) -> HeadRow {
-        let new = |of: usize, number: u32| self.new[of].get(&number).copied().unwrap_or_default();
         let names = facts.newest.map(|Figures { imu, station, .. }| {
-            let known = (self.tables.imus.name(imu), self.tables.stations.name(station));
-            (known.0.map_or_else(|| new(0, imu), |name| name), known.1.map_or_else(|| new(1, station), |name| name))
+            let name = |known: Option<&'a Arc<str>>, of: usize, number: u32| {
+                known.map(|name| &**name).or_else(|| self.new[of].get(&number).copied()).unwrap_or_default()
+            };
+            (name(self.tables.imus.name(imu), 0, imu), name(self.tables.stations.name(station), 1, station))
         });
         let (imu, station) = names.unwrap_or_default();
         facts.head(judging, imu, station)

@@ -214,7 +214,7 @@ pub(super) async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) 
     let end = Instant::now() + COMES_UP;
     loop {
         match work().await {
-            Err(error @ (StoreError::Unreachable(_) | StoreError::Refused(_))) if Instant::now() < end => {
+            Err(error @ (StoreError::Unreachable(_) | StoreError::Overtaken(_) | StoreError::Refused(_))) if Instant::now() < end => {
                 tracing::info!(%error, "the database does not answer yet; trying again");
                 tokio::time::sleep(BREATH).await;
             }

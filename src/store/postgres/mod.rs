@@ -52,8 +52,6 @@ const MIGRATIONS: [(i64, &str, &str); 10] = [
 
 /// How long a database that does not answer yet is waited for at the start.
 const COMES_UP: Duration = Duration::from_secs(10);
-/// Another server has just made the schema.
-const TABLE_IS_THERE: &str = "42P07";
 const BREATH: Duration = Duration::from_millis(300);
 /// How long who reads everything waits for the next row.
 const TO_READ_ALL: Duration = Duration::from_secs(600);
@@ -214,7 +212,7 @@ pub(super) async fn patiently<T>(work: impl AsyncFn() -> Result<T, StoreError>) 
     let end = Instant::now() + COMES_UP;
     loop {
         match work().await {
-            Err(error @ (StoreError::Unreachable(_) | StoreError::Overtaken(_) | StoreError::Refused(_))) if Instant::now() < end => {
+            Err(error @ (StoreError::Unreachable(_) | StoreError::Overtaken(_))) if Instant::now() < end => {
                 tracing::info!(%error, "the database does not answer yet; trying again");
                 tokio::time::sleep(BREATH).await;
             }
@@ -231,11 +229,12 @@ pub(super) async fn migrate(connection: &mut PgConnection) -> Result<(), StoreEr
     let mut migrator = Migrator::with_migrations(migrations.into());
     // A lock of PostgreSQL's own, which others that speak as it does have not.
     migrator.set_locking(false);
-    let is_there = |error: &sqlx::Error| {
-        error.as_database_error().is_some_and(|said| said.code().as_deref() == Some(TABLE_IS_THERE))
+    // What is to be made is there already, or what is to be changed is not any more (class 42): another server's work.
+    let is_made = |error: &sqlx::Error| {
+        error.as_database_error().and_then(|said| said.code()).is_some_and(|code| code.starts_with("42"))
     };
     migrator.run(connection).await.map_err(|error| match error {
-        MigrateError::ExecuteMigration(error, _) if is_there(&error) => StoreError::Refused(error.to_string()),
+        MigrateError::ExecuteMigration(error, _) if is_made(&error) => StoreError::Overtaken(error.to_string()),
         MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _) => error.into(),
         other => StoreError::Other(other.into()),
     })

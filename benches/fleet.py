@@ -4,21 +4,23 @@
     benches/fleet.py --program before=target/before/gyrowatch --program after=target/release/gyrowatch
                      [--gyros 100000] [--records 4] [--rounds 5] [--requests 40] [--database FILE]
 
-The first program fills a database: gyros by three in an IMU, `records` calibrations each, one gyro in ten with a shift, one in
-four overdue. Each program gets a copy of it, which it brings up to date, and is started again; then each page is asked for by
-turns, `rounds` times `requests`, over one connection each. Printed are the median and the 99th percentile of the whole answer
-as the client sees it, the time of a start until it is ready, and the memory at the end. `--database` keeps the database, and
-fills it only if it is not there. Standard library only; the client shares the machine.
+The first program fills a database: gyros by three in an IMU, `records` calibrations each, one gyro in ten with a
+shift, one in four overdue. Each program gets a copy of it, which it brings up to date, and is started again; then
+each page is asked for by turns, `rounds` times `requests`, over one connection each. Printed are the median and the
+99th percentile of the whole answer as the client sees it, the time of a start until it is ready, and the memory at
+the end. `--database` keeps the database, and fills it only if it is not there. Standard library only; the client
+shares the machine.
 """
 import argparse, http.client, json, os, random, shutil, subprocess, sys, tempfile, time
 from datetime import datetime, timedelta, timezone
 
 INPUT = [0.5773502691896258, -0.4082482904638631, 0.7071067811865475]
 SPIN = [0.0, 0.8660254037844387, 0.5]
-PAGES = ("/", "/?page=1", "/?page=1200", "/?q=LFG-0005", "/?q=imu-1", "/?q=nobody", "/?status=overdue", "/?state=exceeded",
-         "/?status=in_tolerance&page=700", "/?station=ST-3", "/v1/gyros?limit=100", "/v1/gyros?status=overdue&limit=100",
-         "/v1/gyros?status=confirmed&limit=100", "/imus/IMU-00100", "/alerts")
-SETTINGS = {"GYROWATCH_LISTEN": "127.0.0.1:0", "GYROWATCH_JUDGING__INTERVAL_DAYS": "45", "GYROWATCH_ALERTS__BACKFILL_DAYS": "100000"}
+PAGES = ("/", "/?page=1", "/?page=1200", "/?q=LFG-0005", "/?q=imu-1", "/?q=nobody", "/?status=overdue",
+         "/?state=exceeded", "/?status=in_tolerance&page=700", "/?station=ST-3", "/v1/gyros?limit=100",
+         "/v1/gyros?status=overdue&limit=100", "/v1/gyros?status=confirmed&limit=100", "/imus/IMU-00100", "/alerts")
+SETTINGS = {"GYROWATCH_LISTEN": "127.0.0.1:0", "GYROWATCH_JUDGING__INTERVAL_DAYS": "45",
+            "GYROWATCH_ALERTS__BACKFILL_DAYS": "100000"}
 
 
 class Service:
@@ -27,8 +29,8 @@ class Service:
     def __init__(self, program, database, folder):
         begun = time.perf_counter()
         environment = {**os.environ, **SETTINGS, "GYROWATCH_DATABASE_URL": f"sqlite://{database}"}
-        self.process = subprocess.Popen([os.path.abspath(program), "serve"], stdout=subprocess.PIPE, text=True, cwd=folder,
-                                        stderr=open(f"{folder}/log", "a"), env=environment)
+        self.process = subprocess.Popen([os.path.abspath(program), "serve"], stdout=subprocess.PIPE, text=True,
+                                        cwd=folder, stderr=open(f"{folder}/log", "a"), env=environment)
         self.address = self.process.stdout.readline().split("http://")[1].strip()
         self.connection = http.client.HTTPConnection(self.address, timeout=600)
         while self.ask("GET", "/readyz")[0] != 200:
@@ -42,7 +44,8 @@ class Service:
 
     def memory(self):
         lines = open(f"/proc/{self.process.pid}/status").read().splitlines()
-        return {line.split(":")[0]: int(line.split()[1]) / 1024 for line in lines if line.startswith(("VmRSS", "VmHWM"))}
+        of = [line for line in lines if line.startswith(("VmRSS", "VmHWM"))]
+        return {line.split(":")[0]: int(line.split()[1]) / 1024 for line in of}
 
     def stop(self):
         self.process.terminate()
@@ -56,13 +59,15 @@ def record(rng, imu, number, levels, at):
         drift = [d_i * i + d_s * s for i, s in zip(INPUT, SPIN)]
         gyros.append({"slot": f"G{slot}", "serial": f"LFG-{3 * imu + slot:06}", "e_pulse_per_arcsec": INPUT,
                       "g_pulse_per_s_g0": drift, "g_sd": [6e-4] * 3, "e_sd": [3e-6] * 3})
-    return {"imu": f"IMU-{imu:05}", "station": f"ST-{1 + imu % 5}", "calibrated_at": at.isoformat().replace("+00:00", "Z"),
+    return {"imu": f"IMU-{imu:05}", "station": f"ST-{1 + imu % 5}",
+            "calibrated_at": at.isoformat().replace("+00:00", "Z"),
             "geometry": {f"G{slot}": {"input": INPUT, "spin": SPIN} for slot in (1, 2, 3)}, "gyros": gyros}
 
 
 def fill(service, gyros, records):
     rng, imus = random.Random(1), (gyros + 2) // 3
-    levels = [[(rng.uniform(-5, 5), rng.uniform(-5, 5), 0.05 if rng.random() < 0.1 else 0.0) for _ in range(3)] for _ in range(imus)]
+    level = lambda: (rng.uniform(-5, 5), rng.uniform(-5, 5), 0.05 if rng.random() < 0.1 else 0.0)
+    levels = [[level() for _ in range(3)] for _ in range(imus)]
     now, lines, begun = datetime.now(timezone.utc).replace(microsecond=0), [], time.perf_counter()
     for number in range(records):
         for imu in range(imus):
@@ -103,7 +108,8 @@ def main():
                 starts.append(service.start)
                 service.stop()
             services[name] = Service(program, own, folder)
-            print(f"{name:<8} the first start {upgrade.start:.2f} s, each after it {sorted(starts)[len(starts) // 2]:.2f} s", flush=True)
+            after = sorted(starts)[len(starts) // 2]
+            print(f"{name:<8} the first start {upgrade.start:.2f} s, each after it {after:.2f} s", flush=True)
         times, refused = {}, {}
         for _ in range(asked.rounds):
             for path in PAGES:
@@ -122,11 +128,13 @@ def main():
             row = []
             for name in services:
                 of = sorted(times[path, name])
-                row.append(f"{name} p50 {of[len(of) // 2]:7.1f} ms  p99 {of[min(len(of) - 1, int(0.99 * len(of)))]:7.1f} ms"
+                high = of[min(len(of) - 1, int(0.99 * len(of)))]
+                row.append(f"{name} p50 {of[len(of) // 2]:7.1f} ms  p99 {high:7.1f} ms"
                            + f" ({refused[path, name]} given up)" * (refused[path, name] > 0))
             print(f"{path:<36} {'   '.join(row)}", flush=True)
         for name, service in services.items():
-            print(f"{name:<8} memory {' '.join(f'{key} {value:.0f} MB' for key, value in service.memory().items())}", flush=True)
+            memory = " ".join(f"{key} {value:.0f} MB" for key, value in service.memory().items())
+            print(f"{name:<8} memory {memory}", flush=True)
             service.stop()
 
 

@@ -26,8 +26,9 @@ CREATE TABLE head (
     -- The worst of its verdicts and of what its alerts know besides, in the words of /v1/gyros; but never overdue,
     -- which time alone brings: see overdue_at.
     status        TEXT,
-    -- The status as a number, the worst the greatest: 0 without one, 1 in_tolerance, 2 not_enough_data,
-    -- 3 too_uncertain, 4 borderline, 6 drifting, 7 unconfirmed, 8 out_of_tolerance, 9 confirmed; 10 more for a gyro in use.
+    -- The status as a number, the worst the greatest: 0 without one, 1 in_tolerance, 2 not_enough_data, 3
+    -- too_uncertain, 4 borderline, 6 drifting, 7 unconfirmed, 8 out_of_tolerance, 9 confirmed; 10 more for a
+    -- gyro in use.
     rank          BIGINT NOT NULL,
     -- The largest figure over its limit.
     load          DOUBLE PRECISION NOT NULL,

@@ -257,7 +257,8 @@ fn stations(viewer: &Viewer, fleet: &FleetPage) -> Markup {
                 tbody { @for (name, of_station) in &fleet.of_station {
                     tr {
                         th scope="row" { a.id href={ "/?station=" (encoded(name)) } { (name) } }
-                        td.n { (of_station.gyros) } td.n { (of_station.beyond) } td { (instant(of_station.last_calibrated)) }
+                        td.n { (of_station.gyros) } td.n { (of_station.beyond) }
+                        td { (instant(of_station.last_calibrated)) }
                     }
                 } }
             } }

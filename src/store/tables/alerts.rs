@@ -228,7 +228,8 @@ pub async fn of_gyros(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, Sto
     on!(store.readers, db => sqlx::query(sql).bind(gyros).fetch_all(db).await?.iter().map(alert).collect())
 }
 
-/// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first did.
+/// The alerts of several gyros that fire, acknowledged or silenced as they may be, in the order in which they first
+/// did.
 pub async fn firing(store: &Store, gyros: &[u32]) -> Result<Vec<AlertRow>, StoreError> {
     let those = store.readers.words(LISTED);
     let sql = sqlx::AssertSqlSafe(format!("{COLUMNS} WHERE alert.gyro IN ({those}) AND status = $2 ORDER BY alert.id"));

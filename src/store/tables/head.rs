@@ -224,8 +224,8 @@ struct Words {
 }
 
 impl Words {
-    /// `sought` and `station` are the places of these parameters. Who narrows the fleet down reads it through: in the order
-    /// of an index each row would be looked up by itself.
+    /// `sought` and `station` are the places of these parameters. Who narrows the fleet down reads it through: in the
+    /// order of an index each row would be looked up by itself.
     fn of(store: &Store, narrowed: Narrowed<'_>, sought: &str, station: &str) -> Self {
         let all = narrowed.sought.is_none() && narrowed.station.is_none();
         let rank = if all { "rank" } else { store.readers.words(Sql { sqlite: "+rank", postgres: "rank" }) };

@@ -1,42 +1,174 @@
 //! Why a coefficient changed over months: the question of the diagnosis, asked of a gyro's history instead of a
 //! campaign.
 //!
-//! A history y_k (deg/(h g0)) of one coefficient is a constant, plus causes, plus the scatter of calibration. The
-//! causes that a history can name:
+//! A history y_k (deg/(h g0)) of one coefficient is a constant, plus what its stations did, plus causes, plus noise.
+//! What a history can name:
 //!
 //! | id | form | what parts it from the others |
 //! |---|---|---|
+//! | `station` | offset, drift or step of one station | **shared by the gyros of other IMUs that it measured** |
 //! | `ageing` | k t | a slope that goes on across events, stations and temperatures |
 //! | `step_at_event` | k after one recorded event | the instant is known beforehand |
 //! | `re_mounting` | k after the gyro changed IMU or slot | as above; in D_O it is the clocking of S about I |
 //! | `temperature` | k (T - mean T) | follows the recorded temperature |
-//! | `station` | one offset a station | **shared by every gyro that the station measured** |
 //! | `clocking` | D_O = delta D_S | D_O moves in proportion to D_S; parts from D_O proper only where D_S changes |
 //! | `step` | k after an instant that no event explains | none of the above |
 //!
-//! Each candidate is tried alone against what is already named; the significance is corrected for all that was tried
-//! (Bonferroni over candidates and instants), the gain is measured on records that were left out, and candidates that
-//! explain the same change equally well are answered as one class. A station's offset is estimated from its *other*
-//! gyros first, so that a gyro is not blamed for what its station does to all.
+//! First the stations: what the gyros of other IMUs share there ([`station`]) is taken out with its uncertainty, and
+//! the gyro is judged by what is left. Where nobody else was at a station its doing cannot be told from the gyro's, and
+//! the answer is a class. Each candidate then competes with those that are named and with noise that remembers
+//! ([`noise`]): a coefficient that wanders ages and steps by chance. The significance is corrected for all that was
+//! tried (Bonferroni over candidates and instants), the gain is measured on blocks of time that were left out.
 
 mod answer;
 mod candidates;
-mod peers;
+mod closure;
+mod due;
+mod noise;
+mod reproducibility;
 mod search;
+mod series;
+mod station;
+
+use std::collections::HashSet;
 
 use super::judge::Coefficient;
+use super::numerics::normal::normal_cdf;
+use super::time::UtcMicros;
+use series::Series;
+use station::{Course, Part};
 
-pub use answer::{Entry, FEWEST_RECORDS, GyroHistory, HistoryDiagnosis, HistoryVerdict, NamedCause, Rejected};
-pub use peers::StationOffset;
+pub use answer::{
+    Drawn, Due, Entry, Estimate, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict, NamedCause, Outlier,
+    Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
+};
+pub use due::Budget;
+pub use reproducibility::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
 
-/// Diagnoses D_I, D_S and D_O of `gyro`. `peers` are the other gyros of the fleet, whatever their IMU: those that met
-/// the same stations tell what a station does to all.
-pub fn diagnose_history(gyro: &GyroHistory, peers: &[GyroHistory]) -> Vec<HistoryDiagnosis> {
-    [Coefficient::DI, Coefficient::DS, Coefficient::DO]
-        .into_iter()
-        .map(|coefficient| search::diagnose(gyro, peers, coefficient))
-        .collect()
+/// Diagnoses D_I, D_S and D_O of `gyro`. `others` are gyros of the fleet: those of other IMUs tell what a station does
+/// to all, those of the same IMU share its record. With `budgets` it is said when a coefficient that ages leaves them.
+pub fn diagnose_history(
+    gyro: &GyroHistory,
+    others: &[&GyroHistory],
+    budgets: [Option<Budget>; 3],
+) -> Vec<HistoryDiagnosis> {
+    let seats: HashSet<(UtcMicros, &str)> = gyro.entries.iter().map(|entry| (entry.at, &*entry.imu)).collect();
+    let is_mate = |other: &GyroHistory| other.entries.iter().any(|entry| seats.contains(&(entry.at, &*entry.imu)));
+    let (mates, peers): (Vec<&GyroHistory>, Vec<&GyroHistory>) = others.iter().partition(|other| is_mate(other));
+    let entries = series::distinct(&gyro.entries);
+    let of = |(column, coefficient)| diagnose(gyro, &entries, &mates, &peers, coefficient, column, budgets[column]);
+    [Coefficient::DI, Coefficient::DS, Coefficient::DO].into_iter().enumerate().map(of).collect()
 }
+
+fn diagnose(
+    gyro: &GyroHistory,
+    entries: &[Entry],
+    mates: &[&GyroHistory],
+    peers: &[&GyroHistory],
+    coefficient: Coefficient,
+    column: usize,
+    budget: Option<Budget>,
+) -> HistoryDiagnosis {
+    let mut series = Series::of(entries, column);
+    let mut answer = HistoryDiagnosis {
+        coefficient,
+        verdict: HistoryVerdict::TooFew,
+        records: gyro.entries.len(),
+        scatter: series.scatter.absolute,
+        spread: series.spread(),
+        causes: Vec::new(),
+        rejected: Vec::new(),
+        outliers: Vec::new(),
+        wander: None,
+        remaining_p_value: 1.0,
+        due: None,
+        course: Vec::new(),
+    };
+    if series.len() < FEWEST_RECORDS {
+        return answer;
+    }
+    answer.verdict = HistoryVerdict::NoChange;
+    if answer.spread <= 1e-12 * series.mean.abs().max(1e-12) {
+        return answer;
+    }
+    let names: Vec<&str> = series.stations.iter().map(|name| &**name).collect();
+    let reference = series.reference();
+    let mut course = Course::of(peers, &names, series.origin, column);
+    course.take(reference, |part, taken| own_estimate(&series, part, taken));
+    let mates = Course::of(mates, &names, series.origin, column);
+    for (part, common) in &course.taken {
+        for row in &mut series.rows {
+            row.y -= common.value * part.at(row.station, row.at, row.years);
+        }
+    }
+    answer.outliers = series.take_outliers();
+    series.condense(&gyro.marks);
+    let question = search::Question {
+        series: &series,
+        marks: &gyro.marks,
+        coefficient,
+        reference,
+        course: &course,
+        mates: &mates,
+    };
+    let Some(found) = question.answer() else { return answer };
+    answer.verdict = match (found.named.is_empty(), found.wander.is_some()) {
+        (true, false) => HistoryVerdict::NoChange,
+        (true, true) => HistoryVerdict::Unexplained,
+        (false, false) => HistoryVerdict::Explained,
+        (false, true) => HistoryVerdict::PartlyExplained,
+    };
+    answer.due = budget.and_then(|budget| due::due(&found.level, budget));
+    answer.causes = found.named;
+    answer.rejected = found.rejected;
+    answer.wander = found.wander;
+    answer.remaining_p_value = found.remaining_p_value;
+    answer.course = drawn(entries, &answer, column, series.origin);
+    answer
+}
+
+/// The records with what is named of them. Both courses stand about the mean of what is measured.
+fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: UtcMicros) -> Vec<Drawn> {
+    let of = |entry: &Entry, station: bool| -> f64 {
+        let causes = answer.causes.iter().filter(|cause| !station || cause.cause == "station");
+        causes.map(|cause| cause.estimate.value * cause.tie.regressor(entry, origin)).sum()
+    };
+    let n = entries.len() as f64;
+    let mean = |of: &dyn Fn(&Entry) -> f64| entries.iter().map(of).sum::<f64>() / n;
+    let station = mean(&|entry| of(entry, true));
+    let level = mean(&|entry| entry.d[column].value - of(entry, false));
+    let one = |entry: &Entry| Drawn {
+        at: entry.at,
+        measured: entry.d[column],
+        station: of(entry, true) - station,
+        explained: level + of(entry, false),
+    };
+    entries.iter().map(one).collect()
+}
+
+/// What the gyro's own records say of a part, beside a level: estimate and standard deviation.
+fn own_estimate(series: &Series, part: &Part, taken: &[(Part, station::Common)]) -> Option<(f64, f64)> {
+    let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
+    for row in &series.rows {
+        let c = part.at(row.station, row.at, row.years);
+        let known: f64 = taken.iter().map(|(p, common)| common.value * p.at(row.station, row.at, row.years)).sum();
+        let (weight, y) = (1.0 / row.variance, row.y - known);
+        w += weight;
+        wc += weight * c;
+        wcc += weight * c * c;
+        wy += weight * y;
+        wcy += weight * c * y;
+    }
+    let information = wcc - wc * wc / w;
+    let sd = series.unit * series.scatter.of_stated;
+    (information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, sd / information.sqrt()))
+}
+
+/// P(|normal| > z).
+fn normal_tail(z: f64) -> f64 {
+    2.0 * normal_cdf(-z.abs())
+}
+
 
 #[cfg(test)]
 mod tests;

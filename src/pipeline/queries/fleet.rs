@@ -5,10 +5,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::agreement::{AlertFinding, told};
+use super::changes_explained::fleet_histories;
 use super::record::Records;
 use super::stations::{StationEffect, station_effects};
 use super::status;
 use crate::config::Config;
+use crate::core::changes::{self, FleetStations};
 use crate::core::figures::Figures;
 use crate::core::judge::{BASELINE_RECORDS, Mark, Measured, Sample, baseline_since, stated_level};
 use crate::core::judge::{Coefficient, Event, Rule, State, Status, overdue};
@@ -21,6 +23,7 @@ use crate::store;
 use crate::store::{RecordHead, Store, StoreError, StoredVerdict, Stretch, Tables};
 use crate::system::Clock;
 use crate::wire::answer::VerdictBody;
+use crate::words;
 
 /// How one gyro stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,6 +114,18 @@ impl Fleet {
     /// Every station that calibrated a gyro lately, by name.
     pub async fn stations(&self) -> Result<Vec<StationEffect>, StorageError> {
         Ok(station_effects(&self.store, self.config.judging.method).await?)
+    }
+
+    /// What every station does to the gyros that it measured lately; none without records. Computes for a second of
+    /// many gyros, on a thread for that.
+    ///
+    /// # Errors
+    /// [`StorageError`].
+    pub async fn station_figures(&self) -> Result<Option<FleetStations>, StorageError> {
+        let histories = fleet_histories(&self.store, self.config.judging.method).await?;
+        let figures = words::spawn_blocking(move || changes::stations(&histories)).await;
+        let failed = |error| StoreError::Damaged(format!("the stations could not be compared: {error}"));
+        Ok(figures.map_err(failed)?)
     }
 
     /// The gyros whose newest calibration was made in this IMU: a slot holds one of them.

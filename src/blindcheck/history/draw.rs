@@ -201,7 +201,7 @@ impl Draw {
                     }
                     if asked {
                         signal.push(change);
-                        level_asked = level[column];
+                        level_asked = level[column] + slope * occasions[0].years;
                     }
                     entries.push(Entry {
                         at: at(occasion.years),
@@ -228,7 +228,7 @@ impl Draw {
             _ => vec!["station"],
         };
         let class = if lone { vec!["station", "step"] } else { truth.clone() };
-        let ageing = matches!(kind, Kind::Ageing | Kind::NoisyStation | Kind::AgeingAndStation);
+        let ageing = matches!(kind, Kind::Ageing | Kind::NoisyStation);
         let shared = truth.contains(&"station");
         let ageing = ageing.then_some((level_asked, slope));
         Fleet { kind, gyros, asked, column, truth, class, signal, ageing, shared }

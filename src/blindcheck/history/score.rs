@@ -40,7 +40,7 @@ impl Fleet {
             let mut budgets = [None; 3];
             if let (true, Some((level, slope))) = (g == self.asked, self.ageing) {
                 let far = 1.5 * slope.abs() * self.years(gyro.entries.len() - 1);
-                budgets[self.column] = Some(Budget { baseline: level, limit: far });
+                budgets[self.column] = Some(Budget { baseline: level, limit: far, measured_since: None });
                 limit = Some(far / slope.abs());
             }
             for (column, answer) in ask(gyro, &others, budgets).into_iter().enumerate() {

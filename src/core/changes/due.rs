@@ -6,12 +6,15 @@
 use super::answer::Due;
 use super::search::{Level, student};
 use super::series::YEAR_DAYS;
+use crate::core::time::UtcMicros;
 
 /// What a coefficient may differ from its baseline by, deg/(h g0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
     pub baseline: f64,
     pub limit: f64,
+    /// The first records from this instant on made the baseline, by their stations; none where it is stated.
+    pub measured_since: Option<UtcMicros>,
 }
 
 /// Years beyond which no date is given.

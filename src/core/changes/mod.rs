@@ -32,7 +32,7 @@ mod station;
 
 use std::collections::HashSet;
 
-use super::judge::Coefficient;
+use super::judge::{BASELINE_RECORDS, Coefficient};
 use super::numerics::normal::normal_cdf;
 use super::time::UtcMicros;
 use series::Series;
@@ -110,6 +110,7 @@ fn diagnose(
         reference,
         course: &course,
         mates: &mates,
+        prior: prior(&series, &course, entries, column),
     };
     let Some(found) = question.answer() else { return answer };
     answer.verdict = match (found.named.is_empty(), found.wander.is_some()) {
@@ -118,13 +119,44 @@ fn diagnose(
         (false, false) => HistoryVerdict::Explained,
         (false, true) => HistoryVerdict::PartlyExplained,
     };
-    answer.due = budget.and_then(|budget| due::due(&found.level, budget));
+    let of_station = |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
+    answer.due = budget.and_then(|budget| {
+        due::due(&found.level, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
+    });
     answer.causes = found.named;
     answer.rejected = found.rejected;
     answer.wander = found.wander;
     answer.remaining_p_value = found.remaining_p_value;
     answer.course = drawn(entries, &answer, column, series.origin);
     answer
+}
+
+/// What the stations did to the records that made the baseline: the median, as the baseline is.
+fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: UtcMicros) -> f64 {
+    let first = entries.iter().filter(|entry| entry.at >= since).take(BASELINE_RECORDS);
+    let part = |entry: &Entry| -> f64 {
+        let station = series.stations.binary_search(&entry.station).unwrap_or(0);
+        let years = entry.at.days_since(series.origin) / series::YEAR_DAYS;
+        course.taken.iter().map(|(part, common)| common.value * part.at(station, entry.at, years)).sum()
+    };
+    let mut parts: Vec<f64> = first.map(part).collect();
+    parts.sort_by(f64::total_cmp);
+    series::median(&parts).unwrap_or(0.0)
+}
+
+/// The scale of the noise as the fleet shows it; without a fleet, as it is stated.
+fn prior(series: &Series, course: &Course, entries: &[Entry], column: usize) -> search::Prior {
+    let stated = entries.iter().any(|entry| entry.d[column].sd.is_some_and(|sd| sd > 0.0));
+    let fleet = course.scatter.filter(|_| course.gyros() >= 3);
+    let (freedom, sd): (f64, f64) = match fleet {
+        Some(fleet) if stated => (40.0, series.unit * fleet.of_stated),
+        Some(fleet) => (20.0, fleet.absolute),
+        None if stated => (4.0, series.unit),
+        None => (0.0, 0.0),
+    };
+    // Figures without any noise have that of their rounding.
+    let rounding = 1e-9 * (series.mean.abs() + series.spread());
+    search::Prior { freedom: freedom.max(0.1), variance: sd.max(rounding).powi(2) }
 }
 
 /// The records with what is named of them. Both courses stand about the mean of what is measured.

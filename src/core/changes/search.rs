@@ -4,6 +4,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::core::judge::{Coefficient, Mark};
 use crate::core::numerics::basis::{Basis, dot};
+use crate::core::numerics::log_sum::LogSum;
 use crate::core::numerics::tails::{chi2_tail, f_tail};
 
 use super::answer::{Estimate, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
@@ -15,8 +16,9 @@ use super::{closure, normal_tail};
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
-/// The same against a wandering coefficient: of a slope, and of all else.
-const BEYOND_WANDERING: f64 = 0.01;
+/// The same against a coefficient that wanders, corrected for instants. Of walks of 4 to 8 standard deviations two in a
+/// hundred are beyond it.
+const BEYOND_WANDERING: f64 = 7e-4;
 /// Significance below which something is said to remain.
 const REMAINS: f64 = 0.01;
 /// Two candidates explain a change equally well where 2 ln L differs by less than this (the 1 % point of chi-square
@@ -35,11 +37,18 @@ struct Fitted {
     left: Vec<Vec<f64>>,
     squares: Vec<f64>,
     n: usize,
-    floor: f64,
+    prior: Prior,
+}
+
+/// What is known of the scale of the noise beforehand: as though so many degrees of freedom had given this variance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prior {
+    pub freedom: f64,
+    pub variance: f64,
 }
 
 impl Fitted {
-    fn of(models: Vec<Noise>, y: &[f64], columns: &[&[f64]], floor: f64) -> Self {
+    fn of(models: Vec<Noise>, y: &[f64], columns: &[&[f64]], prior: Prior) -> Self {
         let n = y.len();
         let (mut bases, mut left, mut squares) = (Vec::new(), Vec::new(), Vec::new());
         for model in &models {
@@ -53,18 +62,33 @@ impl Fitted {
             bases.push(basis);
             left.push(r);
         }
-        Self { models, bases, left, squares, n, floor }
+        Self { models, bases, left, squares, n, prior }
     }
 
     fn ln_likelihood(&self, model: usize, squares: f64) -> f64 {
-        let n = self.n as f64;
-        -0.5 * n * (squares.max(self.floor) / n).ln() - self.models[model].half_log_det
+        let n = self.n as f64 + self.prior.freedom;
+        -0.5 * n * ((squares + self.prior.freedom * self.prior.variance) / n).ln() - self.models[model].half_log_det
     }
 
-    /// The best ln L and its model.
+    /// The model of the largest ln L.
     fn best(&self) -> (f64, usize) {
         let all = (0..self.models.len()).map(|m| (self.ln_likelihood(m, self.squares[m]), m));
         all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, 0))
+    }
+
+    /// ln of the likelihoods' mean over the models, white noise being as likely beforehand as all others together.
+    fn mean(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let others = (self.models.len() - 1) as f64;
+        let each = (0..self.models.len()).map(|m| of(m) - if m == 0 { 0.0 } else { others.ln() });
+        LogSum::of(&each.collect::<Vec<f64>>()).log() - std::f64::consts::LN_2
+    }
+
+    fn evidence(&self) -> f64 {
+        self.mean(|m| self.ln_likelihood(m, self.squares[m]))
+    }
+
+    fn variance(&self, squares: f64) -> f64 {
+        (squares + self.prior.freedom * self.prior.variance) / self.freedom()
     }
 
     fn white(&self) -> f64 {
@@ -76,7 +100,7 @@ impl Fitted {
     }
 
     fn freedom(&self) -> f64 {
-        (self.n - self.parameters()).max(1) as f64
+        (self.n - self.parameters()).max(1) as f64 + self.prior.freedom
     }
 }
 
@@ -119,6 +143,7 @@ pub(super) struct Question<'a> {
     pub course: &'a Course,
     /// Gyros of the same IMU.
     pub mates: &'a Course,
+    pub prior: Prior,
 }
 
 impl Question<'_> {
@@ -130,7 +155,6 @@ impl Question<'_> {
         let known: Vec<(Vec<f64>, f64)> = (self.course.taken.iter())
             .map(|(part, common)| (self.column(part), (common.sd / scale).powi(2)))
             .collect();
-        let floor = y.len() as f64 * (1e-9 * (series.mean.abs() + series.spread())).powi(2);
         let alone: Vec<usize> = (0..series.stations.len()).filter(|s| self.course.imus_at(*s) == 0).collect();
         let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, &alone);
         let kinds = kinds(&pool);
@@ -140,7 +164,7 @@ impl Question<'_> {
         if models.first()?.process != Process::White {
             return None;
         }
-        let mut fitted = Fitted::of(models, &y, &[], floor);
+        let mut fitted = Fitted::of(models, &y, &[], self.prior);
         let mut white = whitened(&fitted, &pool);
         let mut rejected;
         loop {
@@ -167,7 +191,7 @@ impl Question<'_> {
             taken.push(candidate);
             let models = noise::models(&series.column(|row| row.years), &variance, &known);
             let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-            fitted = Fitted::of(models, &y, &columns, floor);
+            fitted = Fitted::of(models, &y, &columns, self.prior);
             white = whitened(&fitted, &pool);
         }
         let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
@@ -175,7 +199,7 @@ impl Question<'_> {
         for (cause, (value, sd)) in named.iter_mut().zip(estimates) {
             cause.estimate = Estimate { value, sd, ..cause.estimate.clone() };
         }
-        let noise_variance = fitted.squares[0].max(floor) / fitted.freedom();
+        let noise_variance = fitted.variance(fitted.squares[0]);
         let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
         for k in 0..taken.len() {
             named[k].held_out = closure::held_out(&y, &stated, &columns, k);
@@ -215,22 +239,24 @@ impl Question<'_> {
             inflate(&mut variance, candidate, value / (self.series.unit * self.series.scatter.of_stated));
             let models = noise::models(&self.series.column(|row| row.years), &variance, known);
             let columns: Vec<&[f64]> = taken.iter().map(|c| &*c.column).collect();
-            let fit = Fitted::of(models, y, &columns, fitted.floor);
+            let fit = Fitted::of(models, y, &columns, self.prior);
             let white = whitened(&fit, std::slice::from_ref(candidate)).remove(0);
             own = (fit, white);
             (&own.0, &*own.1)
         };
-        let n = fitted.n as f64;
-        let freedom = n - fitted.parameters() as f64 - 1.0;
-        if freedom < 2.0 {
+        let n = fitted.n as f64 + self.prior.freedom;
+        let freedom = fitted.freedom() - 1.0;
+        if fitted.n < fitted.parameters() + 3 {
             return None;
         }
         let mut trial: Option<Trial> = None;
+        let mut each = Vec::with_capacity(fit.models.len());
         for m in 0..fit.models.len() {
             let (value, information) = along(fit, m, &white[m])?;
             let squares = (fit.squares[m] - value * value * information).max(0.0);
             let l = fit.ln_likelihood(m, squares);
-            let sd = (squares.max(fit.floor) / freedom / information).sqrt();
+            let sd = (fit.variance(squares) / information).sqrt();
+            each.push(l);
             match &mut trial {
                 None => trial = Some(Trial { white: l, best: l, value, sd, p_white: 1.0, p_wandering: 1.0 }),
                 Some(trial) if l > trial.best => (trial.best, trial.value, trial.sd) = (l, value, sd),
@@ -238,9 +264,10 @@ impl Question<'_> {
             }
         }
         let mut trial = trial?;
+        trial.best = fit.mean(|m| each[m]);
         let p = |gain: f64| if gain > 0.0 { f_tail((2.0 * gain / n).exp_m1() * freedom, 1.0, freedom) } else { 1.0 };
         trial.p_white = (p(trial.white - fitted.white()) * (kinds * candidate.tried) as f64).min(1.0);
-        trial.p_wandering = (p(trial.best - fitted.best().0) * candidate.tried as f64).min(1.0);
+        trial.p_wandering = (p(trial.best - fitted.evidence()) * candidate.tried as f64).min(1.0);
         Some(trial)
     }
 
@@ -332,7 +359,7 @@ impl Question<'_> {
         };
         let design: Vec<Vec<f64>> = columns(newest).iter().map(|column| model.whiten(column)).collect();
         let r = model.whiten(y);
-        let variance = fitted.squares[m].max(fitted.floor) / fitted.freedom();
+        let variance = fitted.variance(fitted.squares[m]);
         let p = design.len();
         let normal = nalgebra::DMatrix::from_fn(p, p, |i, j| dot(&design[i], &design[j]));
         let right = nalgebra::DVector::from_fn(p, |i, _| dot(&design[i], &r));
@@ -363,7 +390,7 @@ impl Question<'_> {
 
     fn wander(&self, fitted: &Fitted, model: usize, p_value: f64) -> Wander {
         let noise = &fitted.models[model];
-        let variance = fitted.squares[model] / fitted.freedom() * noise.power;
+        let variance = fitted.variance(fitted.squares[model]) * noise.power;
         let rows = &self.series.rows;
         let years = rows.last().map_or(1.0, |row| row.years).max(1e-6);
         let per = match noise.process {

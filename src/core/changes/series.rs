@@ -56,7 +56,7 @@ pub(super) fn robust(absolute: &mut [f64]) -> Option<f64> {
     Some(median(absolute)? / 0.674_489_75)
 }
 
-fn median(sorted: &[f64]) -> Option<f64> {
+pub(super) fn median(sorted: &[f64]) -> Option<f64> {
     let middle = sorted.len() / 2;
     let upper = *sorted.get(middle)?;
     Some(if sorted.len() % 2 == 1 { upper } else { 0.5 * (sorted[middle - 1] + upper) })

@@ -9,7 +9,7 @@
 
 use super::answer::{GyroHistory, StationForm};
 use super::reproducibility::CoursePoint;
-use super::series::{YEAR_DAYS, scatter_of};
+use super::series::{Scatter, YEAR_DAYS, median, scatter_of};
 use crate::core::time::UtcMicros;
 
 /// |b|/sd from which a part is taken: of an offset or a drift, and of a step, whose instant is searched for.
@@ -17,6 +17,8 @@ const TAKEN: f64 = 4.5;
 const TAKEN_STEP: f64 = 5.0;
 /// Instants that are tried at a station before the best is refined.
 const INSTANTS: usize = 24;
+/// What the best of many instants gains by chance.
+const SEARCHED: f64 = 12.0;
 /// Huber's constant.
 const HUBER: f64 = 1.5;
 /// Beside few IMUs a gyro's own records must agree with them within this, and be so significant themselves.
@@ -78,6 +80,8 @@ struct Peer {
 #[derive(Debug, Clone)]
 pub(super) struct Course {
     peers: Vec<Peer>,
+    /// Median scatter of the peers.
+    pub scatter: Option<Scatter>,
     stations: usize,
     pub taken: Vec<(Part, Common)>,
 }
@@ -87,6 +91,7 @@ impl Course {
     pub fn of(peers: &[&GyroHistory], stations: &[&str], origin: UtcMicros, column: usize) -> Self {
         let mut imus: Vec<&str> = Vec::new();
         let mut out = Vec::new();
+        let mut scatters = Vec::new();
         for peer in peers {
             let Some(newest) = peer.entries.last() else { continue };
             let imu = imus.iter().position(|imu| **imu == *newest.imu).unwrap_or_else(|| {
@@ -105,10 +110,22 @@ impl Course {
                 .filter(|row| row.weight.is_finite() && row.weight > 0.0)
                 .collect();
             if rows.len() >= 3 {
+                scatters.push(scatter);
                 out.push(Peer { imu, rows: about_their_mean(rows) });
             }
         }
-        Self { peers: out, stations: stations.len(), taken: Vec::new() }
+        let of = |of: fn(&Scatter) -> f64| {
+            let mut values: Vec<f64> = scatters.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            median(&values)
+        };
+        let scatter = of(|one| one.absolute).zip(of(|one| one.of_stated));
+        let scatter = scatter.map(|(absolute, of_stated)| Scatter { absolute, of_stated });
+        Self { peers: out, scatter, stations: stations.len(), taken: Vec::new() }
+    }
+
+    pub fn gyros(&self) -> usize {
+        self.peers.len()
     }
 
     /// How many IMUs have been at a station.
@@ -151,15 +168,15 @@ impl Course {
     /// gyro's own records for their estimate and its standard deviation, where there are few peers.
     pub fn take(&mut self, reference: usize, own: impl Fn(&Part, &[(Part, Common)]) -> Option<(f64, f64)>) {
         let mut refused: Vec<Part> = Vec::new();
-        while self.taken.len() < MOST_PARTS {
+        for _ in 0..2 * MOST_PARTS {
             let known = |part: &Part| self.taken.iter().any(|(taken, _)| taken == part) || refused.contains(part);
             let candidates: Vec<Part> = self.candidates(reference).into_iter().filter(|part| !known(part)).collect();
             let best = candidates
                 .into_iter()
                 .filter_map(|part| Some((part, self.estimate(&part)?)))
                 .filter(|(part, common)| common.significance() > threshold(part))
-                .max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
-            let Some((part, common)) = best else { break };
+                .max_by(|a, b| rated(a).total_cmp(&rated(b)));
+            let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
             let (part, common) = self.refined(part, common);
             let few = common.imus < 2;
             let agreed = |(b, sd): (f64, f64)| {
@@ -171,7 +188,7 @@ impl Course {
             }
             self.subtract(&part, common.value);
             self.taken.push((part, common));
-            self.estimate_again();
+            refused.extend(self.estimate_again());
         }
     }
 
@@ -184,9 +201,10 @@ impl Course {
             all.push(Part { station, form: StationForm::Drift });
             let instants = self.instants(station);
             let every = instants.len().div_ceil(INSTANTS).max(1);
-            all.extend(
-                instants.iter().step_by(every).skip(1).map(|at| Part { station, form: StationForm::Step(*at) }),
-            );
+            // Near the ends of its records a step is an offset.
+            let edge = instants.len() / 16 + 1;
+            let inner = instants.iter().skip(edge).take(instants.len().saturating_sub(2 * edge));
+            all.extend(inner.step_by(every).map(|at| Part { station, form: StationForm::Step(*at) }));
         }
         all
     }
@@ -220,8 +238,8 @@ impl Course {
         }
     }
 
-    /// Each part again, beside the others.
-    fn estimate_again(&mut self) {
+    /// Each part again, beside the others; what is significant no more is given up, and answered.
+    fn estimate_again(&mut self) -> Vec<Part> {
         for _ in 0..4 {
             for k in 0..self.taken.len() {
                 let (part, old) = self.taken[k];
@@ -231,14 +249,19 @@ impl Course {
                 self.taken[k].1 = new;
             }
         }
+        let mut given_up = Vec::new();
         while let Some(k) = self.taken.iter().position(|(part, common)| common.significance() < 0.8 * threshold(part)) {
             let (part, common) = self.taken.remove(k);
             self.subtract(&part, -common.value);
-            if self.taken.is_empty() {
-                break;
-            }
+            given_up.push(part);
         }
+        given_up
     }
+}
+
+/// The gain of a part; of a step less what the best of many instants gains by chance.
+fn rated((part, common): &(Part, Common)) -> f64 {
+    common.gain - if matches!(part.form, StationForm::Step(_)) { SEARCHED } else { 0.0 }
 }
 
 fn threshold(part: &Part) -> f64 {
@@ -256,10 +279,12 @@ fn about_their_mean(mut rows: Vec<Row>) -> Vec<Row> {
 fn own(part: &Part, rows: &[Row]) -> Option<(f64, f64)> {
     let [mut w, mut wc, mut wcc, mut wy, mut wcy] = [0.0; 5];
     let (mut with, mut without) = (0, 0);
+    let is_step = matches!(part.form, StationForm::Step(_));
     for row in rows {
         let c = part.at(row.station, row.at, row.years);
         with += usize::from(c != 0.0);
-        without += usize::from(c == 0.0);
+        // A step shows at the station itself; against others it is an offset.
+        without += usize::from(c == 0.0 && (!is_step || row.station == part.station));
         w += row.weight;
         wc += row.weight * c;
         wcc += row.weight * c * c;

@@ -283,7 +283,7 @@ fn an_outlier_is_named_and_left_out() {
 fn the_budget_is_reached_when_the_slope_reaches_it() {
     let mut gyro = Fleet::seeded(35).gyro(24);
     change(&mut gyro, 0, |k, _| 5e-4 * k as f64);
-    let budget = Budget { baseline: 3.0, limit: 0.02 };
+    let budget = Budget { baseline: 3.0, limit: 0.02, measured_since: None };
     let answer = &diagnose_history(&gyro, &[], [Some(budget), None, None])[0];
     let due = answer.due.expect("it ages");
     let truth = 30.0 * (0.02 / 5e-4 - 23.0);

@@ -9,7 +9,7 @@ use crate::core::changes::{Budget, Entry, GyroHistory, HistoryDiagnosis, diagnos
 use crate::core::figures::Figures;
 use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
-use crate::core::judge::{Limits, Mark, Rule, Sample, stated_level};
+use crate::core::judge::{Limits, Mark, Measured, Rule, Sample, baseline_since, stated_level};
 use crate::core::time::{Span, UtcMicros};
 use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
@@ -112,7 +112,9 @@ impl Histories {
         let samples = distinct(own.iter().map(|figures| sample_of(figures, self.config.judging.method)));
         [0, 1, 2].map(|column| {
             let limit = budget(&limits, column)?;
-            Some(Budget { baseline: baseline(&samples, marks, newest.at, &limits, column)?, limit })
+            let stated = column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
+            let measured_since = (!stated).then(|| baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN)));
+            Some(Budget { baseline: baseline(&samples, marks, newest.at, &limits, column)?, limit, measured_since })
         })
     }
 }
@@ -126,10 +128,18 @@ fn budget(limits: &Limits, column: usize) -> Option<f64> {
     limit.map(|limit| limit.value)
 }
 
-fn baseline(samples: &[Sample], marks: &[Mark], newest: UtcMicros, limits: &Limits, column: usize) -> Option<f64> {
+fn fixed(limits: &Limits, column: usize) -> Option<Measured> {
     match column {
-        0 => level(baseline_of(samples, marks, newest), 0, stated_level(marks, newest, 0).or(limits.d_i.fixed_baseline)),
-        1 => level(baseline_of(samples, marks, newest), 1, stated_level(marks, newest, 1).or(limits.d_s.fixed_baseline)),
-        _ => level(seat_baseline_of(samples, marks, newest), column, None),
+        0 => limits.d_i.fixed_baseline,
+        1 => limits.d_s.fixed_baseline,
+        _ => None,
     }
+}
+
+fn baseline(samples: &[Sample], marks: &[Mark], newest: UtcMicros, limits: &Limits, column: usize) -> Option<f64> {
+    if column > 1 {
+        return level(seat_baseline_of(samples, marks, newest), column, None);
+    }
+    let stated = stated_level(marks, newest, column).or(fixed(limits, column));
+    level(baseline_of(samples, marks, newest), column, stated)
 }

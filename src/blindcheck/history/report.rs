@@ -53,6 +53,8 @@ impl Report {
         row("false names".into(), Tally { hits, trials }, None, Some(0.01));
         row("the station's doing blamed on the gyro".into(), all(&|score| score.gyro_blamed), None, Some(0.05));
         row("wandering explained".into(), all(&|score| score.explained), None, Some(0.02));
+        let named = |score: &Score| score.explained.map(|_| !score.named.is_empty());
+        row("wandering given a name".into(), all(&named), None, None);
         row("closure covered".into(), all(&|score| score.closure_covered), Some(0.9), None);
         row("date within 80 %".into(), all(&|score| score.date_covered.map(|c| c[0])), Some(0.75), None);
         row("date within 95 %".into(), all(&|score| score.date_covered.map(|c| c[1])), Some(0.92), None);

@@ -126,6 +126,7 @@ pub fn cause_word(cause: &str) -> Message {
         "re_mounting" => message!("cause_re_mounting"),
         "temperature" => message!("cause_temperature"),
         "clocking" => message!("cause_clocking"),
+        "wandering" => message!("cause_wandering"),
         _ => message!("cause_step"),
     }
 }

@@ -113,7 +113,8 @@ fn diagnose(
         prior: prior(&series, &course, entries, column),
     };
     let Some(found) = question.answer() else { return answer };
-    answer.verdict = match (found.named.is_empty(), found.wander.is_some()) {
+    let may_wander = found.named.iter().any(|cause| cause.class.contains(&search::WANDERING));
+    answer.verdict = match (found.named.is_empty(), found.wander.is_some() || may_wander) {
         (true, false) => HistoryVerdict::NoChange,
         (true, true) => HistoryVerdict::Unexplained,
         (false, false) => HistoryVerdict::Explained,

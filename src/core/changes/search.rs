@@ -16,9 +16,14 @@ use super::{closure, normal_tail};
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
-/// The same against a coefficient that wanders, corrected for instants. Of walks of 4 to 8 standard deviations two in a
-/// hundred are beyond it.
-const BEYOND_WANDERING: f64 = 7e-4;
+/// The same against a coefficient that wanders, corrected for instants: from here on a cause is named, with wandering in
+/// its class,
+const BEYOND_WANDERING: f64 = 3e-3;
+/// and from here on by itself. Of walks that move a coefficient by three to nine standard deviations, two in a hundred
+/// are beyond it.
+const NOT_WANDERING: f64 = 1.5e-4;
+/// Stands in a class where the coefficient may as well wander without a cause.
+pub(super) const WANDERING: &str = "wandering";
 /// Significance below which something is said to remain.
 const REMAINS: f64 = 0.01;
 /// Two candidates explain a change equally well where 2 ln L differs by less than this (the 1 % point of chi-square
@@ -290,6 +295,8 @@ impl Question<'_> {
         let mut class: Vec<&'static str> =
             equals.iter().map(|(k, _)| &pool[*k]).filter(|c| counts(c)).map(|c| c.cause).collect();
         class.push(pool[*lead].cause);
+        let may_wander = trials[*lead].is_some_and(|trial| trial.p_wandering >= NOT_WANDERING);
+        class.extend(may_wander.then_some(WANDERING));
         class.sort_unstable();
         class.dedup();
         Some((*lead, class))

@@ -51,7 +51,7 @@ pub(super) struct Common {
     pub sd: f64,
     pub gyros: usize,
     pub imus: usize,
-    /// value^2 over the variance that noise alone gives.
+    /// By how much the sum of squares falls.
     gain: f64,
 }
 
@@ -348,6 +348,6 @@ fn combined(each: &[(usize, f64, f64)]) -> Option<Common> {
         sd: noise.max(sandwich).sqrt(),
         gyros: each.len(),
         imus,
-        gain: value * value * weights / (excess * excess),
+        gain: each.iter().map(|&(_, b, info)| weigh(value, b, info) * (b * b - (b - value).powi(2))).sum(),
     })
 }

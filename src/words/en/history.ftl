@@ -8,6 +8,7 @@ cause_step_at_event = step at an event
 cause_re_mounting = step at a re-mounting
 cause_temperature = temperature
 cause_clocking = clocking of the spin axis
+cause_wandering = wandering without a cause
 cause_step = step without a recorded event
 
 ## What a cause is tied to
@@ -45,7 +46,7 @@ history_too_few = { $records ->
 }: not enough data to tell a change from scatter.
 history_no_change = No change above the scatter of calibration.
 history_explained = Explained. What is left is scatter.
-history_partly_explained = Partly explained. The rest wanders without a recorded cause.
+history_partly_explained = Partly explained. The coefficient may also wander without a recorded cause.
 history_unexplained = Unexplained. The coefficient wanders without a recorded cause.
 history_cause = { $cause }: { $detail }, { $value } +- { $sd } { $unit }
 history_class = These records cannot tell it from: { $others }.

@@ -8,6 +8,7 @@ cause_step_at_event = 事件处阶跃
 cause_re_mounting = 重新安装处阶跃
 cause_temperature = 温度
 cause_clocking = 电机轴绕输入轴转位
+cause_wandering = 无原因的游走
 cause_step = 无事件记录的阶跃
 
 ## 原因的依据
@@ -35,7 +36,7 @@ change_others_deny = 本陀螺{ $own }，该测试站其他{ $gyros }只陀螺�
 history_too_few = 仅有{ $records }条记录：数据不足，无法区分变化与标定散布。
 history_no_change = 变化未超出标定散布。
 history_explained = 已解释，剩余为散布。
-history_partly_explained = 部分解释，剩余部分游走，无记录的原因。
+history_partly_explained = 部分解释：系数也可能在游走，无记录的原因。
 history_unexplained = 未解释：系数游走，无记录的原因。
 history_cause = { $cause }：{ $detail }，{ $value } +- { $sd } { $unit }
 history_class = 现有记录无法将其与下列原因区分：{ $others }。

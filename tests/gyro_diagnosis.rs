@@ -107,7 +107,8 @@ async fn a_lone_imu_that_was_moved_gets_a_class_and_a_page() {
     let mut records = Vec::new();
     for k in 0..24 {
         let moved = if k >= 12 { 5e-3 } else { 0.0 };
-        let mut sent = record("IMU-1", &day(28 * k), &[("G1", "ALONE", 3.0 + moved + scatter(k), 4.0 + scatter(k + 3))]);
+        let mut sent =
+            record("IMU-1", &day(28 * k), &[("G1", "ALONE", 3.0 + moved + scatter(k), 4.0 + scatter(k + 3))]);
         sent["station"] = if k >= 12 { "ST-2" } else { "ST-1" }.into();
         records.push(sent);
     }

@@ -46,7 +46,8 @@ fn records(fleet: &Fleet) -> Vec<Value> {
 
 #[tokio::test]
 async fn the_service_answers_what_the_blind_check_scores() {
-    let kinds = [Kind::Ageing, Kind::StationRelevelled, Kind::OneOfTwoDrifts, Kind::TemperatureMissing, Kind::LoneImuMoved];
+    let kinds =
+        [Kind::Ageing, Kind::StationRelevelled, Kind::OneOfTwoDrifts, Kind::TemperatureMissing, Kind::LoneImuMoved];
     for (number, kind) in kinds.into_iter().enumerate() {
         let fleet = Draw::of(2026, number as u64).fleet(kind);
         let lab = Lab::open().await;
@@ -67,6 +68,9 @@ async fn the_service_answers_what_the_blind_check_scores() {
             let value = answered["estimates"][0]["value"].as_f64().unwrap();
             assert!((value - scored.estimate.value).abs() < 0.02 * scored.estimate.sd, "{kind:?}: {over_http}");
         }
-        assert!(causes.iter().any(|cause| fleet.truth.contains(&cause["cause"].as_str().unwrap())), "{kind:?}: {over_http}");
+        assert!(
+            causes.iter().any(|cause| fleet.truth.contains(&cause["cause"].as_str().unwrap())),
+            "{kind:?}: {over_http}"
+        );
     }
 }

@@ -8,7 +8,8 @@ use crate::wire::history::{CoefficientBody, HistoryDiagnosisBody};
 
 pub fn run(serial: &str, fleet: &Fleet, format: Format) -> anyhow::Result<()> {
     let service = fleet.service()?;
-    let route = format!("/v1/gyros/{}/diagnosis", url::form_urlencoded::byte_serialize(serial.as_bytes()).collect::<String>());
+    let route =
+        format!("/v1/gyros/{}/diagnosis", url::form_urlencoded::byte_serialize(serial.as_bytes()).collect::<String>());
     let route = route.replace('+', "%20");
     let answer = super::block_on(async { service.get(&route).await })?;
     let answer: HistoryDiagnosisBody = serde_json::from_value(answer).context("the answer is not one of gyrowatch")?;

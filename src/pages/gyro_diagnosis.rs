@@ -4,12 +4,12 @@ use axum::extract::{Path, State as Held};
 use axum::response::Response;
 use maud::{Markup, html};
 
+use super::Pages;
 use super::course::Course;
 use super::figure;
 use super::gyro::known;
 use super::layout::{Page, Section, encoded, symbol};
 use super::viewer::Viewer;
-use super::Pages;
 use crate::core::changes::{HistoryDiagnosis, cause_word};
 use crate::core::time::UtcMicros;
 use crate::wire::problem::Problem;

@@ -189,6 +189,10 @@ impl From<&Wander> for WanderBody {
 impl DueBody {
     fn new(due: &Due, newest: UtcMicros) -> Self {
         let at = |days: f64| time::format(newest.plus_days(days));
-        Self { at: at(due.days), interval_80: due.p80.map(|end| end.map(at)), interval_95: due.p95.map(|end| end.map(at)) }
+        Self {
+            at: at(due.days),
+            interval_80: due.p80.map(|end| end.map(at)),
+            interval_95: due.p95.map(|end| end.map(at)),
+        }
     }
 }

@@ -90,7 +90,8 @@ pub struct CoursePointBody {
 
 impl From<Option<&FleetStations>> for StationsBody {
     fn from(found: Option<&FleetStations>) -> Self {
-        let spread = |column: usize| found.and_then(|found| found.reproducibility[column]).as_ref().map(SpreadBody::from);
+        let spread =
+            |column: usize| found.and_then(|found| found.reproducibility[column]).as_ref().map(SpreadBody::from);
         Self {
             unit: "deg/(h*g0)".to_owned(),
             against: found.map(|found| found.against.to_string()),

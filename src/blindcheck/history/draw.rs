@@ -151,8 +151,9 @@ impl Draw {
         // The moves of a fleet: the asked IMU and some others go to the second station for good.
         let moved: Vec<bool> = (0..imus).map(|imu| imu == asked_imu || imu % 2 == asked_imu % 2).collect();
         let move_at = span * self.between(0.35, 0.65);
-        let occasions: Vec<Vec<Occasion>> =
-            (0..imus).map(|imu| self.occasions(records, span, single, moves.then_some((moved[imu], move_at)))).collect();
+        let occasions: Vec<Vec<Occasion>> = (0..imus)
+            .map(|imu| self.occasions(records, span, single, moves.then_some((moved[imu], move_at))))
+            .collect();
 
         let sign = self.sign();
         let step = sign * sigma * self.between(5.0, 9.0);
@@ -254,7 +255,8 @@ impl Draw {
         let share = self.between(0.35, 0.65);
         let mut years: Vec<f64> = (0..records)
             .map(|k| {
-                let at = if regular { k as f64 + 0.6 * self.rng.random::<f64>() } else { self.between(0.0, records as f64) };
+                let at =
+                    if regular { k as f64 + 0.6 * self.rng.random::<f64>() } else { self.between(0.0, records as f64) };
                 span * at / records as f64
             })
             .collect();
@@ -298,7 +300,8 @@ impl Draw {
                 _ => {
                     for (k, memory) in memories.iter_mut().enumerate() {
                         let keep = (-lag / span * 4_f64.powi(k as i32)).exp();
-                        *memory = keep * *memory + (1.0 - keep * keep).sqrt() * self.rng.sample::<f64, _>(StandardNormal);
+                        *memory =
+                            keep * *memory + (1.0 - keep * keep).sqrt() * self.rng.sample::<f64, _>(StandardNormal);
                     }
                     0.5 * size * memories.iter().sum::<f64>() / 2.0
                 }

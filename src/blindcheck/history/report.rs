@@ -31,9 +31,9 @@ impl Report {
     pub fn of(seed: u64, scores: &[Score]) -> Self {
         let mut rows = Vec::new();
         let mut row = |what: String, tally: Tally, at_least: Option<f64>, at_most: Option<f64>| {
-            let reached = tally.rate().map(|rate| {
-                at_least.is_none_or(|least| rate >= least) && at_most.is_none_or(|most| rate <= most)
-            });
+            let reached = tally
+                .rate()
+                .map(|rate| at_least.is_none_or(|least| rate >= least) && at_most.is_none_or(|most| rate <= most));
             let goal = at_least.is_some() || at_most.is_some();
             if tally.trials > 0 {
                 rows.push(Row { what, tally, at_least, at_most, reached: reached.filter(|_| goal) });

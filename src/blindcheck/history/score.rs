@@ -102,7 +102,8 @@ impl Fleet {
             return None;
         }
         let origin = self.entries()[0].at;
-        let explained: Vec<f64> = self.entries().iter().map(|e| cause.estimate.value * cause.tie.regressor(e, origin)).collect();
+        let explained: Vec<f64> =
+            self.entries().iter().map(|e| cause.estimate.value * cause.tie.regressor(e, origin)).collect();
         let error: Vec<f64> = self.signal.iter().zip(&explained).map(|(s, e)| s - e).collect();
         let power = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;

@@ -160,11 +160,20 @@ pub struct NamedCause {
 pub enum WhyNot {
     /// These records do not tell it from what is named.
     NotSeparable,
-    NotSignificant { p: f64 },
+    NotSignificant {
+        p: f64,
+    },
     /// A wandering coefficient does as much.
-    NoBetterThanWandering { p: f64 },
+    NoBetterThanWandering {
+        p: f64,
+    },
     /// The other gyros that the station measured say otherwise.
-    OthersDeny { own: f64, others: f64, sd: f64, gyros: usize },
+    OthersDeny {
+        own: f64,
+        others: f64,
+        sd: f64,
+        gyros: usize,
+    },
 }
 
 impl WhyNot {

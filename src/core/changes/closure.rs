@@ -28,13 +28,7 @@ pub(super) fn held_out_known(
     summed(&whole, y, variance, columns, columns)
 }
 
-fn summed(
-    y_without: &[f64],
-    y_with: &[f64],
-    variance: &[f64],
-    without: &[&[f64]],
-    with: &[&[f64]],
-) -> Option<HeldOut> {
+fn summed(y_without: &[f64], y_with: &[f64], variance: &[f64], without: &[&[f64]], with: &[&[f64]]) -> Option<HeldOut> {
     let n = y_with.len();
     let blocks = BLOCKS.min(n / 2).max(1);
     let mut open: Vec<std::ops::Range<usize>> = (0..blocks).map(|b| b * n / blocks..(b + 1) * n / blocks).collect();

@@ -44,6 +44,9 @@ pub(super) fn due(level: &Level, budget: Budget) -> Option<Due> {
         Some(late * YEAR_DAYS)
     };
     let days = -beyond / slope * YEAR_DAYS;
-    (days.abs() < FARTHEST * YEAR_DAYS)
-        .then(|| Due { days, p80: [when(0.1), when(0.9)], p95: [when(0.025), when(0.975)] })
+    (days.abs() < FARTHEST * YEAR_DAYS).then(|| Due {
+        days,
+        p80: [when(0.1), when(0.9)],
+        p95: [when(0.025), when(0.975)],
+    })
 }

@@ -39,8 +39,8 @@ use series::Series;
 use station::{Course, Part};
 
 pub use answer::{
-    Drawn, Due, Entry, Estimate, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict, NamedCause, Outlier,
-    Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
+    Drawn, Due, Entry, Estimate, FEWEST_RECORDS, GyroHistory, HeldOut, HistoryDiagnosis, HistoryVerdict, NamedCause,
+    Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
 };
 pub use due::Budget;
 pub use reproducibility::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
@@ -120,7 +120,8 @@ fn diagnose(
         (false, false) => HistoryVerdict::Explained,
         (false, true) => HistoryVerdict::PartlyExplained,
     };
-    let of_station = |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
+    let of_station =
+        |budget: &Budget| budget.measured_since.map_or(0.0, |since| baseline_part(&series, &course, entries, since));
     answer.due = budget.and_then(|budget| {
         due::due(&found.level, Budget { baseline: budget.baseline - of_station(&budget), ..budget })
     });
@@ -201,7 +202,6 @@ fn own_estimate(series: &Series, part: &Part, taken: &[(Part, station::Common)])
 fn normal_tail(z: f64) -> f64 {
     2.0 * normal_cdf(-z.abs())
 }
-
 
 #[cfg(test)]
 mod tests;

@@ -123,7 +123,8 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
         course.take(reference, |_, _| None);
         for (station, figures) in stations.iter_mut().enumerate() {
             figures.imus = raw.imus_at(station);
-            figures.columns[column] = of_station(&raw, &course, station, reference, repeatability(fleet, &figures.name, column));
+            figures.columns[column] =
+                of_station(&raw, &course, station, reference, repeatability(fleet, &figures.name, column));
         }
         reproducibility[column] = among(&stations, column);
     }

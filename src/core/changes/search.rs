@@ -157,9 +157,8 @@ impl Question<'_> {
         let y = series.column(|row| row.y);
         let mut variance = series.column(|row| row.variance);
         let scale = series.unit * series.scatter.of_stated;
-        let known: Vec<(Vec<f64>, f64)> = (self.course.taken.iter())
-            .map(|(part, common)| (self.column(part), (common.sd / scale).powi(2)))
-            .collect();
+        let known: Vec<(Vec<f64>, f64)> =
+            (self.course.taken.iter()).map(|(part, common)| (self.column(part), (common.sd / scale).powi(2))).collect();
         let alone: Vec<usize> = (0..series.stations.len()).filter(|s| self.course.imus_at(*s) == 0).collect();
         let mut pool = candidates::all(series, self.marks, self.coefficient, self.reference, &alone);
         let kinds = kinds(&pool);
@@ -383,8 +382,8 @@ impl Question<'_> {
             }
         }
         let of_level = &covariance * &here;
-        let (slope_value, slope_variance, cross) = slope
-            .map_or((0.0, 0.0, 0.0), |k| (estimate[k + 1], covariance[(k + 1, k + 1)], of_level[k + 1]));
+        let (slope_value, slope_variance, cross) =
+            slope.map_or((0.0, 0.0, 0.0), |k| (estimate[k + 1], covariance[(k + 1, k + 1)], of_level[k + 1]));
         let level = Level {
             value: self.series.mean + here.dot(&estimate),
             slope: slope_value,

@@ -179,9 +179,8 @@ impl Course {
             let Some((part, common)) = best.filter(|_| self.taken.len() < MOST_PARTS) else { break };
             let (part, common) = self.refined(part, common);
             let few = common.imus < 2;
-            let agreed = |(b, sd): (f64, f64)| {
-                b.abs() > AGREES * sd && (b - common.value).abs() < AGREES * sd.hypot(common.sd)
-            };
+            let agreed =
+                |(b, sd): (f64, f64)| b.abs() > AGREES * sd && (b - common.value).abs() < AGREES * sd.hypot(common.sd);
             if few && !own(&part, &self.taken).is_some_and(agreed) {
                 refused.push(part);
                 continue;

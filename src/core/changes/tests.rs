@@ -288,7 +288,8 @@ fn the_budget_is_reached_when_the_slope_reaches_it() {
     let due = answer.due.expect("it ages");
     let truth = 30.0 * (0.02 / 5e-4 - 23.0);
     assert!((due.days - truth).abs() < 120.0, "{due:?}, {truth}");
-    let [[early_80, late_80], [early_95, late_95]] = [due.p80, due.p95].map(|ends| ends.map(|end| end.expect("closed")));
+    let [[early_80, late_80], [early_95, late_95]] =
+        [due.p80, due.p95].map(|ends| ends.map(|end| end.expect("closed")));
     assert!(early_95 < early_80 && early_80 < due.days && due.days < late_80 && late_80 < late_95, "{due:?}");
     assert!((early_95..=late_95).contains(&truth), "{due:?}, {truth}");
 }

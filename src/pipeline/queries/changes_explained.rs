@@ -45,10 +45,8 @@ pub(super) async fn fleet_histories(store: &Store, method: JudgedMethod) -> Resu
     let every = gyros.len().div_ceil(FLEET).max(1);
     let ever: Vec<Stretch> = gyros.iter().step_by(every).map(|gyro| (*gyro, Span::EVER)).collect();
     let rows = store::histories::newest(store, &ever, PEER_RECORDS).await?;
-    let history = |rows: &Vec<Figures>| GyroHistory {
-        entries: entries(store, method, rows, &HashMap::new()),
-        marks: Vec::new(),
-    };
+    let history =
+        |rows: &Vec<Figures>| GyroHistory { entries: entries(store, method, rows, &HashMap::new()), marks: Vec::new() };
     Ok(rows.iter().map(history).collect())
 }
 
@@ -112,7 +110,8 @@ impl Histories {
         let samples = distinct(own.iter().map(|figures| sample_of(figures, self.config.judging.method)));
         [0, 1, 2].map(|column| {
             let limit = budget(&limits, column)?;
-            let stated = column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
+            let stated =
+                column < 2 && (stated_level(marks, newest.at, column).is_some() || fixed(&limits, column).is_some());
             let measured_since = (!stated).then(|| baseline_since(marks, newest.at).unwrap_or(UtcMicros(i64::MIN)));
             Some(Budget { baseline: baseline(&samples, marks, newest.at, &limits, column)?, limit, measured_since })
         })

@@ -31,27 +31,35 @@ impl Course<'_> {
         let x = |at: UtcMicros| LEFT + (millis(at) - t.0) / (t.1 - t.0) * (WIDTH - LEFT - RIGHT);
         let y = |value: f64| HEIGHT - BOTTOM - (value - v.0) / (v.1 - v.0) * (HEIGHT - TOP - BOTTOM);
         let (figures, decimals) = round_steps(v, FIGURES);
+        let (left, right, top, bottom) = (LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM);
+        let corner = |(at, v): &(UtcMicros, f64)| format!("{},{}", place(x(*at)), place(y(*v)));
+        let corners = |line: &[(UtcMicros, f64)]| line.iter().map(corner).collect::<Vec<_>>().join(" ");
+        let date = |k: usize| UtcMicros(((t.0 + (t.1 - t.0) * (k as f64 + 0.5) / DATES as f64) * 1000.0) as i64);
         html! {
             figure.chart {
                 figcaption { (symbol(self.symbol)) ", " (self.unit) }
                 svg role="img" aria-label={ (self.name) " " (self.symbol) } viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } {
                     @for figure in figures {
-                        line.grid x1=(LEFT) x2=(WIDTH - RIGHT) y1=(place(y(figure))) y2=(place(y(figure))) {}
-                        text x=(LEFT - 6.0) y=(place(y(figure) + 4.0)) text-anchor="end" { (format!("{figure:.decimals$}")) }
+                        @let height = y(figure);
+                        line.grid x1=(left) x2=(right) y1=(place(height)) y2=(place(height)) {}
+                        text x=(left - 6.0) y=(place(height + 4.0)) text-anchor="end" {
+                            (format!("{figure:.decimals$}"))
+                        }
                     }
-                    @for k in 0..DATES {
-                        @let at = UtcMicros(((t.0 + (t.1 - t.0) * (k as f64 + 0.5) / DATES as f64) * 1000.0) as i64);
+                    @for at in (0..DATES).map(date) {
                         text x=(place(x(at))) y=(HEIGHT - 6.0) text-anchor="middle" { (at.date()) }
                     }
                     @for (at, label) in &self.marks {
-                        line.event x1=(place(x(*at))) x2=(place(x(*at))) y1=(TOP) y2=(HEIGHT - BOTTOM) { title { (label) } }
+                        @let at = place(x(*at));
+                        line.event x1=(at) x2=(at) y1=(top) y2=(bottom) { title { (label) } }
                     }
-                    @for (class, line) in &self.lines {
-                        polyline.(class) points=(line.iter().map(|(at, v)| format!("{},{}", place(x(*at)), place(y(*v)))).collect::<Vec<_>>().join(" ")) {}
-                    }
+                    @for (class, line) in &self.lines { polyline.(class) points=(corners(line)) {} }
                     @for (at, v, sd) in &self.points {
-                        @if let Some(sd) = sd { line.bar x1=(place(x(*at))) x2=(place(x(*at))) y1=(place(y(v - sd))) y2=(place(y(v + sd))) {} }
-                        circle.measured cx=(place(x(*at))) cy=(place(y(*v))) r="2.8" {}
+                        @let at = place(x(*at));
+                        @if let Some(sd) = sd {
+                            line.bar x1=(at) x2=(at) y1=(place(y(v - sd))) y2=(place(y(v + sd))) {}
+                        }
+                        circle.measured cx=(at) cy=(place(y(*v))) r="2.8" {}
                     }
                 }
             }

@@ -1,4 +1,5 @@
-//! `/gyros/{serial}/diagnosis`: why a gyro's coefficients changed, with the common course of its stations under its own.
+//! `/gyros/{serial}/diagnosis`: why a gyro's coefficients changed, with the common course of its stations under its
+//! own.
 
 use axum::extract::{Path, State as Held};
 use axum::response::Response;
@@ -44,7 +45,9 @@ fn section(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis, newest: Opt
             (drawn(viewer, serial, answer))
             @if !answer.causes.is_empty() {
                 div.scroll tabindex="0" { table.cards {
-                    thead { tr { th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) } th.n { "p" } } }
+                    thead { tr {
+                        th { (t.cause) } th { (t.tied_to) } th.n { (t.estimate) } th { (t.unit_word) } th.n { "p" }
+                    } }
                     tbody { @for cause in &answer.causes {
                         tr {
                             th scope="row" { (t.words(&cause_word(cause.cause))) }
@@ -95,7 +98,11 @@ fn drawn(viewer: &Viewer, serial: &str, answer: &HistoryDiagnosis) -> Markup {
     html! {
         (course.markup())
         @if !answer.course.is_empty() {
-            p.note { (t.about_mean) @if !answer.causes.is_empty() { " " (t.line_explained) } @if of_stations { " " (t.line_station) } }
+            p.note {
+                (t.about_mean)
+                @if !answer.causes.is_empty() { " " (t.line_explained) }
+                @if of_stations { " " (t.line_station) }
+            }
         }
     }
 }

@@ -62,7 +62,9 @@ fn section(viewer: &Viewer, name: &str, coefficient: &str, column: &StationColum
             (course.markup())
             dl {
                 dt { (t.repeatability) } dd { (said(column.repeatability.as_ref())) }
-                @if let Some(offset) = &column.offset { dt { (t.offset_against) " " (against) } dd { (shared(offset)) } }
+                @if let Some(offset) = &column.offset {
+                    dt { (t.offset_against) " " (against) } dd { (shared(offset)) }
+                }
                 @if let Some(drift) = &column.drift {
                     dt { (t.drift_a_year) } dd { (shared(drift)) @if !column.drifts { " (" (t.within_chance) ")" } }
                 }

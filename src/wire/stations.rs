@@ -42,7 +42,8 @@ pub struct BothBody<T> {
 pub struct StationColumnBody {
     /// Standard deviation of one record; null with too few.
     pub repeatability: Option<SpreadBody>,
-    /// How much more it reads than the station that offsets count from; null of that one, and where no gyro was at both.
+    /// How much more it reads than the station that offsets count from; null of that one, and where no gyro was at
+    /// both.
     pub offset: Option<SharedBody>,
     /// A year; null where nothing can be said.
     pub drift: Option<SharedBody>,

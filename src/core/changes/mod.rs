@@ -95,6 +95,7 @@ fn diagnose(
     let reference = series.reference();
     let mut course = Course::of(peers, &names, series.origin, column);
     course.take(reference, |part, taken| own_estimate(&series, part, taken));
+    place_steps(&series, &mut course);
     let mates = Course::of(mates, &names, series.origin, column);
     for (part, common) in &course.taken {
         for row in &mut series.rows {
@@ -178,6 +179,34 @@ fn drawn(entries: &[Entry], answer: &HistoryDiagnosis, column: usize, origin: Ut
         explained: level + of(entry, false),
     };
     entries.iter().map(one).collect()
+}
+
+/// A station's step is somewhere between two records of peers. Of the gyro's own records between them, those after it are
+/// told by how well they fit.
+fn place_steps(series: &Series, course: &mut Course) {
+    for k in 0..course.taken.len() {
+        let (part, common) = course.taken[k];
+        let StationForm::Step(at) = part.form else { continue };
+        let Some(before) = course.before(part.station, at) else { continue };
+        let between = series.rows.iter().filter(|row| row.station == part.station && row.at > before && row.at < at);
+        let instants = std::iter::once(at).chain(between.map(|row| row.at));
+        let others: Vec<(Part, station::Common)> =
+            course.taken.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, taken)| *taken).collect();
+        let misfit = |at: UtcMicros| {
+            let part = Part { form: StationForm::Step(at), ..part };
+            let left = |row: &series::Row| {
+                let of = |part: &Part| part.at(row.station, row.at, row.years);
+                row.y - common.value * of(&part) - others.iter().map(|(p, c)| c.value * of(p)).sum::<f64>()
+            };
+            let weight: f64 = series.rows.iter().map(|row| 1.0 / row.variance).sum();
+            let mean = series.rows.iter().map(|row| left(row) / row.variance).sum::<f64>() / weight;
+            series.rows.iter().map(|row| (left(row) - mean).powi(2) / row.variance).sum::<f64>()
+        };
+        let best = instants.map(|at| (misfit(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, at)) = best {
+            course.taken[k].0.form = StationForm::Step(at);
+        }
+    }
 }
 
 /// What the gyro's own records say of a part, beside a level: estimate and standard deviation.

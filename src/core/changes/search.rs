@@ -16,8 +16,8 @@ use super::{closure, normal_tail};
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
-/// The same against a coefficient that wanders, corrected for instants: from here on a cause is named, with wandering in
-/// its class,
+/// The same against a coefficient that wanders, corrected for instants: from here on a cause is named, with wandering
+/// in its class,
 const BEYOND_WANDERING: f64 = 3e-3;
 /// and from here on by itself. Of walks that move a coefficient by three to nine standard deviations, two in a hundred
 /// are beyond it.

@@ -191,6 +191,11 @@ impl Course {
         }
     }
 
+    /// The last record of a peer at a station before an instant.
+    pub fn before(&self, station: usize, at: UtcMicros) -> Option<UtcMicros> {
+        self.instants(station).into_iter().rfind(|instant| *instant < at)
+    }
+
     fn candidates(&self, reference: usize) -> Vec<Part> {
         let mut all = Vec::new();
         for station in 0..self.stations {

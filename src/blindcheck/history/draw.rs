@@ -168,7 +168,7 @@ impl Draw {
         let mut signal = Vec::new();
         let mut level_asked = 0.0;
         for (imu, occasions) in occasions.iter().enumerate() {
-            for slot in 0..3 {
+            for (slot, seat) in Slot::ALL.into_iter().enumerate() {
                 let asked = imu == asked_imu && slot == asked_slot;
                 let level = [5.0 * self.normal(), 7.0 * self.normal(), 0.03 * self.normal()];
                 let clocking = self.sign() * self.between(0.02, 0.08);
@@ -208,7 +208,7 @@ impl Draw {
                         at: at(occasion.years),
                         station: Arc::from(["ST-A", "ST-B"][occasion.station]),
                         imu: Arc::from(format!("IMU-{imu}")),
-                        slot: Slot::ALL[slot],
+                        slot: seat,
                         temperature_c: Some(45.0 + occasion.temperature_c),
                         d: d.map(|value| Measured { value, sd: Some(stated * more) }),
                     });

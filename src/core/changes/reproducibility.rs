@@ -117,7 +117,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
     let gyros: Vec<&GyroHistory> = fleet.iter().collect();
     let mut reproducibility = [None; 2];
     let mut stations: Vec<StationFigures> = found.values().cloned().collect();
-    for column in 0..2 {
+    for (column, reproducibility) in reproducibility.iter_mut().enumerate() {
         let raw = Course::of(&gyros, &names, origin, column);
         let mut course = raw.clone();
         course.take(reference, |_, _| None);
@@ -126,7 +126,7 @@ pub fn stations(fleet: &[GyroHistory]) -> Option<FleetStations> {
             figures.columns[column] =
                 of_station(&raw, &course, station, reference, repeatability(fleet, &figures.name, column));
         }
-        reproducibility[column] = among(&stations, column);
+        *reproducibility = among(&stations, column);
     }
     Some(FleetStations { stations, against, reproducibility })
 }

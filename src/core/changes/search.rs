@@ -205,8 +205,8 @@ impl Question<'_> {
         }
         let noise_variance = fitted.variance(fitted.squares[0]);
         let stated: Vec<f64> = variance.iter().map(|v| v * noise_variance).collect();
-        for k in 0..taken.len() {
-            named[k].held_out = closure::held_out(&y, &stated, &columns, k);
+        for (k, cause) in named.iter_mut().enumerate() {
+            cause.held_out = closure::held_out(&y, &stated, &columns, k);
         }
         let (best, model) = fitted.best();
         let gain = 2.0 * (best - fitted.white());

@@ -23,5 +23,5 @@ pub async fn get_station(State(app): State<App>, Path(name): Path<String>) -> Re
     let found = app.pipeline.queries.fleet.station_figures().await?;
     let stations = found.map(|found| found.stations).unwrap_or_default();
     let station = stations.iter().find(|station| *station.name == *name);
-    Ok(Json(StationBody::from(station.ok_or_else(|| Problem::unknown_station(&name))?)))
+    Ok(Json(StationBody::from(station.ok_or_else(|| Problem::no_such_station(&name))?)))
 }

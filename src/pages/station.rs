@@ -20,7 +20,7 @@ async fn build(pages: &Pages, viewer: &Viewer, name: &str) -> Result<Page, Probl
     let t = viewer.text();
     let found = pages.pipeline.queries.fleet.station_figures().await?;
     let figures = found.as_ref().and_then(|found| found.stations.iter().find(|station| *station.name == *name));
-    let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::unknown_station(name))?;
+    let (found, figures) = found.as_ref().zip(figures).ok_or_else(|| Problem::no_such_station(name))?;
     let body = html! {
         h1 { (t.station) " " (name) }
         p.lead {

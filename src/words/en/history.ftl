@@ -61,5 +61,5 @@ history_due_past = It reached its budget on { $day }.
 
 ## Stations
 
-title_unknown_station = Unknown station
-unknown_station = there is no station { $name }
+title_no_such_station = Unknown station
+no_such_station = there is no station { $name }

@@ -51,5 +51,5 @@ history_due_past = 已于{ $day }达到允许范围。
 
 ## 测试站
 
-title_unknown_station = 未知测试站
-unknown_station = 没有测试站{ $name }
+title_no_such_station = 未知测试站
+no_such_station = 没有测试站{ $name }

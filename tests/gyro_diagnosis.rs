@@ -97,12 +97,10 @@ async fn stations_are_told_by_what_their_gyros_share() {
     assert_eq!(second["D_I"]["drifts"], false);
     assert!(second["D_I"]["repeatability"]["sd"].as_f64().unwrap() < 3e-4, "{second}");
     lab.get("/v1/stations/NOWHERE").await.refused(404);
-    assert!(lab.get("/stations/ST-2").await.text.contains("ST-1"));
-    assert_eq!(lab.get("/stations/NOWHERE").await.status, 404);
 }
 
 #[tokio::test]
-async fn a_lone_imu_that_was_moved_gets_a_class_and_a_page() {
+async fn a_lone_imu_that_was_moved_gets_a_class() {
     let lab = Lab::open().await;
     let mut records = Vec::new();
     for k in 0..24 {
@@ -117,7 +115,4 @@ async fn a_lone_imu_that_was_moved_gets_a_class_and_a_page() {
     }
     let alone = diagnosis(&lab, "ALONE", "D_I").await;
     assert_eq!(alone["causes"][0]["class"], serde_json::json!(["station", "step"]), "{alone}");
-    let page = lab.get("/gyros/ALONE/diagnosis").await;
-    assert_eq!(page.status, 200);
-    assert!(page.text.contains("<polyline") && page.text.contains("cannot tell it from"), "{}", page.text);
 }

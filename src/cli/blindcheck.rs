@@ -7,9 +7,9 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use clap::Args;
 use comfy_table::Table;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::document::{Format, print, print_json, table, write, write_all};
+use super::tallies::{figures, percent, progress};
 use crate::blindcheck::answer::Answer;
 use crate::blindcheck::draw::{Case, Draw};
 use crate::blindcheck::report::{Goal, Report};
@@ -171,13 +171,6 @@ fn keep_campaigns(draw: &Draw, count: usize, folder: &Path) -> anyhow::Result<()
     write_all(folder, (0..count).map(drawn))
 }
 
-pub(super) fn progress(count: usize, of: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} left"));
-    let bar = ProgressBar::new(count as u64);
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar
-}
-
 const KEY: &str =
     "named: the effect itself, or a class that holds it because the campaign cannot tell its members apart";
 
@@ -227,16 +220,6 @@ fn by_group(title: &str, groups: &BTreeMap<String, Tally>) -> Table {
         table.add_row([name.clone(), hits, trials, rate, interval]);
     }
     table
-}
-
-pub(super) fn figures(tally: &Tally) -> [String; 4] {
-    let interval = tally.interval().map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
-    let rate = tally.rate().map(percent).unwrap_or_default();
-    [tally.hits.to_string(), tally.trials.to_string(), rate, interval.unwrap_or_default()]
-}
-
-pub(super) fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
 }
 
 fn confusion(report: &Report) -> Table {

@@ -6,6 +6,7 @@ use anyhow::bail;
 use clap::Args;
 
 use super::document::{Format, print, print_json, table};
+use super::tallies::{figures, percent, progress};
 use crate::blindcheck::history::draw::Kind;
 use crate::blindcheck::history::report::{Report, Row};
 use crate::blindcheck::history::run;
@@ -43,7 +44,7 @@ fn kinds_help() -> String {
 impl History {
     pub fn run(self) -> anyhow::Result<()> {
         let kinds = if self.kind.is_empty() { Kind::ALL.to_vec() } else { self.kind.clone() };
-        let bar = super::blindcheck::progress(kinds.len() * self.count as usize, "fleets");
+        let bar = progress(kinds.len() * self.count as usize, "fleets");
         let begun = Instant::now();
         let scores = run(self.seed, self.count as usize, &kinds, &diagnose_history, &|| bar.inc(1));
         bar.finish_and_clear();
@@ -62,11 +63,10 @@ impl History {
 fn tables(report: &Report, seconds: f64) -> String {
     let mut rows = table(["what", "hits", "trials", "rate", "95 % interval", "to reach", ""], 1..4);
     for Row { what, tally, at_least, at_most, reached } in &report.rows {
-        let percent = super::blindcheck::percent;
         let goal = at_least.map(|share| format!(">= {}", percent(share)));
         let goal = goal.or(at_most.map(|share| format!("<= {}", percent(share)))).unwrap_or_default();
         let mark = reached.map_or("", |reached| if reached { "reached" } else { "NOT REACHED" });
-        let [hits, trials, rate, interval] = super::blindcheck::figures(tally);
+        let [hits, trials, rate, interval] = figures(tally);
         rows.add_row([what.clone(), hits, trials, rate, interval, goal, mark.to_owned()]);
     }
     let mut confusion = table(["hidden", "named instead (- nothing), how often"], 0..0);

@@ -30,6 +30,7 @@ mod restore;
 mod separate;
 mod serve;
 mod simulate;
+mod tallies;
 mod token;
 mod verify;
 

@@ -75,6 +75,7 @@ pub struct SharedBody {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = StationStepBody)]
 pub struct StepBody {
     pub at: String,
     #[serde(flatten)]

@@ -7,7 +7,8 @@ use crate::core::message::Message;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 
-use super::series::YEAR_DAYS;
+/// Days of a Julian year; ageing is stated per year.
+pub(super) const YEAR_DAYS: f64 = 365.25;
 
 /// One record of one gyro, with what else was recorded of the occasion.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,9 +3,8 @@
 //! With level a and slope b at the newest record and their covariance, the chance that it has left the budget L by t is
 //! P(T <= (a + b t - L)/sd(a + b t)) (Fieller 1954); the ends of an interval are the times at which that is its tails.
 
-use super::answer::Due;
+use super::answer::{Due, YEAR_DAYS};
 use super::search::{Level, student};
-use super::series::YEAR_DAYS;
 use crate::core::time::UtcMicros;
 
 /// What a coefficient may differ from its baseline by, deg/(h g0).

@@ -33,7 +33,6 @@ mod station;
 use std::collections::HashSet;
 
 use super::judge::{BASELINE_RECORDS, Coefficient};
-use super::numerics::normal::normal_cdf;
 use super::time::UtcMicros;
 use series::Series;
 use station::{Course, Part};
@@ -43,7 +42,8 @@ pub use answer::{
     Outlier, Rejected, StationForm, Tie, Wander, WhyNot, cause_word,
 };
 pub use due::Budget;
-pub use reproducibility::{CoursePoint, FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
+pub use reproducibility::{FleetStations, Shared, Spread, StationColumn, StationFigures, stations};
+pub use station::CoursePoint;
 
 /// Diagnoses D_I, D_S and D_O of `gyro`. `others` are gyros of the fleet: those of other IMUs tell what a station does
 /// to all, those of the same IMU share its record. With `budgets` it is said when a coefficient that ages leaves them.
@@ -139,7 +139,7 @@ fn baseline_part(series: &Series, course: &Course, entries: &[Entry], since: Utc
     let first = entries.iter().filter(|entry| entry.at >= since).take(BASELINE_RECORDS);
     let part = |entry: &Entry| -> f64 {
         let station = series.stations.binary_search(&entry.station).unwrap_or(0);
-        let years = entry.at.days_since(series.origin) / series::YEAR_DAYS;
+        let years = entry.at.days_since(series.origin) / answer::YEAR_DAYS;
         course.taken.iter().map(|(part, common)| common.value * part.at(station, entry.at, years)).sum()
     };
     let mut parts: Vec<f64> = first.map(part).collect();
@@ -225,11 +225,6 @@ fn own_estimate(series: &Series, part: &Part, taken: &[(Part, station::Common)])
     let information = wcc - wc * wc / w;
     let sd = series.unit * series.scatter.of_stated;
     (information > 1e-9 * wcc).then(|| ((wcy - wc * wy / w) / information, sd / information.sqrt()))
-}
-
-/// P(|normal| > z).
-fn normal_tail(z: f64) -> f64 {
-    2.0 * normal_cdf(-z.abs())
 }
 
 #[cfg(test)]

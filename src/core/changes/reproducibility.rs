@@ -12,7 +12,7 @@ use crate::core::time::UtcMicros;
 
 use super::answer::{GyroHistory, StationForm};
 use super::series::robust;
-use super::station::{Course, Part};
+use super::station::{Course, CoursePoint, Part};
 
 /// Points of a station's course, at most.
 const POINTS: usize = 24;
@@ -37,15 +37,6 @@ pub struct Shared {
     pub sd: f64,
     pub gyros: usize,
     pub imus: usize,
-}
-
-/// What the gyros that were there read on the whole, about their own levels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CoursePoint {
-    pub at: UtcMicros,
-    pub value: f64,
-    pub sd: f64,
-    pub records: usize,
 }
 
 /// One coefficient at one station.

@@ -5,14 +5,15 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use crate::core::judge::{Coefficient, Mark};
 use crate::core::numerics::basis::{Basis, dot};
 use crate::core::numerics::log_sum::LogSum;
+use crate::core::numerics::normal::normal_cdf;
 use crate::core::numerics::tails::{chi2_tail, f_tail};
 
 use super::answer::{Estimate, NamedCause, Rejected, StationForm, Tie, Wander, WhyNot};
 use super::candidates::{self, Candidate};
+use super::closure;
 use super::noise::{self, Noise, Process};
 use super::series::Series;
 use super::station::{Common, Course, Part};
-use super::{closure, normal_tail};
 
 /// Adjusted significance below which a cause is named.
 const SIGNIFICANCE: f64 = 0.005;
@@ -476,4 +477,9 @@ fn kinds(pool: &[Candidate]) -> usize {
 /// P(T <= t) of Student's distribution.
 pub(super) fn student(t: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(0.5, |student| student.cdf(t))
+}
+
+/// P(|normal| > z).
+fn normal_tail(z: f64) -> f64 {
+    2.0 * normal_cdf(-z.abs())
 }

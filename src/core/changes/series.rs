@@ -7,10 +7,8 @@ use crate::core::judge::Mark;
 use crate::core::mounting::Slot;
 use crate::core::time::UtcMicros;
 
-use super::answer::{Entry, Outlier};
+use super::answer::{Entry, Outlier, YEAR_DAYS};
 
-/// Days of a Julian year; ageing is stated per year.
-pub(super) const YEAR_DAYS: f64 = 365.25;
 /// Of more records than this, neighbours of one station and seat are averaged.
 const MOST_ROWS: usize = 72;
 /// Distance, in standard deviations, from which a record between others is an outlier.

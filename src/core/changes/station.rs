@@ -7,9 +7,8 @@
 //! that ages or steps by itself makes its station do so. Parts are taken one by one, the most significant first, and
 //! estimated again beside one another.
 
-use super::answer::{GyroHistory, StationForm};
-use super::reproducibility::CoursePoint;
-use super::series::{Scatter, YEAR_DAYS, median, scatter_of};
+use super::answer::{GyroHistory, StationForm, YEAR_DAYS};
+use super::series::{Scatter, median, scatter_of};
 use crate::core::time::UtcMicros;
 
 /// |b|/sd from which a part is taken: of an offset or a drift, and of a step, whose instant is searched for.
@@ -59,6 +58,15 @@ impl Common {
     pub fn significance(&self) -> f64 {
         if self.sd > 0.0 { self.value.abs() / self.sd } else { 0.0 }
     }
+}
+
+/// What the gyros that were there read on the whole, about their own levels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoursePoint {
+    pub at: UtcMicros,
+    pub value: f64,
+    pub sd: f64,
+    pub records: usize,
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -1,13 +1,11 @@
 //! A gyro's history as the diagnosis of change needs it, with the fleet beside it.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
 
+use super::entries::{PEER_RECORDS, entries};
 use super::fleet::level;
-use crate::config::JudgedMethod;
-use crate::core::changes::{Budget, Entry, GyroHistory, HistoryDiagnosis, diagnose_history};
+use crate::core::changes::{Budget, GyroHistory, HistoryDiagnosis, diagnose_history};
 use crate::core::figures::Figures;
-use crate::core::id::Id;
 use crate::core::judge::history::{baseline_of, seat_baseline_of};
 use crate::core::judge::{Limits, Mark, Measured, Rule, Sample, baseline_since, stated_level};
 use crate::core::time::{Span, UtcMicros};
@@ -15,18 +13,15 @@ use crate::pipeline::error::StorageError;
 use crate::pipeline::ingest::judge::gyro_window::{distinct, load_marks, sample_of};
 use crate::pipeline::queries::gyro_history::Histories;
 use crate::store;
-use crate::store::{Store, StoreError, Stretch};
+use crate::store::{StoreError, Stretch};
 use crate::words;
 
-/// Newest records of the gyro itself, and of each peer, that are looked at.
+/// Newest records of the gyro itself that are looked at.
 const OWN_RECORDS: usize = 1000;
-const PEER_RECORDS: usize = 100;
 /// Most peers that count, and most gyros that are asked whether they are one: those with the nearest numbers, which
 /// came to the service at the same time.
 const PEERS: usize = 40;
 const ASKED: usize = 200;
-/// Most gyros by which stations are compared.
-const FLEET: usize = 600;
 
 /// Why a gyro's coefficients changed.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,31 +32,6 @@ pub struct ExplainedHistory {
     pub newest: Option<UtcMicros>,
     /// D_I, D_S, D_O.
     pub coefficients: Vec<HistoryDiagnosis>,
-}
-
-/// Records of the fleet's gyros, without their temperatures and events; of a large fleet, of gyros spread over it.
-pub(super) async fn fleet_histories(store: &Store, method: JudgedMethod) -> Result<Vec<GyroHistory>, StoreError> {
-    let gyros: Vec<u32> = store.names().read().gyros.iter().map(|(number, _)| number).collect();
-    let every = gyros.len().div_ceil(FLEET).max(1);
-    let ever: Vec<Stretch> = gyros.iter().step_by(every).map(|gyro| (*gyro, Span::EVER)).collect();
-    let rows = store::histories::newest(store, &ever, PEER_RECORDS).await?;
-    let history =
-        |rows: &Vec<Figures>| GyroHistory { entries: entries(store, method, rows, &HashMap::new()), marks: Vec::new() };
-    Ok(rows.iter().map(history).collect())
-}
-
-fn entries(store: &Store, method: JudgedMethod, rows: &[Figures], temperatures: &HashMap<Id, f64>) -> Vec<Entry> {
-    let tables = store.names().read();
-    let name = |name: Option<&Arc<str>>| name.cloned().unwrap_or_default();
-    let entry = |figures: &Figures| Entry {
-        at: figures.at,
-        station: name(tables.stations.name(figures.station)),
-        imu: name(tables.imus.name(figures.imu)),
-        slot: figures.slot,
-        temperature_c: temperatures.get(&figures.record).copied(),
-        d: sample_of(figures, method).d,
-    };
-    rows.iter().map(entry).collect()
 }
 
 impl Histories {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::agreement::{AlertFinding, told};
-use super::changes_explained::fleet_histories;
+use super::entries::fleet_histories;
 use super::record::Records;
 use super::stations::{StationEffect, station_effects};
 use super::status;

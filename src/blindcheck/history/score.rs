@@ -48,7 +48,7 @@ impl Fleet {
                 let moved = self.kind == Kind::Clocking && g == self.asked && column == 1;
                 if asked {
                     own = Some(answer);
-                } else if !moved && !(self.shared && column == self.column) {
+                } else if !(moved || self.shared && column == self.column) {
                     false_names.0 += usize::from(!answer.causes.is_empty());
                     false_names.1 += 1;
                 }
@@ -64,7 +64,7 @@ impl Fleet {
         sorted.dedup();
         let lone = self.kind == Kind::LoneImuMoved;
         let in_class = |id: &&str| own.causes.iter().any(|cause| cause.class.contains(id));
-        let class = (!self.class.is_empty()).then(|| self.class.iter().all(|id| in_class(id)));
+        let class = (!self.class.is_empty()).then(|| self.class.iter().all(in_class));
         let right = if lone { class == Some(true) && own.causes.len() == 1 } else { sorted == truth };
         let station = self.truth == ["station"] && !lone;
         Score {

@@ -256,8 +256,8 @@ impl Question<'_> {
         }
         let mut trial: Option<Trial> = None;
         let mut each = Vec::with_capacity(fit.models.len());
-        for m in 0..fit.models.len() {
-            let (value, information) = along(fit, m, &white[m])?;
+        for (m, white) in white.iter().enumerate() {
+            let (value, information) = along(fit, m, white)?;
             let squares = (fit.squares[m] - value * value * information).max(0.0);
             let l = fit.ln_likelihood(m, squares);
             let sd = (fit.variance(squares) / information).sqrt();
@@ -370,7 +370,8 @@ impl Question<'_> {
         let p = design.len();
         let normal = nalgebra::DMatrix::from_fn(p, p, |i, j| dot(&design[i], &design[j]));
         let right = nalgebra::DVector::from_fn(p, |i, _| dot(&design[i], &r));
-        let inverse = normal.clone().try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(p, p));
+        let inverse =
+            nalgebra::Cholesky::new(normal).map_or_else(|| nalgebra::DMatrix::zeros(p, p), |factor| factor.inverse());
         let estimate = &inverse * right;
         let covariance = inverse * variance;
         let estimates = (1..p).map(|k| (estimate[k], covariance[(k, k)].max(0.0).sqrt())).collect();
